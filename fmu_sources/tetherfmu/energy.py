@@ -108,7 +108,8 @@ def account(instance, line=0, **given):
     given : other values of inputs in `WITH_POWER` than those of the last step, by name; None is none.
     """
     inputs, state = np.array(instance.values[: instance.outputs_at]), instance.state_of(line)
-    columns = by_name(inputs[at.INPUTS * line : at.INPUTS * (line + 1)])
+    first = instance.inputs_at(line)
+    columns = by_name(inputs[first : first + at.INPUTS])
     known = {"reel_out_speed": state[at.REELING], "wind_velocity": state[at.WIND : at.WIND + 3]}
     for name, value in {**known, **{name: value for name, value in given.items() if value is not None}}.items():
         columns[name][:] = value

@@ -155,10 +155,10 @@ def parse(arguments, prog="tetherfmu build"):
 def _check_system(parser, options):
     """End the program with status 2 if an option does not go with --system."""
     others = (options.names, options.segments, options.diameter, options.material, options.examples, options.scene)
-    if any(others) or options.wind_points:
+    if any(others):
         parser.error(
             "the file of --system has its lines and their start values: it goes without NAME, --segments, --diameter, "
-            "--material, --wind-points, --examples and --scene"
+            "--material, --examples and --scene"
         )
 
 
@@ -169,7 +169,8 @@ def build_for_system(wanted):
     try:
         native = wanted.fmi if wanted.native else None
         beside = wanted.header, wanted.sources
-        made = systems.build(wanted.system, wanted.out, wanted.platforms, wanted.shape_points, native, *beside)
+        points = wanted.shape_points, native, *beside, wanted.wind_points
+        made = systems.build(wanted.system, wanted.out, wanted.platforms, *points)
     except ValueError as error:
         raise WrongUse(one_line(error)) from None
     show(made, wanted.platforms, wanted.header)

@@ -1,7 +1,7 @@
 """The native FMU of a system: where its variables stand, for the tables in C, and its terminals."""
 
 from tetherfmu.runtime import inputs, outputs, system_maps, system_variables
-from tetherfmu.runtime.inputs import components
+from tetherfmu.runtime.inputs import WIND_AT, components
 from tetherfmu.runtime.kernel_library import SYSTEM
 from tetherfmu.runtime.variables import INPUT, PARAMETER
 
@@ -13,6 +13,7 @@ from .native_tables import Wiring, given_plan
 def places_of(structure, table):
     """`Places` of the variables of a system: the value reference of a variable is its place in the table."""
     sizes = {f"{line.name}.shape": (line.shape_points, 3) for line in structure.lines}
+    sizes |= {f"{line.name}.{WIND_AT.name}": (line.wind_points, 3) for line in structure.lines}
     return Places([each.place for each in table], sizes, len(table))
 
 

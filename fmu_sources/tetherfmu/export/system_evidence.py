@@ -9,12 +9,12 @@ from math import cos, sin
 from warnings import catch_warnings
 
 from tetherfmu.results import PlausibilityWarning
-from tetherfmu.runtime.inputs import components
+from tetherfmu.runtime.inputs import ZERO, components, wind_at_names
 from tetherfmu.runtime.variants import DYNAMIC
 from tetherfmu.systems.tether_system import TetherSystem
 
 from .documents import EVIDENCE_FOLDER, filled
-from .evidence import INPUT_DIGITS, OUTPUT_DIGITS, rise, table_text, text_of
+from .evidence import INPUT_DIGITS, OUTPUT_DIGITS, rise, table_text, text_of, with_wind_at
 
 STEP, STEPS = 0.05, 100  # of communication [s], and how many of them
 TOLERANCE = 1e-6  # of the run: at the default one the tension of a short stiff line may be wrong by that of its neighbours
@@ -25,15 +25,15 @@ _PAID_OUT = 2e-4  # of the length of a line, in a second [1/s]
 _TENSIONS = {"tension_from": "ground_tension", "tension_to": "kite_tension", "tether_length": "tether_length"}
 
 
-def files(name, found, arrays=False):
+def files(name, found, arrays=False, wind_points=0):
     """Texts of the evidence set, dict of their path in the archive; empty if the reference cannot be flown.
 
     name : of the FMU.  found : `systems.files.SystemFile`.
-    arrays : whether a vector is one variable, as in FMI 3.
+    arrays : whether a vector is one variable, as in FMI 3.  wind_points : of each line.
     """
-    scene = [inputs_at(k * STEP, found) for k in range(STEPS + 1)]
+    scene = [_with_wind_at(inputs_at(k * STEP, found), found, wind_points) for k in range(STEPS + 1)]
     try:
-        rows = reference(found, scene)
+        rows = reference(found, scene, wind_points)
     except ValueError:
         return {}
     facts = {"step": STEP, "stop": STEP * STEPS, "tolerance": TOLERANCE, "allowed": DYNAMIC.evidence_deviation}
@@ -64,6 +64,14 @@ def inputs_at(time, found):
     }
 
 
+def _with_wind_at(given, found, wind_points):
+    """Inputs with the wind at points, which grows along each line, in the place of `wind_velocity`."""
+    if not wind_points:
+        return given
+    wind_at = with_wind_at(given, wind_points)["wind_at"]
+    return {**given, "wind_velocity": ZERO, "wind_at": {line.name: wind_at for line in found.lines}}
+
+
 def _rounded(numbers):
     """Numbers with the digits of the input file."""
     return tuple(float(text_of(each, INPUT_DIGITS)) for each in numbers)
@@ -76,17 +84,22 @@ def _flat(given):
         for point, numbers in vectors.items():
             flat |= dict(zip(components(f"{point}.{what}", 3), numbers, strict=True))
     flat |= {f"{line}.reel_out_speed": speed for line, speed in given["reel_out_speeds"].items()}
-    return flat | dict(zip(components("wind_velocity", 3), given["wind_velocity"], strict=True))
+    flat |= dict(zip(components("wind_velocity", 3), given["wind_velocity"], strict=True))
+    for line, winds in given.get("wind_at", {}).items():
+        names = (f"{line}.{name}" for name in wind_at_names(len(winds)))
+        flat |= dict(zip(names, (each for wind in winds for each in wind), strict=True))
+    return flat
 
 
-def reference(found, scene):
+def reference(found, scene, wind_points=0):
     """Recorded outputs of the Python API at the start and after each step: list of dicts of FMI name to number.
 
     ValueError if the system does not start, or a step is refused.
     """
     solver = replace(found.solver, relative_tolerance=REFERENCE_TOLERANCE)
     with catch_warnings(action="ignore", category=PlausibilityWarning):  # the FMU says it itself
-        system = TetherSystem(found.points, found.lines, found.environment, solver, found.ground)
+        records = found.points, found.lines, found.environment, solver, found.ground
+        system = TetherSystem(*records, wind_points=wind_points)
         rows = [system.initialize(**scene[0])]
         rows += [system.step(STEP, **given) for given in scene[:-1]]
     return [_recorded(found, row) for row in rows]

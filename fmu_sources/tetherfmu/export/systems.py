@@ -30,22 +30,22 @@ SLAVE, SCRIPT = "TetherSystem", "tether_system.py"
 TIMES = DEFAULT_OPTIONS["step"], DEFAULT_OPTIONS["stop"]  # of the default experiment [s]
 
 
-def build(path, folder, platforms, shape_points=None, native=None, with_header=False, with_sources=False):
+def build(path, folder, platforms, shape_points=None, native=None, with_header=False, with_sources=False, wind_points=0):
     """Build the FMU of a system and return its path; ValueError says in one line what is wrong with the file.
 
     path : of the file, docs/use/systems.md has its keys.  folder : where the FMU goes, made if missing; the groups of
     variables for the Open Simulation Platform are written beside it.  platforms : as in `BuildOptions`.  shape_points : of
     each line, 0 for none; None for one at each node.  native : version of FMI (2 or 3) of an FMU without Python; None for
-    PythonFMU's.  with_header, with_sources : of a native one, see `native.build`.
+    PythonFMU's.  with_header, with_sources : of a native one, see `native.build`.  wind_points : of each line, 0 for none.
     """
     found, positions = read(path)
-    structure, folder = structure_from(found, positions, shape_points), Path(folder)
+    structure, folder = structure_from(found, positions, shape_points, wind_points), Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
     points, lines = len(structure.points), len(structure.lines)
     about = (
         f"{structure.name}: {lines} line{'s' * (lines > 1)} between {points} points, of which {len(structure.free)} free."
     )
-    evidence = system_evidence.files(structure.name, found, native == 3)
+    evidence = system_evidence.files(structure.name, found, native == 3, wind_points)
     if native:
         files, token = _native(structure, about, platforms, evidence, native, with_sources)
         fmu, table = write(files, folder, structure.name, None), table_of(structure)
@@ -98,10 +98,10 @@ def read(path):
     return found, places
 
 
-def structure_from(found, positions, shape_points=None):
-    """`Structure` of a `SystemFile` whose points start at these positions [m]; shape_points : as in `build`."""
+def structure_from(found, positions, shape_points=None, wind_points=0):
+    """`Structure` of a `SystemFile` whose points start at these positions [m]; shape_points, wind_points : as in `build`."""
     points = tuple(_point(each, positions[each.name]) for each in found.points)
-    lines = tuple(_line(each, shape_points) for each in found.lines)
+    lines = tuple(_line(each, shape_points, wind_points) for each in found.lines)
     free, band = ordered([point.name for point in found.points if not point.is_driven], found.lines)
     records = (found.environment, found.solver, found.ground)
     starts = {
@@ -118,13 +118,13 @@ def _point(point, position):
     return Point(point.name, point.mass, position, point.velocity, start)
 
 
-def _line(line, shape_points):
+def _line(line, shape_points, wind_points):
     """`system_variables.Line` of a line of a file."""
     starts = {name: getattr(line.tether, name) for name, _ in quantities(Tether)}
     starts |= {name: getattr(line.winch, name) for name, _ in quantities(Winch)}
     starts["reel_out_speed"] = line.reel_out_speed
     points = line.tether.segments + 1 if shape_points is None else shape_points
-    return Line(line.name, line.start, line.end, starts, points)
+    return Line(line.name, line.start, line.end, starts, points, wind_points)
 
 
 def documents(structure, description, platforms, evidence, native=None):

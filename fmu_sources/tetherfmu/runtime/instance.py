@@ -117,6 +117,10 @@ class Instance:
         """View of the parameters of line k, and of what follows them."""
         return memoryview(self.parameters)[self.plan[self._rows()[k] + places.PARAMETERS_AT] :]
 
+    def inputs_at(self, k):
+        """First place of the inputs of line k among the values."""
+        return sum(at.inputs_size(line.wind_points) for line in self.lines[:k])
+
     def state_of(self, k):
         """Copy of the state of line k."""
         return self.state[slice(*(*self.states_at, len(self.state))[k : k + 2])]
@@ -184,7 +188,7 @@ class Instance:
             return status.sentence(result, name=f"{self.free[place]}.load", value=self.values[first : first + 3].tolist())
         k = max(about, 0)
         line, parameters = self.lines[k], self.parameters_of(k)
-        inputs = self.values[self.plan[self._rows()[k] + places.INPUTS_AT] :]
+        inputs = self.values[self.inputs_at(k) :]
         name = line.inputs[place] if place < len(line.inputs) else ""
         if at_start and not line.name and parameters[at.KITE_IS_FREE] != 0.0 and place in _KITE_MOTION:
             name = f"{name} at the start"  # which is no input

@@ -14,7 +14,7 @@ from .instance import Line
 from .outputs import COUNTERS
 from .parameters import Ground, Tether, Winch
 from .system_variables import GIVEN, GIVEN_TO_ALL, OF_A_LINE, OF_THE_SYSTEM, SUMMED, input_name
-from .variables import INPUT_NAMES
+from .variables import input_names
 
 
 def inputs_of(structure, places):
@@ -112,22 +112,21 @@ def sought(structure, places, values):
     return [(place, int(values[reference] == at.START_AT_REST)) for place, reference in starts_of(structure, places)]
 
 
-def lines_of(structure, shape_points=None):
-    """`instance.Line` of each line of a system, a tuple; shape_points : of each, None for those that it says itself.
+def lines_of(structure):
+    """`instance.Line` of each line of a system, a tuple.
 
-    structure : has `lines`, with `name`, `start` and `end`, and `free`.
+    structure : has `lines`, with `name`, `start`, `end`, `shape_points` and `wind_points`, and `free`.
     """
     number = {name: k for k, name in enumerate(structure.free)}
-    counts = shape_points or [line.shape_points for line in structure.lines]
     return tuple(
         Line(
             line.name,
-            tuple(input_name(each, line) for each in INPUT_NAMES),
-            points,
-            0,
+            tuple(input_name(each, line) for each in input_names(line.wind_points)),
+            line.shape_points,
+            line.wind_points,
             *(number.get(name, plan.DRIVEN) for name in (line.start, line.end)),
         )
-        for line, points in zip(structure.lines, counts, strict=True)
+        for line in structure.lines
     )
 
 

@@ -15,7 +15,7 @@ from .dependencies import depends_on
 from .inputs import DRIVEN_KITE, FREE_KITE, components
 from .parameters import Environment, FreeKite, Ground, Solver, Tether, Winch
 from .quantities import Quantity, quantities
-from .variables import INPUT, OUTPUT, PARAMETER, Variable, parameters_of
+from .variables import INPUT, OUTPUT, PARAMETER, Variable, parameters_of, without_effect
 from .variants import DYNAMIC
 
 ENDS = ("ground", "kite")  # of the tether of a line: its start and its end
@@ -57,13 +57,17 @@ class Point:
 
 @dataclass(frozen=True)
 class Line:
-    """A line of a system: its name, the names of its points, start values of its quantities by name, points of its shape."""
+    """A line of a system: its name, the names of its points, start values of its quantities by name, points of its shape.
+
+    wind_points : at which the wind is an input; 0 for none.
+    """
 
     name: str
     start: str
     end: str
     starts: dict
     shape_points: int
+    wind_points: int = 0
 
     @property
     def ends(self):
@@ -91,6 +95,8 @@ class Structure:
         """Text of 15 letters that tells systems apart which cannot have the same state."""
         facts = [[(point.name, point.is_free) for point in self.points], list(self.free), self.band]
         facts.append([(line.name, line.start, line.end, line.shape_points) for line in self.lines])
+        if any(line.wind_points for line in self.lines):
+            facts.append([line.wind_points for line in self.lines])
         return f"system_{hashlib.sha256(json.dumps(facts).encode()).hexdigest()[:HASH_DIGITS]}"
 
     def as_dict(self):
@@ -114,7 +120,7 @@ def input_name(name, line):
     for end, point in zip(ENDS, (line.start, line.end), strict=True):
         if name.startswith(f"{end}_"):
             return f"{point}.{name.removeprefix(f'{end}_')}"
-    return f"{line.name}.{name}" if name.startswith(("reel", "winch")) else name
+    return f"{line.name}.{name}" if name.startswith(("reel", "winch", "wind_at")) else name
 
 
 # --- the table
@@ -150,7 +156,21 @@ def _inputs(structure):
                 line.starts.get(name, declared.start[0]),
             )
     for each in (inputs.BY_NAME[name] for name in GIVEN_TO_ALL):
-        yield from _vector(each.name, INPUT, Quantity(each.unit, each.meaning), each.start)
+        for variable in _vector(each.name, INPUT, Quantity(each.unit, each.meaning), each.start):
+            yield without_effect(variable, has_wind_points(structure), each.name)
+    for line in structure.lines:
+        for k in range(1, line.wind_points + 1):
+            meaning = (
+                f"wind at point {k} of {line.wind_points} on {line.name} at equal unstretched length, {line.start} first"
+            )
+            for i, axis in enumerate("xyz", start=1):
+                declared = Quantity(inputs.WIND_AT.unit, f"{meaning}, {axis}")
+                yield Variable(f"{line.name}.{inputs.WIND_AT.name}[{k},{i}]", INPUT, "Real", declared, 0, 0.0)
+
+
+def has_wind_points(structure):
+    """Whether the wind is given at points of lines, which then feel no other."""
+    return any(line.wind_points for line in structure.lines)
 
 
 _LOAD = "external force on {}: aerodynamics, control; not its weight"
@@ -163,7 +183,8 @@ _STARTS = {
 
 def _parameters(structure):
     """Parameters: of the whole system, of free points, of lines."""
-    yield from parameters_of(OF_THE_SYSTEM, structure.starts)
+    for each in parameters_of(OF_THE_SYSTEM, structure.starts):
+        yield without_effect(each, has_wind_points(structure))
     mass, kind_of_start = (dict(quantities(FreeKite))[name] for name in ("kite_mass", "kite_start"))
     units = {"position": "m", "velocity": "m/s"}
     for point in structure.points:
@@ -199,7 +220,7 @@ def _known(structure, line, output, element, known):
     Between driven points each line has its own shape; where a free one is sought, all lines together have one. known : names
     of inputs and parameters.
     """
-    found = depends_on(DYNAMIC, output, element, line.shape_points)
+    found = depends_on(DYNAMIC, output, element, line.shape_points, (), line.wind_points)
     if structure.free and any(name.startswith(("kite_position", "ground_position")) for name in found):
         return None
     named = (_dependency(name, structure, line) for name in found)
@@ -251,7 +272,7 @@ def _outputs_of_line(structure, line, known):
         meaning = f"point {k} of {line.shape_points} on the line at equal unstretched length, {line.start} first"
         for i, axis in enumerate("xyz", start=1):
             quantity = replace(shape.quantity, meaning=f"{meaning}, {axis}")
-            yield Variable(f"{line.name}.shape[{k},{i}]", shape.causality(), "Real", quantity, 0)
+            yield Variable(f"{line.name}.shape[{k},{i}]", shape.causality(line.wind_points), "Real", quantity, 0)
 
 
 def table_of(structure):

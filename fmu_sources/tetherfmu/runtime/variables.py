@@ -116,12 +116,18 @@ def parameters_of(record_classes, starts=None):
     return variables
 
 
+def without_effect(variable, has_wind_points, name=None):
+    """A `Variable`, which says so if it has no effect beside wind points; name : of its vector."""
+    if not has_wind_points or (name or variable.name) not in WITHOUT_EFFECT:
+        return variable
+    meaning = f"{variable.quantity.meaning} {IGNORED_WITH_WIND_AT}"
+    return replace(variable, quantity=replace(variable.quantity, meaning=meaning))
+
+
 def _parameter_variables(variant, starts, wind_points=0):
     variables = []
     for each in parameters_of(records_of(variant.name), starts):
-        if wind_points and each.name in WITHOUT_EFFECT:
-            meaning = f"{each.quantity.meaning} {IGNORED_WITH_WIND_AT}"
-            each = replace(each, quantity=replace(each.quantity, meaning=meaning))
+        each = without_effect(each, wind_points)
         if each.name in variant.ignored:
             meaning = f"{each.quantity.meaning} (ignored: {variant.ignored[each.name]})"
             each = replace(each, quantity=replace(each.quantity, meaning=meaning))

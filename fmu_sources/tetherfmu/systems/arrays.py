@@ -13,17 +13,20 @@ from tetherfmu.runtime.kernel_library import SYSTEM
 from tetherfmu.runtime.packing import pack_lines
 from tetherfmu.runtime.parameters import numbers_of
 from tetherfmu.runtime.system_maps import carried, lines_of
-from tetherfmu.runtime.system_variables import ENDS
+from tetherfmu.runtime.system_variables import ENDS, Line
 
 from .ordering import ordered
 
 
-def instance_of(points, lines, environment, solver, ground):
+def instance_of(points, lines, environment, solver, ground, wind_points=0):
     """`Instance` of a system of records, set up; ValueError names the line if a quantity is not allowed."""
     free, band = ordered([point.name for point in points if not point.is_driven], lines)
-    structure = SimpleNamespace(lines=lines, free=tuple(free))
-    nodes = [sum(each.segments for each in line.tethers) + 1 for line in lines]
-    made = Instance(ready.kernels(SYSTEM), lines_of(structure, nodes), structure.free, band)
+    planned = [
+        Line(line.name, line.start, line.end, {}, sum(each.segments for each in line.tethers) + 1, wind_points)
+        for line in lines
+    ]
+    structure = SimpleNamespace(lines=planned, free=tuple(free))
+    made = Instance(ready.kernels(SYSTEM), lines_of(structure), structure.free, band)
     masses = {point.name: point.mass for point in points} | {None: 0.0}
     packed = (
         (
@@ -52,6 +55,16 @@ class Arrays:
         self.instance, self.lines = instance, lines
         self.inputs = np.frombuffer(instance.values)[: instance.outputs_at]
         self.state, self.plan = np.frombuffer(instance.state), np.frombuffer(instance.plan, dtype=np.int64)
+
+    def loads_in(self, inputs):
+        """View of the loads on free points (..., 3) in inputs (..., size)."""
+        free = self.instance.free
+        return inputs[..., inputs.shape[-1] - 3 * len(free) :].reshape(*inputs.shape[:-1], len(free), 3)
+
+    def inputs_in(self, k, inputs):
+        """View of the inputs of line k, its wind points too, in those of all (..., size)."""
+        first, end = (self.instance.inputs_at(each) for each in (k, k + 1))
+        return inputs[..., first:end]
 
     def topology(self):
         """Copy of the plan without what the kernels write there, and which points the start has found."""

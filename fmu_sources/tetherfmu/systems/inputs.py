@@ -20,6 +20,7 @@ class Given(NamedTuple):
     loads: Mapping
     winches: Mapping  # names of inputs of winches, with values by the names of lines
     wind_velocity: ArrayLike | None
+    wind_at: Mapping  # by the names of lines with wind points
 
 
 def put(given, arrays, points, lines, inputs=None, at_start=False):
@@ -29,7 +30,7 @@ def put(given, arrays, points, lines, inputs=None, at_start=False):
     inputs : array (steps, inputs) to be set instead of those of the next step.  at_start : of free points, too.
     """
     whole = arrays.inputs if inputs is None else inputs
-    rows = [whole[..., k * at.INPUTS : (k + 1) * at.INPUTS] for k in range(len(lines))]
+    rows = [arrays.inputs_in(k, whole) for k in range(len(lines))]
     movable = [point.name for point in points if at_start or point.is_driven]
     steps = whole.shape[:-1]
     for what, values in (("position", given.positions), ("velocity", given.velocities)):
@@ -38,7 +39,6 @@ def put(given, arrays, points, lines, inputs=None, at_start=False):
             arrays.put_point_in(rows, name, what, _numbers(f"{name}.{what}", value, (3,), steps))
     for name, value in given.loads.items():
         _check_known("load on a free point", name, arrays.instance.free)
-        first = len(lines) * at.INPUTS + 3 * arrays.instance.free.index(name)
         load = _numbers(f"{name}.load", value, (3,), steps)
         if not np.all(np.abs(load) <= at.LARGEST_INPUT):
             raise StepRefused(
@@ -46,14 +46,23 @@ def put(given, arrays, points, lines, inputs=None, at_start=False):
                 "magnitude",
                 status.INPUT_NOT_FINITE,
             )
-        whole[..., first : first + 3] = load
+        arrays.loads_in(whole)[..., arrays.instance.free.index(name), :] = load
     names = [line.name for line in lines]
     for what, values in given.winches.items():
         for name, value in values.items():
             _check_known(f"{what} of a line", name, names)
             rows[names.index(name)][..., PLACES[what]] = _numbers(f"{name}.{what}", value, (), steps)
+    points = arrays.instance.lines[0].wind_points
+    for name, value in given.wind_at.items():
+        _check_known("wind_at of a line", name, names)
+        if not points:
+            raise ValueError("this TetherSystem has no wind points for wind_at: make it with wind_points=11")
+        winds = _numbers(f"{name}.wind_at", value, (points, 3), steps)
+        rows[names.index(name)][..., at.INPUTS :] = winds.reshape(*winds.shape[:-2], 3 * points)
     if given.wind_velocity is not None:
         wind = _numbers("wind_velocity", given.wind_velocity, (3,), steps)
+        if points and np.any(wind):
+            raise ValueError("wind_velocity is given to a TetherSystem with wind points; give wind_at")
         for row in rows:
             row[..., at.WIND_VELOCITY : at.WIND_VELOCITY + 3] = wind
 

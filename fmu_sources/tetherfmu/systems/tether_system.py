@@ -40,6 +40,9 @@ class TetherSystem(Running):
     environment : Environment
     solver : Solver
     ground : Ground
+    wind_points : int
+        Points of each line at which the wind is given (`wind_at`), at least 2, at equal unstretched lengths from its start to
+        its end; in between it is linear. `wind_velocity` and the wind profile are then not used. 0: none.
 
     Raises
     ------
@@ -78,6 +81,8 @@ class TetherSystem(Running):
         environment: Environment = Environment(),  # noqa: B008 (a constant record)
         solver: Solver = Solver(),  # noqa: B008
         ground: Ground = Ground(),  # noqa: B008
+        *,
+        wind_points: int = 0,
     ):
         points, lines = tuple(points), tuple(lines)
         check_system(points, lines)
@@ -87,7 +92,8 @@ class TetherSystem(Running):
         for line in lines:
             arguments.tethers_of("Line", line.tether)
         self.points, self.lines = points, lines
-        self._instance = instance_of(points, lines, environment, solver, ground)
+        wind_points = arguments.wind_points(wind_points)
+        self._instance = instance_of(points, lines, environment, solver, ground, wind_points)
         self._arrays = Arrays(self._instance, lines)
 
     @classmethod
@@ -118,6 +124,7 @@ class TetherSystem(Running):
         reel_out_speeds: Mapping[str, float] | None = None,
         winch_forces: Mapping[str, float] | None = None,
         winch_lengths: Mapping[str, float] | None = None,
+        wind_at: Vectors | None = None,
     ) -> SystemOutputs:
         """Start with the points where their records say, each line with the `initial_shape` between its two points.
 
@@ -138,6 +145,8 @@ class TetherSystem(Running):
         winch_forces, winch_lengths : dict of str to float
             Forces [N] with which winches pull, from the first step on, and unstretched lengths [m] that they have paid out,
             of lines with this `Winch.winch_control`; 0 where none is given: a length of 0 is `initial_length`.
+        wind_at : dict of str to (wind_points, 3) array
+            Wind [m/s] at the wind points of lines, by name; no wind at a line that is not there.
 
         Returns
         -------
@@ -162,7 +171,10 @@ class TetherSystem(Running):
         before = self._arrays.inputs.copy()
         try:
             given = {name: position for name, position in positions.items() if position is not None}
-            self._set(given, velocities, loads, winches, wind_velocity, at_start=True)
+            if self._instance.lines[0].wind_points:
+                still = np.zeros((self._instance.lines[0].wind_points, 3))
+                wind_at = {**{line.name: still for line in self.lines}, **(wind_at or {})}
+            self._set(given, velocities, loads, winches, wind_velocity, wind_at, at_start=True)
             self._arrays.seek(wanted)
             problem = self._instance.start()
             if problem:
@@ -184,6 +196,7 @@ class TetherSystem(Running):
         wind_velocity: ArrayLike | None = None,
         winch_forces: Mapping[str, float] | None = None,
         winch_lengths: Mapping[str, float] | None = None,
+        wind_at: Vectors | None = None,
     ) -> SystemOutputs:
         """Advance by a communication step with the inputs at its start; an input that is not given stays as it is.
 
@@ -202,6 +215,8 @@ class TetherSystem(Running):
         winch_forces, winch_lengths : dict of str to float
             Of lines with this `Winch.winch_control`, by name: forces with which winches pull [N], unstretched lengths that
             they should have paid out [m].
+        wind_at : dict of str to (wind_points, 3) array
+            Wind [m/s] at the wind points of lines, by name.
 
         Returns
         -------
@@ -219,7 +234,7 @@ class TetherSystem(Running):
         before = self._arrays.inputs.copy()
         try:
             winches = winches_of(reel_out_speeds, winch_forces, winch_lengths)
-            self._set(positions or {}, velocities or {}, loads or {}, winches, wind_velocity)
+            self._set(positions or {}, velocities or {}, loads or {}, winches, wind_velocity, wind_at)
             problem = self._instance.advance(arguments.number("step", step, "s"))
             if problem:
                 raise StepRefused(problem, self._instance.status)
@@ -241,6 +256,7 @@ class TetherSystem(Running):
         every: int = 1,
         winch_forces: Vectors | None = None,
         winch_lengths: Vectors | None = None,
+        wind_at: Vectors | None = None,
         *,
         on_refusal: str = "raise",
     ) -> SystemFlown:
@@ -252,7 +268,7 @@ class TetherSystem(Running):
             How many.
         step : float
             Communication step [s].
-        positions, velocities, loads, reel_out_speeds, wind_velocity, winch_forces, winch_lengths
+        positions, velocities, loads, reel_out_speeds, wind_velocity, winch_forces, winch_lengths, wind_at
             As for `step`, each constant or with one row for each step: (steps, 3) arrays, (steps,) of a winch.
         every : int
             A row is kept after every so many steps; 0 for none.
@@ -276,7 +292,7 @@ class TetherSystem(Running):
         step = arguments.number("step", step, "s")
         inputs = np.repeat(self._arrays.inputs[None, :], steps, axis=0)
         winches = winches_of(reel_out_speeds, winch_forces, winch_lengths)
-        self._set(positions or {}, velocities or {}, loads or {}, winches, wind_velocity, inputs=inputs)
+        self._set(positions or {}, velocities or {}, loads or {}, winches, wind_velocity, wind_at, inputs=inputs)
         when = at.AT_ROWS if every else at.NEVER
         return self._fly(np.ascontiguousarray(inputs), step, every, when, on_refusal, self._flown)
 
@@ -331,7 +347,7 @@ class TetherSystem(Running):
         """Energies and powers of the present state, with the inputs of the last step; StepRefused before `initialize`."""
         self._check_started()
         found = {line.name: account(self._instance, k)[0] for k, line in enumerate(self.lines)}
-        loads = self._arrays.inputs[len(self.lines) * at.INPUTS :].reshape(-1, 3)
+        loads = self._arrays.loads_in(self._arrays.inputs)
         velocities = {name: self._velocity_of(name) for name in self._instance.free}
         powers = {name: float(load @ velocities[name]) for name, load in zip(velocities, loads, strict=True)}
         return SystemEnergy(found, powers)
@@ -364,7 +380,7 @@ class TetherSystem(Running):
         points = points_of(self.points, self.lines, rows.motion, values)
         return SystemFlown(points, values, positions, seconds, refusals)
 
-    def _set(self, positions, velocities, loads, winches, wind_velocity, *, inputs=None, at_start=False):
+    def _set(self, positions, velocities, loads, winches, wind, wind_at=None, *, inputs=None, at_start=False):
         """Set those inputs that are given, by name, see `inputs.put`."""
-        given = Given(positions, velocities, loads, winches, wind_velocity)
+        given = Given(positions, velocities, loads, winches, wind, wind_at or {})
         put(given, self._arrays, self.points, self.lines, inputs, at_start)
