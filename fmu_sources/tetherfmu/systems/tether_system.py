@@ -41,8 +41,8 @@ class TetherSystem(Running):
     solver : Solver
     ground : Ground
     wind_points : int
-        Points of each line at which the wind is given (`wind_at`), at least 2, at equal unstretched lengths from its start to
-        its end; in between it is linear. `wind_velocity` and the wind profile are then not used. 0: none.
+        Points of each line at which the wind is given (`wind_at`), at least 2, at equal unstretched lengths from its start
+        to its end; in between it is linear. `wind_velocity` and the wind profile are then not used. 0: none.
 
     Raises
     ------
