@@ -1,10 +1,13 @@
 """Inputs of a tether of the Python API that are given by name: checked, and put into its arrays."""
 
-from typing import NamedTuple
+from difflib import get_close_matches
+from typing import NamedTuple, TypedDict
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.inputs import BY_NAME, WIND_AT
 from tetherfmu.runtime.instance import Instance
 from tetherfmu.runtime.variants import Variant
 
@@ -23,17 +26,54 @@ class Receiver(NamedTuple):
     wind_points: int  # at which the wind is given, 0 for none
 
 
-def put(to, wind_velocity=None, wind_at=None, **given):
-    """Set those inputs that are not None; ValueError if a shape is wrong.
+class Inputs(TypedDict, total=False):
+    """Inputs of a tether besides the motion of its ends, by their names.
 
-    wind_velocity : [m/s], (3,), or at each node.  wind_at : at the wind points [m/s].  given : all others by name.
+    Attributes
+    ----------
+    reel_out_speed : float
+        Rate of change of the unstretched length [m/s]; positive pays out.
+    wind_velocity : (3,) or (segments + 1, 3) array
+        Wind [m/s] at `wind_reference_height`; or at each node, whatever the wind profile says (tethers with nodes only).
+    kite_load : (3,) array
+        External force [N] on a free kite end: in its equilibrium (`kite_start`), and from the first step on.
+    winch_force : float
+        Force [N] with which the winch pulls at the tether, with `winch_control` = force, from the first step on; positive
+        reels in.
+    winch_length : float
+        Unstretched length [m] that the winch should have paid out, with `winch_control` = length; 0: `initial_length`.
+    wind_at : (wind_points, 3) array
+        Wind [m/s] at the wind points of a tether that has them, and no other wind.
     """
-    for start, end, numbers in arguments.numbers_at(given):
-        to.places[start:end] = numbers
-    if wind_velocity is not None:
-        _put_wind(to, wind_velocity)
-    if wind_at is not None:
-        to.inputs[at.INPUTS :] = wind_at_points(to, wind_at, ()).ravel()
+
+    reel_out_speed: float
+    wind_velocity: ArrayLike
+    kite_load: ArrayLike
+    winch_force: float
+    winch_length: float
+    wind_at: ArrayLike
+
+
+KNOWN = (*BY_NAME, WIND_AT.name)
+
+
+def put(to, given):
+    """Set those inputs that are not None; ValueError if a shape is wrong, TypeError if there is no such input.
+
+    given : dict by name.
+    """
+    for name in given:
+        if name not in KNOWN:
+            near = get_close_matches(name, KNOWN, 1)
+            hint = f"; did you mean {near[0]}?" if near else f"; there are {', '.join(KNOWN)}"
+            raise TypeError(f"{to.name} has no input {name!r}{hint}")
+    numbers = {name: value for name, value in given.items() if name not in ("wind_velocity", WIND_AT.name)}
+    for start, end, values in arguments.numbers_at(numbers):
+        to.places[start:end] = values
+    if given.get("wind_velocity") is not None:
+        _put_wind(to, given["wind_velocity"])
+    if given.get(WIND_AT.name) is not None:
+        to.inputs[at.INPUTS :] = wind_at_points(to, given[WIND_AT.name], ()).ravel()
 
 
 def _put_wind(to, wind):

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from typing import Unpack
+
 from numpy.typing import ArrayLike
 
 from tetherfmu.runtime.parameters import FreeKite
 
+from .given_inputs import Inputs
 from .results import Outputs
 from .tether_model import TetherModel
 
@@ -37,7 +40,8 @@ class TetherDynamic(TetherModel):
     variant = "dynamic"
 
     def __init__(self, *arguments, free_ends: tuple[bool, bool] = (False, False), **options):
-        super().__init__(*arguments, **options, _free_ends=free_ends)
+        self._free_ends = free_ends
+        super().__init__(*arguments, **options)
 
 
 class TetherDynamicFree(TetherModel):
@@ -74,28 +78,18 @@ class TetherDynamicFree(TetherModel):
     """
 
     variant = "dynamic_free"
+    _free_ends = (False, True)
 
     def __init__(
         self, *arguments, kite_mass: float = FreeKite.kite_mass, kite_start: str | int = FreeKite.kite_start, **options
     ):
-        super().__init__(*arguments, **options, _free_ends=(False, True), _kite=FreeKite(kite_mass, kite_start))
+        self._kite = FreeKite(kite_mass, kite_start)
+        super().__init__(*arguments, **options)
 
-    def step(
-        self,
-        step: float,
-        kite_load: ArrayLike | None = None,
-        ground_position: ArrayLike | None = None,
-        ground_velocity: ArrayLike | None = None,
-        reel_out_speed: float | None = None,
-        wind_velocity: ArrayLike | None = None,
-        winch_force: float | None = None,
-        winch_length: float | None = None,
-        *,
-        wind_at: ArrayLike | None = None,
-    ) -> Outputs:
+    def step(self, step: float, kite_load: ArrayLike | None = None, **inputs: Unpack[Inputs]) -> Outputs:
         """Advance by a communication step with the inputs at its start; an input that is not given stays as it is.
 
-        The other inputs, the result and the errors are those of `TetherModel.step`.
+        The result and the errors are those of `TetherModel.step`.
 
         Parameters
         ----------
@@ -103,18 +97,10 @@ class TetherDynamicFree(TetherModel):
             Communication step [s].
         kite_load : (3,) array
             External force on the kite [N]: aerodynamics, control; not its weight.
+        **inputs
+            The other ones of `Inputs`, `ground_position` and `ground_velocity`.
         """
-        return self._step(
-            step,
-            wind_at=wind_at,
-            kite_load=kite_load,
-            ground_position=ground_position,
-            ground_velocity=ground_velocity,
-            reel_out_speed=reel_out_speed,
-            wind_velocity=wind_velocity,
-            winch_force=winch_force,
-            winch_length=winch_length,
-        )
+        return self._step(step, None, {"kite_load": kite_load, **inputs})
 
 
 class TetherQuasiSteady(TetherModel):

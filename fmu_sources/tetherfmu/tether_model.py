@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from copy import deepcopy
 from pickle import PicklingError
+from typing import Unpack
 from warnings import warn
 
 import numpy as np
@@ -12,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from tetherfmu.libraries import ready
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime.inputs import KITE_AT_START, ZERO
+from tetherfmu.runtime.inputs import INPUT_TABLE, KITE_AT_START, ZERO
 from tetherfmu.runtime.instance import Instance
 from tetherfmu.runtime.kernel_library import Kernels
 from tetherfmu.runtime.packing import pack_records
@@ -21,6 +22,7 @@ from tetherfmu.runtime.variables import line_of_tether
 from tetherfmu.runtime.variants import BY_NAME, library_of
 
 from . import arguments, energy, given_inputs, states
+from .given_inputs import Inputs
 from .results import Flown, Outputs, PlausibilityWarning, StepRefused, outputs_of
 from .running import Running
 
@@ -62,6 +64,8 @@ class TetherModel(Running):
     """
 
     variant: str = ""
+    _free_ends: tuple[bool, bool] = (False, False)
+    _kite: FreeKite | None = None
 
     def __init__(
         self,
@@ -75,8 +79,6 @@ class TetherModel(Running):
         shape_points: int | None = None,
         wind_points: int = 0,
         kernels: Kernels | None = None,
-        _free_ends: tuple[bool, bool] = (False, False),
-        _kite: FreeKite | None = None,
         **quantities: float | str,
     ):
         name, variant = type(self).__name__, BY_NAME[self.variant]
@@ -88,16 +90,16 @@ class TetherModel(Running):
             raise ValueError(f"{name} is one uniform line: it takes one Tether and no point_masses")
         segments = sum(each.segments for each in tethers)
         masses = arguments.checked_masses(point_masses, segments)
-        if _kite and _kite.kite_mass:
-            masses[segments] = masses.get(segments, 0.0) + _kite.kite_mass
+        if self._kite and self._kite.kite_mass:
+            masses[segments] = masses.get(segments, 0.0) + self._kite.kite_mass
         points = segments + 1 if shape_points is None else arguments.whole("shape_points", shape_points)
         for sentence in arguments.doubts(tethers):
             warn(sentence, PlausibilityWarning, stacklevel=2 if type(self).__init__ is TetherModel.__init__ else 3)
         self._kernels, self._points = kernels, points
         self.wind_points: int = arguments.wind_points(wind_points)
         self._records = tethers, *records
-        self._more = {"point_masses": tuple(masses.items()), "free_ends": _free_ends}
-        self._more["kite_start"] = _kite.kite_start if _kite else 0
+        self._more = {"point_masses": tuple(masses.items()), "free_ends": self._free_ends}
+        self._more["kite_start"] = self._kite.kite_start if self._kite else 0
         self._make()
 
     def _make(self):
@@ -157,16 +159,11 @@ class TetherModel(Running):
         kite_velocity: ArrayLike = ZERO,
         ground_position: ArrayLike = ZERO,
         ground_velocity: ArrayLike = ZERO,
-        reel_out_speed: float = 0.0,
-        wind_velocity: ArrayLike = ZERO,
-        winch_force: float = 0.0,
-        winch_length: float = 0.0,
         *,
-        kite_load: ArrayLike = ZERO,
-        wind_at: ArrayLike | None = None,
         slack: float | None = None,
         positions: ArrayLike | None = None,
         velocities: ArrayLike | None = None,
+        **inputs: Unpack[Inputs],
     ) -> Outputs:
         """Start between two ends, the dynamic tether with its `initial_shape`.
 
@@ -176,24 +173,14 @@ class TetherModel(Running):
             Ends of the tether [m]; see `kite_at` for elevation, azimuth and distance.
         kite_velocity, ground_velocity : (3,) array
             Their velocities [m/s].
-        reel_out_speed : float
-            Rate of change of the unstretched length [m/s]; positive pays out.
-        wind_velocity : (3,) or (segments + 1, 3) array
-            Wind [m/s] at `wind_reference_height`; or at each node, whatever the wind profile says (tethers with nodes only).
-        winch_force : float
-            Force [N] with which the winch pulls at the tether, with `winch_control` = force: from the first step on.
-        kite_load : (3,) array
-            External force [N] on a free kite end: in its equilibrium (`kite_start`), and from the first step on.
-        wind_at : (wind_points, 3) array
-            Wind [m/s] at the wind points of a tether that has them, and no other wind; no wind if it is not given.
-        winch_length : float
-            Unstretched length [m] that the winch has paid out, with `winch_control` = length; 0: `initial_length`.
         slack : float or None
             The unstretched length is (1 + slack) times the distance of the ends, instead of `initial_length`; -0.01 for a
             tether that is stretched by about 1 %.
         positions, velocities : (segments + 1, 3) arrays or None
             Nodes [m] and their velocities [m/s] (at rest if not given) instead of the `initial_shape` (dynamic tether only).
             The first and the last node are the ends, whose inputs are then not given.
+        **inputs
+            The other ones of `Inputs`; 0 if not given.
 
         Returns
         -------
@@ -214,12 +201,12 @@ class TetherModel(Running):
             (ground_position, *_, kite_position), (ground_velocity, *_, kite_velocity) = nodes
         inputs, parameters = self._inputs.copy(), self._parameters.copy()
         try:
-            kite = {"kite_position": kite_position, "kite_velocity": kite_velocity, "kite_load": kite_load}
-            ground = {"ground_position": ground_position, "ground_velocity": ground_velocity}
-            winch = {"reel_out_speed": reel_out_speed, "winch_force": winch_force, "winch_length": winch_length}
-            if wind_at is None and self.wind_points:
-                wind_at = np.zeros((self.wind_points, 3))
-            given_inputs.put(self._receiver, wind_velocity, wind_at, **kite, **ground, **winch)
+            given = {each.name: each.start if each.size > 1 else each.start[0] for each in INPUT_TABLE}
+            given |= {"kite_position": kite_position, "kite_velocity": kite_velocity}
+            given |= {"ground_position": ground_position, "ground_velocity": ground_velocity}
+            if self.wind_points:
+                given["wind_at"] = np.zeros((self.wind_points, 3))
+            given_inputs.put(self._receiver, given | inputs)
             if slack is not None:
                 chord = np.subtract(kite_position, ground_position, dtype=float)
                 self._parameters[at.INITIAL_LENGTH] = arguments.length_with(slack, chord, self.segments)
@@ -247,14 +234,9 @@ class TetherModel(Running):
         kite_velocity: ArrayLike | None = None,
         ground_position: ArrayLike | None = None,
         ground_velocity: ArrayLike | None = None,
-        reel_out_speed: float | None = None,
-        wind_velocity: ArrayLike | None = None,
-        kite_load: ArrayLike | None = None,
-        winch_force: float | None = None,
-        winch_length: float | None = None,
         *,
-        wind_at: ArrayLike | None = None,
         tether_length: float | None = None,
+        **inputs: Unpack[Inputs],
     ) -> Outputs:
         """Advance by a communication step with the inputs at its start; an input that is not given stays as it is.
 
@@ -262,19 +244,13 @@ class TetherModel(Running):
         ----------
         step : float
             Communication step [s].
-        kite_position, ..., wind_velocity
+        kite_position, kite_velocity, ground_position, ground_velocity
             As for `initialize`.
-        kite_load : (3,) array
-            External force [N] on a free kite end.
-        winch_force : float
-            Force [N] with which the winch pulls at the tether, with `winch_control` = force; positive reels in.
-        winch_length : float
-            Unstretched length [m] that the winch should have paid out, with `winch_control` = length.
-        wind_at : (wind_points, 3) array
-            Wind [m/s] at the wind points of a tether that has them.
         tether_length : float
             Unstretched length [m] at the end of the step, whatever it was before, for the tethers without waves (all but the
             dynamic one). `reel_out_speed` still says how fast material moves along the tether.
+        **inputs
+            The other ones of `Inputs`.
 
         Returns
         -------
@@ -288,17 +264,16 @@ class TetherModel(Running):
         ValueError
             If an argument has another shape; nothing is changed.
         """
-        kite = {"kite_position": kite_position, "kite_velocity": kite_velocity, "kite_load": kite_load}
-        ground = {"ground_position": ground_position, "ground_velocity": ground_velocity}
-        winch = {"reel_out_speed": reel_out_speed, "winch_force": winch_force, "winch_length": winch_length}
-        return self._step(step, tether_length, wind_at, **kite, **ground, **winch, wind_velocity=wind_velocity)
+        ends = {"kite_position": kite_position, "kite_velocity": kite_velocity}
+        ends |= {"ground_position": ground_position, "ground_velocity": ground_velocity}
+        return self._step(step, tether_length, ends | inputs)
 
-    def _step(self, step, tether_length=None, wind_at=None, **given):
+    def _step(self, step, tether_length, given):
         """What `step` does; given : inputs by name."""
         self._check_started()
         before = self._inputs.copy(), self._parameters.copy(), self._state[at.LENGTH]
         try:
-            given_inputs.put(self._receiver, wind_at=wind_at, **given)
+            given_inputs.put(self._receiver, given)
             self._advance(arguments.number("step", step, "s"), tether_length)
         except ValueError:
             self._inputs[:], self._parameters[:], self._state[at.LENGTH] = before

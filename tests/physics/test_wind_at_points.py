@@ -1,5 +1,6 @@
 """Wind that is given at points of equal unstretched length, linear in between: node winds and loads are those of it."""
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -7,14 +8,20 @@ import pytest
 from scipy.integrate import quad
 
 from mechanics import wind_factor
-from tetherfmu import StepRefused, TetherCatenary, TetherDynamic, TetherDynamicFree, TetherQuasiSteady, TetherStraight
-from tetherfmu.libraries import ready
+from tetherfmu import (
+    Line,
+    Point,
+    StepRefused,
+    TetherCatenary,
+    TetherDynamic,
+    TetherDynamicFree,
+    TetherQuasiSteady,
+    TetherStraight,
+    TetherSystem,
+)
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime import plan_layout as places
 from tetherfmu.runtime.inputs import by_name
-from tetherfmu.runtime.kernel_library import SYSTEM
 from tetherfmu.runtime.parameters import Environment, Solver, Tether
-from tetherfmu.runtime.status import OK
 
 GROUND, KITE = np.array([0.0, 0.0, 60.0]), np.array([240.0, 50.0, 380.0])
 LENGTH = 1.02 * np.linalg.norm(KITE - GROUND)
@@ -236,59 +243,42 @@ def test_numbers_of_points_that_cannot_be(wind_points):
         TetherStraight(wind_points=wind_points)
 
 
-def lines_of_a_system(model, lines):
-    """A step of a system of so many lines, whose numbers and inputs are those of a dynamic tether with wind points.
-
-    A function of their inputs that starts with them, at its first call, or does a step, and returns states and outputs.
-    """
-    kernels, instance, points = ready.kernels(SYSTEM), model._instance, model._instance.wind_points
-    plan = np.zeros(places.plan_size(lines), np.int64)
-    plan[places.LINES] = lines
-    given = [places.SEGMENTS, places.START_POINT, places.END_POINT, places.SHAPE_POINTS, places.WIND_POINTS]
-    plan[places.PLAN_HEADER :].reshape(lines, -1)[:, given] = (
-        *(instance.segments, places.DRIVEN, places.DRIVEN),
-        *(instance.points, points),
-    )
-    assert kernels.complete(plan.ctypes.data) == OK
-    parameters = np.tile(np.array(instance.parameters), lines)
-    sizes = [plan[size] for size in (places.STATE_SIZE, places.STATE_SIZE, places.OUTPUTS_SIZE, places.WORK_SIZE)]
-    results = [np.zeros(size) for size in sizes]
-    state, _, outputs, _ = results
-    assert len(state) == lines * at.state_size(instance.segments, points)
-    steps = []
-
-    def take(inputs):
-        inputs = np.tile(inputs, lines)
-        assert len(inputs) == plan[places.INPUTS_SIZE]
-        do, step = (kernels.advance, [STEP]) if steps else (kernels.initialize, [])
-        arrays = [each.ctypes.data for each in results]
-        assert do(plan.ctypes.data, parameters.ctypes.data, inputs.ctypes.data, *step, *arrays) == OK
-        steps.append(inputs)
-        return state.reshape(lines, -1), outputs.reshape(lines, -1)
-
-    return take
-
-
-@pytest.mark.parametrize("lines", [1, 2])
-def test_lines_of_a_system_have_wind_points_of_their_own(lines):
-    """Each moves as the dynamic tether does, which is compiled for one line: the same arithmetic."""
-    winds, solver = gusts(5), Solver(initial_shape="static_equilibrium")
-    model = TetherDynamic(initial_length=LENGTH, segments=9, wind_points=5, solver=solver)
-    at_rest(model, wind_at=winds)
-    take = lines_of_a_system(model, lines)
-    inputs = np.zeros(at.inputs_size(5))
-    columns = by_name(inputs[: at.INPUTS])
-    columns["kite_position"][:], columns["ground_position"][:] = KITE, GROUND
-    inputs[at.INPUTS :] = np.ravel(winds)
-    take(inputs)
+@pytest.mark.parametrize("solver", [Solver(), Solver(fixed_step=0.01)], ids=["adaptive", "fixed steps"])
+def test_lines_of_a_system_have_wind_points_of_their_own(solver):
+    """Between driven points each moves as the dynamic tether does: the same arithmetic, nodes and forces equal."""
+    solver, tether = replace(solver, initial_shape="static_equilibrium"), Tether(initial_length=LENGTH, segments=9)
+    winds = {name: gusts(5, seed=seed) for seed, name in enumerate("ab")}
+    points = [Point("ground", GROUND), Point("kite", KITE)]
+    lines = [Line(name, "ground", "kite", tether) for name in winds]
+    system = TetherSystem(points, lines, solver=solver, wind_points=5)
+    alone = {name: TetherDynamic(tether, solver=solver, wind_points=5) for name in winds}
+    system.initialize(wind_at=winds)
+    for name, model in alone.items():
+        model.initialize(KITE, ground_position=GROUND, wind_at=winds[name])
+    drift = np.array((0.0, 5.0, 0.0))
     for k in range(STEPS):
-        kite = KITE + np.array((0.0, 5.0 * STEP * k, 0.0))
-        winds = gusts(5, seed=k)
-        model.step(STEP, kite_position=kite, kite_velocity=(0.0, 5.0, 0.0), wind_at=winds)
-        columns["kite_position"][:], columns["kite_velocity"][:] = kite, (0.0, 5.0, 0.0)
-        inputs[at.INPUTS :] = np.ravel(winds)
-        states, outputs = take(inputs)
-    moved = slice(at.STATE_HEADER, None)  # nodes and winds; the first line alone has the memory of the solver
-    for state, found in zip(states, outputs, strict=True):
-        np.testing.assert_array_equal(state[moved], np.array(model._instance.state)[moved])
-        np.testing.assert_array_equal(found[at.KITE_FORCE : at.KITE_FORCE + 3], model.outputs().kite_force)
+        kite, winds = KITE + STEP * k * drift, {name: gusts(5, seed=10 + k) for name in winds if name == "b" or k < 5}
+        found = system.step(STEP, {"kite": kite}, {"kite": drift}, wind_at=winds)
+        for name, model in alone.items():
+            expected = model.step(STEP, kite, drift, wind_at=winds.get(name))
+            if solver.fixed_step:
+                np.testing.assert_array_equal(system.positions[name], model.positions)
+                np.testing.assert_array_equal(found.lines[name].kite_force, expected.kite_force)
+            np.testing.assert_allclose(system.positions[name], model.positions, rtol=0.0, atol=1e-3)  # steps are common
+
+
+def test_winds_of_a_system_that_cannot_be():
+    points, line = [Point("ground", GROUND), Point("kite", KITE)], Line("a", "ground", "kite", Tether(initial_length=LENGTH))
+    system = TetherSystem(points, [line], wind_points=3)
+    with pytest.raises(ValueError, match="wind_velocity is given to a TetherSystem with wind points; give wind_at"):
+        system.initialize((8.0, 0.0, 0.0))
+    system.initialize(wind_at={"a": gusts(3)})
+    with pytest.raises(ValueError, match=r"a.wind_at has the shape \(4, 3\); it must be \(3, 3\)"):
+        system.step(STEP, wind_at={"a": gusts(4)})
+    with pytest.raises(ValueError, match="there is no wind_at of a line with the name 'b'; there are a"):
+        system.step(STEP, wind_at={"b": gusts(3)})
+    with pytest.raises(StepRefused, match=r"the line a: the input a.wind_at\[2,1\] is nan"):
+        system.step(STEP, wind_at={"a": [[1.0, 0.0, 0.0], [np.nan, 0.0, 0.0], [1.0, 0.0, 0.0]]})
+    without = TetherSystem(points, [line])
+    with pytest.raises(ValueError, match="this TetherSystem has no wind points for wind_at"):
+        without.initialize(wind_at={"a": gusts(3)})

@@ -73,6 +73,19 @@ def parse(arguments, prog="tetherfmu build"):
     option = parser.add_argument
     option("names", nargs="*", type=fmu, metavar="NAME", help=f"FMUs to build, of {', '.join(SLAVES)} (default: all)")
     option("--out", default="dist", type=folder, metavar="DIR", help="folder of the FMUs (default: dist)")
+    _add_start_values(option)
+    _add_points(option)
+    _add_flavours(option)
+    options = parser.parse_args(arguments)
+    for problem in _problems(options):
+        parser.error(problem)
+    if options.system is None and options.shape_points is None:
+        options.shape_points = BuildOptions.shape_points
+    return options
+
+
+def _add_start_values(option):
+    """Declare the start values of the rope; option : adds one to the parser."""
     option(
         "--segments",
         type=amount(SEGMENTS, whole=True),
@@ -90,6 +103,10 @@ def parse(arguments, prog="tetherfmu build"):
         choices=tuple(MATERIALS),
         help="start values of density, stiffness and damping of a rope of this material (default: 724 kg/m3 and 49 GPa)",
     )
+
+
+def _add_points(option):
+    """Declare the points of the shape and of the wind; see `_add_start_values`."""
     option(
         "--shape-points",
         type=shape_points,
@@ -103,6 +120,10 @@ def parse(arguments, prog="tetherfmu build"):
         metavar="K",
         help="points of the input wind_at, which replaces wind_velocity and the profile; 0 for none (default: 0)",
     )
+
+
+def _add_flavours(option):
+    """Declare for whom the FMUs are, and of what; see `_add_start_values`."""
     option(
         "--platforms",
         type=platforms,
@@ -129,37 +150,29 @@ def parse(arguments, prog="tetherfmu build"):
         help="build the one FMU of the system of tethers in this file; its lines and points have the names of the file",
     )
     option("--scene", metavar="FILE", help="build the one FMU advised for this scene, omitting unused variables")
-    options = parser.parse_args(arguments)
-    if options.scene is not None and any(
-        (options.names, options.segments, options.diameter, options.material, options.examples)
-    ):
-        parser.error(
+
+
+def _problems(options):
+    """Sentences on options that do not go together."""
+    own = options.names, options.segments, options.diameter, options.material, options.examples
+    if options.scene is not None and any(own):
+        yield (
             "--scene chooses the FMU and its start values: it goes without NAME, --segments, --diameter, --material and "
             "--examples"
         )
-    if options.system is not None:
-        _check_system(parser, options)
-    elif options.shape_points is None:
-        options.shape_points = BuildOptions.shape_points
-    if options.fmi == 3 and not options.native:
-        parser.error("PythonFMU makes FMUs for FMI 2; --fmi 3 goes with --native")
-    if options.header and not options.native:
-        parser.error("--header is for hosts in C, which take native FMUs; it goes with --native")
-    if options.sources and not options.native:
-        parser.error("C sources are those of native FMUs; --sources goes with --native")
-    if options.examples and options.native:
-        parser.error("the FMUs of the examples are written in Python; --examples goes without --native")
-    return options
-
-
-def _check_system(parser, options):
-    """End the program with status 2 if an option does not go with --system."""
-    others = (options.names, options.segments, options.diameter, options.material, options.examples, options.scene)
-    if any(others):
-        parser.error(
+    if options.system is not None and any((*own, options.scene)):
+        yield (
             "the file of --system has its lines and their start values: it goes without NAME, --segments, --diameter, "
             "--material, --examples and --scene"
         )
+    if options.fmi == 3 and not options.native:
+        yield "PythonFMU makes FMUs for FMI 2; --fmi 3 goes with --native"
+    if options.header and not options.native:
+        yield "--header is for hosts in C, which take native FMUs; it goes with --native"
+    if options.sources and not options.native:
+        yield "C sources are those of native FMUs; --sources goes with --native"
+    if options.examples and options.native:
+        yield "the FMUs of the examples are written in Python; --examples goes without --native"
 
 
 def build_for_system(wanted):
