@@ -107,7 +107,7 @@ def end_velocities(parameters, inputs, state):
     )
 
 
-@kernel
+@view
 def rates_of_inputs(parameters, rated, step, state):
     """Rates of the inputs that are `rated` (see `StepInputs`), estimated for a step [s]: as many vectors.
 
@@ -124,7 +124,7 @@ def rates_of_inputs(parameters, rated, step, state):
     )
 
 
-@kernel
+@view
 def rates_from(k, now, times, step, state):
     """Rates of vector k of those that are rated, from its present value and the times to its last one [s]."""
     last, recent = vector_at(state, at.LAST_RATED + 3 * k), vector_at(state, at.RECENT_RATES + 3 * k)
