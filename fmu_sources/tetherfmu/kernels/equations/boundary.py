@@ -35,35 +35,24 @@ from .end_motion import (
     velocity_at,
 )
 from .properties import chain_at, chain_of
-from .winch import (
-    OF_FORCE,
-    OF_REELING,
-    force_rate,
-    length_at,
-    rate_at,
-    rate_of,
-    reeling_of_step,
-    winch_acceleration,
-    winch_speed,
-)
+from .winch import force_rate, length_at, rate_at, reeling_of_step, winch_speed
 
 StepInputs = namedtuple(
     "StepInputs",
-    "step correction ground kite ground_velocity kite_velocity reeling winch_speed force force_rate "
-    "wind wind_rate load load_rate recent",
+    "step correction ground kite reeling force force_rate wind wind_rate load load_rate rated recent",
 )
 StepInputs.__doc__ = """What the inputs of a communication step mean.
 
 step, correction : its length h and the time H in which the ends come to their given motion [s].
 ground, kite : position [m], velocity [m/s] and acceleration [m/s2] prescribed for each end at the start of the step.
-ground_velocity, kite_velocity : given or derived, without given derivatives [m/s]: the next step compares its own with them.
 reeling : of the unstretched length, see `winch.py`.
-winch_speed : rate of `winch_length` over the last step, without given derivatives [m/s].
 force, force_rate : of the winch at the start [N], its constant rate [N/s].
 wind, wind_rate : at the start, at the reference height [m/s], and its constant rate [m/s2].
 load, load_rate : force on a free kite end at the start [N], its constant rate [N/s].
-recent : rates as the next steps take them after a much shorter one: accelerations of ground and kite [m/s2], of the reel-out
-speed and of the length that is given to the winch [m/s2], rates of the load and of the force of the winch [N/s].
+rated : what the next step compares with its own to find rates, four vectors without given derivatives: velocity of the kite
+end and of the ground end, given or derived [m/s]; load [N]; reel-out speed [m/s], rate of `winch_length` over the last step
+[m/s], force of the winch [N].
+recent : their rates as the next steps take them after a much shorter one.
 """
 
 BoundaryConditions = namedtuple(
@@ -81,31 +70,10 @@ load, load_rate : force on a free kite end at the start [N], its constant rate [
 """
 
 
-# --- inputs that continue within a step, or are held
-
-
 @kernel
 def wind_of(inputs):
     """Wind [m/s] at the reference height that the inputs give, whatever they say of wind points."""
     return vector_at(inputs, at.WIND_VELOCITY)
-
-
-@kernel
-def rate_of_load(inputs, step, state):
-    """Rate [N/s] of the load of a free kite end, estimated for a step [s]."""
-    now, last, recent = (
-        vector_at(inputs, at.KITE_LOAD),
-        vector_at(state, at.LAST_KITE_LOAD),
-        vector_at(state, at.RECENT_LOAD_RATE),
-    )
-    return estimated_rates(now, last, recent, state[at.LAST_STEP], state[at.LONGEST_SO_FAR], step)
-
-
-@kernel
-def load_rate(parameters, inputs, step, state):
-    """Rate [N/s] at which the load of a free kite end continues in a step [s]."""
-    estimate = rate_of_load(inputs, step, state) if is_continued(parameters) else ZERO_VECTOR
-    return given_derivatives(state, at.KITE_LOAD, estimate)
 
 
 # --- ends
@@ -139,20 +107,28 @@ def end_velocities(parameters, inputs, state):
     )
 
 
-@kernel
-def between_velocities(parameters, state):
-    """Time [s] between the velocity of an end and the last one, 0 without: derived ones belong to the middles of steps."""
-    if are_derived(parameters):
-        return between_middles(state[at.LAST_STEP], state[at.STEP_BEFORE])
-    return state[at.LAST_STEP]
+@view
+def rates_of_inputs(parameters, rated, step, state):
+    """Rates of the inputs that are `rated` (see `StepInputs`), estimated for a step [s]: as many vectors.
 
-
-@kernel
-def acceleration_of_end(parameters, velocity, last_velocity, recent, step, state):
-    """Acceleration [m/s2] of an end, estimated for a step [s], from its velocities of `end_velocities` [m/s]."""
-    return estimated_rates(
-        velocity, last_velocity, recent, between_velocities(parameters, state), state[at.LONGEST_SO_FAR], step
+    Velocities that are derived, as that of `winch_length`, belong to the middles of steps.
+    """
+    last, between = state[at.LAST_STEP], between_middles(state[at.LAST_STEP], state[at.STEP_BEFORE])
+    of_ends = between if are_derived(parameters) else last
+    of_ends, of_load, of_winch = (of_ends, of_ends, of_ends), (last, last, last), (last, between, last)
+    return (
+        rates_from(0, rated[0], of_ends, step, state),
+        rates_from(1, rated[1], of_ends, step, state),
+        rates_from(2, rated[2], of_load, step, state),
+        rates_from(3, rated[3], of_winch, step, state),
     )
+
+
+@view
+def rates_from(k, now, times, step, state):
+    """Rates of vector k of those that are rated, from its present value and the times to its last one [s]."""
+    last, recent = vector_at(state, at.LAST_RATED + 3 * k), vector_at(state, at.RECENT_RATES + 3 * k)
+    return estimated_rates(now, last, recent, times, state[at.LONGEST_SO_FAR], step)
 
 
 @kernel
@@ -160,7 +136,7 @@ def motion_of_end(parameters, inputs, place, velocity, acceleration, state):
     """Position [m], velocity [m/s] and acceleration [m/s2] that are prescribed for an end at the start of a step.
 
     place : of its position among the inputs; its velocity stands behind.  velocity : of `end_velocities`.  acceleration : of
-    `acceleration_of_end`.
+    `rates_of_inputs`.
     """
     if are_derived(parameters):
         velocity = given_derivatives(state, place, add_scaled(velocity, 0.5 * state[at.LAST_STEP], acceleration))
@@ -219,34 +195,25 @@ def spring_at_ground(n, parameters, state):
 def inputs_of_step(parameters, inputs, step, state):
     """`StepInputs` of a communication step of `step` [s] from a state."""
     ground, kite = end_velocities(parameters, inputs, state)
-    longest, correction = state[at.LONGEST_SO_FAR], max(step, state[at.LAST_STEP], state[at.CORRECTION_LEFT])
-    of_ground = ground, vector_at(state, at.LAST_GROUND_VELOCITY), vector_at(state, at.RECENT_GROUND_ACCELERATION)
-    of_kite = kite, vector_at(state, at.LAST_KITE_VELOCITY), vector_at(state, at.RECENT_KITE_ACCELERATION)
-    ground_acceleration = acceleration_of_end(parameters, *of_ground, step, state)
-    kite_acceleration = acceleration_of_end(parameters, *of_kite, step, state)
+    speed, load, force = winch_speed(parameters, inputs, state), vector_at(inputs, at.KITE_LOAD), inputs[at.WINCH_FORCE]
+    rated = kite, ground, load, (inputs[at.REEL_OUT_SPEED], speed, force)
+    of_kite, of_ground, of_load, of_winch = rates_of_inputs(parameters, rated, step, state)
+    correction = max(step, state[at.LAST_STEP], state[at.CORRECTION_LEFT])
+    continued = is_continued(parameters)
     return StepInputs(
         step,
         correction,
-        motion_of_end(parameters, inputs, at.GROUND_POSITION, ground, ground_acceleration, state),
-        motion_of_end(parameters, inputs, at.KITE_POSITION, kite, kite_acceleration, state),
-        ground,
-        kite,
-        reeling_of_step(parameters, inputs, correction, step, state),
-        winch_speed(parameters, inputs, state),
-        inputs[at.WINCH_FORCE],
-        force_rate(parameters, inputs, step, state),
+        motion_of_end(parameters, inputs, at.GROUND_POSITION, ground, of_ground, state),
+        motion_of_end(parameters, inputs, at.KITE_POSITION, kite, of_kite, state),
+        reeling_of_step(parameters, inputs, speed, of_winch, correction, state),
+        force,
+        force_rate(parameters, inputs, of_winch[2] if continued else 0.0, step, state),
         wind_of(inputs),
         given_derivatives(state, at.WIND_VELOCITY, ZERO_VECTOR),
-        vector_at(inputs, at.KITE_LOAD),
-        load_rate(parameters, inputs, step, state),
-        (
-            acceleration_of_end(parameters, *of_ground, longest, state),
-            acceleration_of_end(parameters, *of_kite, longest, state),
-            rate_of(OF_REELING, inputs, longest, state),
-            winch_acceleration(parameters, inputs, longest, state),
-            rate_of_load(inputs, longest, state),
-            rate_of(OF_FORCE, inputs, longest, state),
-        ),
+        load,
+        given_derivatives(state, at.KITE_LOAD, of_load if continued else ZERO_VECTOR),
+        rated,
+        rates_of_inputs(parameters, rated, state[at.LONGEST_SO_FAR], state),
     )
 
 

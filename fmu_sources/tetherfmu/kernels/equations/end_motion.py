@@ -49,13 +49,13 @@ def estimated_rate(change, recent, last_step, longest, step):
 
 
 @kernel
-def estimated_rates(now, last, recent, last_step, longest, step):
-    """The same of an input with three components, of its present and its last value."""
+def estimated_rates(now, last, recent, times, longest, step):
+    """The same of three inputs, from their present and last values and the times between these [s]."""
     change = sub(now, last)
     return (
-        estimated_rate(change[0], recent[0], last_step, longest, step),
-        estimated_rate(change[1], recent[1], last_step, longest, step),
-        estimated_rate(change[2], recent[2], last_step, longest, step),
+        estimated_rate(change[0], recent[0], times[0], longest, step),
+        estimated_rate(change[1], recent[1], times[1], longest, step),
+        estimated_rate(change[2], recent[2], times[2], longest, step),
     )
 
 

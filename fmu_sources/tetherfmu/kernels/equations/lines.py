@@ -160,23 +160,24 @@ def places_of_load(end):
     velocity of a driven end and its rate have.
     """
     if end == 1:
-        return at.LAST_KITE_VELOCITY, at.RECENT_KITE_ACCELERATION, at.KITE_VELOCITY
-    return at.LAST_GROUND_VELOCITY, at.RECENT_GROUND_ACCELERATION, at.GROUND_VELOCITY
+        return at.LAST_RATED, at.RECENT_RATES, at.KITE_VELOCITY
+    return at.LAST_RATED + 3, at.RECENT_RATES + 3, at.GROUND_VELOCITY
 
 
 @kernel
 def take_loads(system, k, step, before):
     """Loads on the free points at line k in a step [s] from the states `before`: how they go on, and what is kept of them.
 
-    Their rates [N/s], as of a load on a kite end (`boundary.load_rate`), go into `Points.load_rate`, loads and recent rates
-    into the state of the line (both modified).
+    Their rates [N/s], as of a load on a kite end (`boundary.inputs_of_step`), go into `Points.load_rate`, loads and recent
+    rates into the state of the line (both modified).
     """
     old, state = state_of(with_states(system, before), k), state_of(system, k)
     for end in range(2):
         if is_at_point(system, k, end):
             (last, recent, place), point = places_of_load(end), point_at(system, k, end)
             load, longest = load_on(system, point), old[at.LONGEST_SO_FAR]
-            change = load, vector_at(old, last), vector_at(old, recent), old[at.LAST_STEP], longest
+            times = old[at.LAST_STEP], old[at.LAST_STEP], old[at.LAST_STEP]
+            change = load, vector_at(old, last), vector_at(old, recent), times, longest
             estimate = estimated_rates(*change, step) if is_continued(parameters_of(system, k)) else ZERO_VECTOR
             put(points_of(system).load_rate, point, given_derivatives(old, place, estimate))
             put_at(state, last, load)

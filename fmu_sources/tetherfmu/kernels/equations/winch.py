@@ -21,11 +21,7 @@ from tetherfmu.runtime import layout as at
 from ..compilation import kernel
 from ..linear_algebra.vectors import NEUTRAL
 from .continuation import given_derivative, is_continued
-from .end_motion import between_middles, curve, estimated_rate
-
-# of the reel-out speed and of the force of the winch, see `rate_of`
-OF_REELING = at.REEL_OUT_SPEED, at.LAST_REEL_OUT_SPEED, at.RECENT_REEL_ACCELERATION
-OF_FORCE = at.WINCH_FORCE, at.LAST_WINCH_FORCE, at.RECENT_WINCH_FORCE_RATE
+from .end_motion import curve
 
 
 @kernel
@@ -103,21 +99,6 @@ def first_length(parameters, inputs, state):
 
 
 @kernel
-def rate_of(places, inputs, step, state):
-    """Rate of an input [unit/s], estimated for a step [s]; places : of the input, its last value and its recent rate."""
-    place, last, recent = places
-    change = inputs[place] - state[last]
-    return estimated_rate(change, state[recent], state[at.LAST_STEP], state[at.LONGEST_SO_FAR], step)
-
-
-@kernel
-def reel_acceleration(parameters, inputs, step, state):
-    """Rate [m/s2] at which the reel-out speed continues in a step [s]."""
-    estimate = rate_of(OF_REELING, inputs, step, state) if is_continued(parameters) else 0.0
-    return given_derivative(state, at.REEL_OUT_SPEED, estimate)
-
-
-@kernel
 def winch_speed(parameters, inputs, state):
     """Rate of `winch_length` over the last step [m/s]; before the second the speed with which the winch starts."""
     if state[at.LAST_STEP] > 0.0:
@@ -126,20 +107,11 @@ def winch_speed(parameters, inputs, state):
 
 
 @kernel
-def winch_acceleration(parameters, inputs, step, state):
-    """Rate [m/s2] of `winch_speed`, estimated for a step [s]: speeds belong to the middles of steps."""
-    between = between_middles(state[at.LAST_STEP], state[at.STEP_BEFORE])
-    change = winch_speed(parameters, inputs, state) - state[at.LAST_WINCH_SPEED]
-    return estimated_rate(change, state[at.RECENT_WINCH_ACCELERATION], between, state[at.LONGEST_SO_FAR], step)
-
-
-@kernel
-def force_rate(parameters, inputs, step, state):
-    """Rate [N/s] at which the force of the winch continues in a step [s].
+def force_rate(parameters, inputs, estimate, step, state):
+    """Rate [N/s] at which the force of the winch continues in a step [s], from an estimate.
 
     A winch without mass can pull only: its force is extrapolated to no less than minus its friction.
     """
-    estimate = rate_of(OF_FORCE, inputs, step, state) if is_continued(parameters) else 0.0
     if parameters[at.WINCH_MASS] == 0.0:
         estimate = max(estimate, -(inputs[at.WINCH_FORCE] + parameters[at.WINCH_FRICTION]) / step)
     return given_derivative(state, at.WINCH_FORCE, estimate)
@@ -152,10 +124,12 @@ def on_axis(number):
 
 
 @kernel
-def following(parameters, inputs, correction, step, state):
-    """Coefficients of the length in a step [s] that follows `winch_length` and comes to it in the time `correction` [s]."""
-    acceleration = winch_acceleration(parameters, inputs, step, state)
-    speed = winch_speed(parameters, inputs, state) + 0.5 * state[at.LAST_STEP] * acceleration
+def following(parameters, inputs, speed, acceleration, correction, state):
+    """Coefficients of the length in a step that follows `winch_length` and comes to it in the time `correction` [s].
+
+    speed, acceleration : `winch_speed` [m/s] and its rate [m/s2], which belong to the middle of the last step.
+    """
+    speed += 0.5 * state[at.LAST_STEP] * acceleration
     length, rate = given_length(parameters, inputs, state), given_derivative(state, at.WINCH_LENGTH, speed)
     given = on_axis(length), on_axis(rate), on_axis(acceleration)
     c0, c1, c2, c3 = curve(on_axis(state[at.LENGTH]), on_axis(state[at.REELING]), *given, correction)
@@ -163,13 +137,15 @@ def following(parameters, inputs, correction, step, state):
 
 
 @kernel
-def reeling_of_step(parameters, inputs, correction, step, state):
-    """Coefficients of the unstretched length [m], [m/s], [m/s2], [m/s3] in a step [s] from a state; see `following`.
+def reeling_of_step(parameters, inputs, speed, rates, correction, state):
+    """Coefficients of the unstretched length [m], [m/s], [m/s2], [m/s3] in a step from a state; see `following`.
 
+    speed : `winch_speed` [m/s].  rates : of the reel-out speed and of that one, estimated [m/s2].
     With a winch that is controlled by force, of a length that stays.
     """
     if follows_length(parameters):
-        return following(parameters, inputs, correction, step, state)
+        return following(parameters, inputs, speed, rates[1], correction, state)
     if follows_force(parameters):
         return state[at.LENGTH], 0.0, 0.0, NEUTRAL
-    return state[at.LENGTH], inputs[at.REEL_OUT_SPEED], 0.5 * reel_acceleration(parameters, inputs, step, state), NEUTRAL
+    acceleration = given_derivative(state, at.REEL_OUT_SPEED, rates[0] if is_continued(parameters) else 0.0)
+    return state[at.LENGTH], inputs[at.REEL_OUT_SPEED], 0.5 * acceleration, NEUTRAL

@@ -130,25 +130,15 @@ def remember(parameters, inputs, given, state):
     if not winch.follows_force(parameters):
         state[at.LENGTH] = winch.length_at(given.reeling, step)
         state[at.REELING] = winch.rate_at(given.reeling, step)
-    state[at.LAST_WINCH_FORCE] = given.force
-    state[at.LAST_REEL_OUT_SPEED] = inputs[at.REEL_OUT_SPEED]
     state[at.LAST_WINCH_LENGTH] = inputs[at.WINCH_LENGTH]
-    state[at.LAST_WINCH_SPEED] = given.winch_speed
-    put_at(state, at.LAST_KITE_LOAD, given.load)
+    for k in range(len(given.rated)):
+        put_at(state, at.LAST_RATED + 3 * k, given.rated[k])
+        put_at(state, at.RECENT_RATES + 3 * k, given.recent[k])
     state[at.STEP_BEFORE] = state[at.LAST_STEP]
     state[at.LAST_STEP] = step
     state[at.LONGEST_SO_FAR] = max(state[at.LONGEST_SO_FAR], step)
     state[at.CORRECTION_LEFT] = given.correction - step
-    ground_acceleration, kite_acceleration, reel_rate, winch_acceleration, load_rate, force_rate = given.recent
-    put_at(state, at.RECENT_GROUND_ACCELERATION, ground_acceleration)
-    put_at(state, at.RECENT_KITE_ACCELERATION, kite_acceleration)
-    state[at.RECENT_REEL_ACCELERATION] = reel_rate
-    state[at.RECENT_WINCH_ACCELERATION] = winch_acceleration
-    put_at(state, at.RECENT_LOAD_RATE, load_rate)
-    state[at.RECENT_WINCH_FORCE_RATE] = force_rate
     put_at(state, at.WIND, add_scaled(given.wind, step, given.wind_rate))
-    put_at(state, at.LAST_KITE_VELOCITY, given.kite_velocity)
-    put_at(state, at.LAST_GROUND_VELOCITY, given.ground_velocity)
     put_at(state, at.LAST_KITE_POSITION, vector_at(inputs, at.KITE_POSITION))
     put_at(state, at.LAST_GROUND_POSITION, vector_at(inputs, at.GROUND_POSITION))
     consume_given_derivatives(state)
