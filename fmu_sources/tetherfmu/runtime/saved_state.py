@@ -22,7 +22,7 @@ from .refusals import (
     STATE_WRONG_TOLERANCE,
 )
 
-MAGIC = b"tether12"  # with the version
+MAGIC = b"tether13"  # with the version
 HEADER = struct.Struct("<8sII")  # magic, length and checksum of what follows
 FACTS = struct.Struct("<16sIIdd")  # the first five of `SavedState`
 BEFORE, INITIALIZING, STEPPING, TERMINATED = range(4)  # phases of an instance; from STEPPING on it has a state array
