@@ -62,7 +62,7 @@ globals().update({name.upper(): place for place, name in enumerate(_SCALARS)})
 # then what is no parameter of a tether
 GROUND_IS_FREE = len(_SCALARS)
 KITE_IS_FREE = GROUND_IS_FREE + 1
-CALM_LAYER = GROUND_IS_FREE + 2  # thickness [m] of a layer above z = 0, 0 but in `kernels/rest/continuation.py`
+CALM_LAYER = GROUND_IS_FREE + 2  # thickness [m] of a layer above z = 0, 0 but in `kernels/rest/homotopy.py`
 WIND_POINTS = GROUND_IS_FREE + 3  # at which the wind is an input, 0 for none
 PARAMETER_SCALARS = GROUND_IS_FREE + 4
 # then one array of n numbers per property of a segment, in this order ...

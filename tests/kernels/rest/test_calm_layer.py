@@ -12,7 +12,7 @@ import pytest
 from balance import residual, turning
 from mechanics import drags
 from tetherfmu import Environment, StepRefused, TetherQuasiSteady
-from tetherfmu.kernels.rest import compressed_segments, continuation, newton, solve
+from tetherfmu.kernels.rest import compressed_segments, homotopy, newton, solve
 from tetherfmu.materials import tether_of
 from tetherfmu.runtime.parameters import Tether
 
@@ -25,10 +25,10 @@ SEARCH = PAIR + 2 * newton.MOST_PSEUDO_STEPS
 EITHER_SIGN = compressed_segments.MOST_TRIALS * newton.MOST_PSEUDO_STEPS
 # warm; steps 1 to 5; 6; 7; 8; 9
 MOST_WORK = newton.MOST_ITERATIONS + 2 * SEARCH
-MOST_WORK += len(solve.LEVELS) * 2 * SEARCH + continuation.MOST_LEVELS * PAIR
+MOST_WORK += len(solve.LEVELS) * 2 * SEARCH + homotopy.MOST_LEVELS * PAIR
 MOST_WORK += EITHER_SIGN
-MOST_WORK += len(solve.STRAINS) * (2 * SEARCH + continuation.MOST_LEVELS * SEARCH)
-MOST_WORK += 2 * SEARCH + EITHER_SIGN + continuation.MOST_LEVELS * SEARCH
+MOST_WORK += len(solve.STRAINS) * (2 * SEARCH + homotopy.MOST_LEVELS * SEARCH)
+MOST_WORK += 2 * SEARCH + EITHER_SIGN + homotopy.MOST_LEVELS * SEARCH
 
 
 def fall(segments):
@@ -59,7 +59,7 @@ def unbalanced(x, velocity, tether):
     """Largest force [N] that an inner node lacks beyond what is allowed; and whether a segment is in the thinnest layer."""
     missing, tensions = residual(x, velocity, WIND, tether, AIR)
     height = 0.5 * (x[1:, 2] + x[:-1, 2])
-    inside = (height > 0.0) & (height < continuation.THINNEST)
+    inside = (height > 0.0) & (height < homotopy.THINNEST)
     felt = 0.5 * np.linalg.norm(drags(x, turning(x, velocity)[0], WIND, tether, AIR), axis=1) * inside
     # rounding of the stretch of stiff segments, as in `test_robustness.py`
     stiffness = tether.axial_stiffness * tether.segments / tether.initial_length

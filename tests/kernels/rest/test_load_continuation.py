@@ -12,12 +12,12 @@ import pytest
 from balance import residual
 from stability.points import kite, point
 from tetherfmu import StepRefused, TetherQuasiSteady
-from tetherfmu.kernels.rest import continuation, newton
+from tetherfmu.kernels.rest import homotopy, newton
 from tetherfmu.runtime.parameters import Environment, Tether
 
 # iterations of the searches at the levels 1, 1/2, 1/4, 1/8 (two at each, one with a perturbation), and of the rise to 1
 SEARCH = 2 * (newton.MOST_ITERATIONS + newton.MOST_PSEUDO_STEPS)
-MOST_WORK = 4 * 2 * SEARCH + continuation.MOST_LEVELS * 2 * newton.MOST_ITERATIONS
+MOST_WORK = 4 * 2 * SEARCH + homotopy.MOST_LEVELS * 2 * newton.MOST_ITERATIONS
 
 
 def start(number):

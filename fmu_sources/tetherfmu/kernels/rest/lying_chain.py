@@ -1,6 +1,6 @@
 """A chain that lies on the ground where without it the equilibrium would hang below.
 
-From the equilibrium without ground it is led there over ever stiffer grounds (`continuation.GROUND`).
+From the equilibrium without ground it is led there over ever stiffer grounds (`homotopy.GROUND`).
 
 A chain that is longer than its ends' heights and their horizontal distance together has no tension where it lies, and any
 curve on the ground is an equilibrium: the continuation then ends in a chain in compression, or nowhere. `pile` puts one of
@@ -18,7 +18,7 @@ from ..equations import segment
 from ..equations.ground import carries
 from ..equations.properties import point_mass, property_of, rest_length
 from ..linear_algebra.vectors import ZERO_VECTOR, get, put, sub
-from . import continuation, newton
+from . import homotopy, newton
 from .rigid_body import Body
 
 LIGHTEST = 0.125  # level of the loads at which a pile is first brought to rest
@@ -71,9 +71,9 @@ def by_sinking(body, w):
     """From the equilibrium without ground in the body (modified) to that on its ground: (found, Newton iterations)."""
     newton.keep(body, w)
     softest = min(1.0, body.chain.gravity / (deepest(body) * body.ground.hardness))
-    found, iterations = continuation.relax_at(continuation.GROUND, body, softest, False, 0.0, 0.0, w)
+    found, iterations = homotopy.relax_at(homotopy.GROUND, body, softest, False, 0.0, 0.0, w)
     if found:
-        found, more = continuation.lead(continuation.GROUND, body, softest, 0.0, inf, w)
+        found, more = homotopy.lead(homotopy.GROUND, body, softest, 0.0, inf, w)
         iterations += more
     if not found:
         found, more = slowly(body, w)
@@ -98,11 +98,11 @@ def by_piling(body, level, w):
         return False, 0
     copy(body.x, w.anchor)
     still = Body(body.chain, ZERO_VECTOR, 0.0, body.x, body.v, body.ground, w.anchor, True)
-    lighter = continuation.at_level(continuation.LOADS, still, level, w)
+    lighter = homotopy.at_level(homotopy.LOADS, still, level, w)
     stiffness = weight_of(body, w) / body.chain.length
     found, iterations = newton.relax(lighter, newton.STIFFNESSES, True, stiffness, w)
     if found and level < 1.0:
-        found, more = continuation.lead(continuation.LOADS, still, level, 0.0, inf, w)
+        found, more = homotopy.lead(homotopy.LOADS, still, level, 0.0, inf, w)
         iterations += more
     return found, iterations
 

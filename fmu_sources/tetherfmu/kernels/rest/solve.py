@@ -6,7 +6,7 @@
 4. Pseudo-transient continuation, with stiffnesses, then with compliances.
 5. Steps 1 to 4 again with a perturbation load from the side, if what was found is a compressed chain (`compressed_chain.py`)
    or nothing was found and the chain has no load.
-6. Continuation of the loads, from smaller ones (`continuation.py`).
+6. Continuation of the loads, from smaller ones (`homotopy.py`).
 7. Pseudo-transient continuation with tensions of either sign (`compressed_segments.py`).
 8. Continuation of the stiffnesses, from smaller ones.
 9. Where the wind begins at z = 0: continuation of a layer of air where it grows gradually.
@@ -26,7 +26,7 @@ from ..compilation import kernel, view
 from ..equations import air, assembly
 from ..equations.ground import smooth, under, without_ground
 from ..equations.properties import chain_of
-from . import compressed_chain, compressed_segments, continuation, end_tensions, lying_chain, newton
+from . import compressed_chain, compressed_segments, end_tensions, homotopy, lying_chain, newton
 from .first_guess import axial_compliance, guess, is_loaded
 from .rigid_body import Body, rigid_motion, rigid_velocity
 
@@ -82,10 +82,10 @@ def by_loads(body, most, w):
     iterations = 0
     for level in LEVELS:
         if iterations < most:
-            status, more = at_once(continuation.at_level(continuation.LOADS, body, level, w), w)
+            status, more = at_once(homotopy.at_level(homotopy.LOADS, body, level, w), w)
             iterations += more
             if status == OK:
-                found, more = continuation.lead(continuation.LOADS, body, level, 0.0, most - iterations, w)
+                found, more = homotopy.lead(homotopy.LOADS, body, level, 0.0, most - iterations, w)
                 return OK if found and is_stable(body) else NO_EQUILIBRIUM, iterations + more
     return NO_EQUILIBRIUM, iterations
 
@@ -107,10 +107,10 @@ def by_stiffness(body, most, w):
     for strain in STRAINS:
         level = load * body.chain.length * axial_compliance(body.chain) / strain
         if level < 1.0 and iterations < most:
-            status, more = at_once(continuation.at_level(continuation.STIFFNESS, body, level, w), w)
+            status, more = at_once(homotopy.at_level(homotopy.STIFFNESS, body, level, w), w)
             iterations += more
             if status == OK:
-                found, more = continuation.lead(continuation.STIFFNESS, body, level, load, most - iterations, w)
+                found, more = homotopy.lead(homotopy.STIFFNESS, body, level, load, most - iterations, w)
                 iterations += more
                 if found and is_stable(body):
                     return OK, iterations
@@ -120,8 +120,8 @@ def by_stiffness(body, most, w):
 @kernel
 def by_layer(body, most, w):
     """Step 9: a status (OK or NO_EQUILIBRIUM) and the number of Newton iterations, about `most`."""
-    level = min(1.0, continuation.THINNEST * body.chain.n / body.chain.length)
-    layered = continuation.at_level(continuation.LAYER, body, level, w)
+    level = min(1.0, homotopy.THINNEST * body.chain.n / body.chain.length)
+    layered = homotopy.at_level(homotopy.LAYER, body, level, w)
     load = guess(layered, False, w)
     hanging = lying_chain.on(layered, without_ground())
     status, iterations = at_once(hanging, w)
@@ -131,7 +131,7 @@ def by_layer(body, most, w):
     status, more = on_ground(layered, status == OK, w)
     iterations += more
     if status == OK:
-        found, more = continuation.lead(continuation.LAYER, body, level, load, most - iterations, w)
+        found, more = homotopy.lead(homotopy.LAYER, body, level, load, most - iterations, w)
         iterations += more
         status = OK if found and is_stable(body) else NO_EQUILIBRIUM
     return status, iterations

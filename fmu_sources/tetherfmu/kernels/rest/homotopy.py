@@ -73,7 +73,7 @@ def at_level(kind, body, level, w):
 def relax_at(kind, body, level, is_slow, change, load_stiffness, w):
     """Equilibrium at a level from that in w.kept and w.kept_tension: (found, Newton iterations).
 
-    is_slow : whether by pseudo-transient continuation.  change : of the place of the equilibrium, over w.load.
+    is_slow : whether by pseudo-transient homotopy.  change : of the place of the equilibrium, over w.load.
     load_stiffness : see `newton.relax`.
     """
     other = at_level(kind, body, level, w)
