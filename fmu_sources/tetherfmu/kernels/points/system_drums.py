@@ -38,7 +38,7 @@ from ..equations.properties import point_mass, property_of, sees_reeling
 from ..line import contact
 from ..line.rodas4p import ALPHA, GAMMA, GAMMA_I, INERTIA, R_BY_GAMMA, STAGES, A, P
 from ..linear_algebra import condensed
-from ..linear_algebra.both_ends import get_node
+from ..linear_algebra.both_ends import get_node, get_two, put_two
 from ..linear_algebra.matrices import get_matrix, transposed_apply
 from ..linear_algebra.pairs import first
 from ..linear_algebra.vectors import add, add_scaled, dot, get, put, put_at, scale, sub, vector_at
@@ -213,10 +213,16 @@ def place_drums(system, time, h):
 
 @kernel
 def subtract_rest(system, k):
-    """Subtract F_u r of the drum of line k [N] from the right-hand side of a stage of the line (modified)."""
-    q, by_speed, rest = integrator_of(system, k).q, shares_of(system, k).by_speed, numbers_of(system, k)[REST]
-    for i in range(len(by_speed)):
-        q[i] -= rest * by_speed[i]
+    """Subtract F_u r of the drum of line k [N] from the right-hand side of a stage of the line (modified).
+
+    From both ends at once: numbers are read as `rosenbrock.right_hand_side` has just written them, without a wait.
+    """
+    n, q, by_speed = segments_of(system, k), integrator_of(system, k).q, shares_of(system, k).by_speed
+    rest = -numbers_of(system, k)[REST]
+    for i in range((n + 1) // 2):
+        put_two(q, i, n - i, add_scaled(get_two(q, i, n - i), rest, get_two(by_speed, i, n - i)))
+    if n % 2 == 0:
+        put(q, n // 2, add_scaled(get(q, n // 2), rest, get(by_speed, n // 2)))
 
 
 @kernel
