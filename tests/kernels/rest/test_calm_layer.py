@@ -80,7 +80,7 @@ def test_falls_into_air_without_wind(segments):
 
 
 def test_comes_down_beside_its_station():
-    """180 m of slack: by steps 1 to 8 XX of these 40 steps are refused, now 3 are: a rounding error decides in some."""
+    """180 m of slack: one of these 40 steps is refused; a rounding error decides in some."""
     velocity, step, refused = np.array([0.1, 0.1, -2.0]), 0.04, 0
     model = TetherQuasiSteady(Tether(segments=20, initial_length=196.0), AIR)
     for k in range(41):
