@@ -199,7 +199,7 @@ class TetherModel(Running):
         nodes = arguments.motion_of_nodes(positions, velocities, self.segments)
         if nodes is not None:
             (ground_position, *_, kite_position), (ground_velocity, *_, kite_velocity) = nodes
-        inputs, parameters = self._inputs.copy(), self._parameters.copy()
+        before, parameters = self._inputs.copy(), self._parameters.copy()
         try:
             given = {each.name: each.start if each.size > 1 else each.start[0] for each in INPUT_TABLE}
             given |= {"kite_position": kite_position, "kite_velocity": kite_velocity}
@@ -216,7 +216,7 @@ class TetherModel(Running):
             if problem:
                 raise StepRefused(problem, self._instance.status)
         except ValueError:
-            self._inputs[:], self._parameters[:] = inputs, parameters
+            self._inputs[:], self._parameters[:] = before, parameters
             raise
         for place in (at.INITIAL_LENGTH, at.INITIAL_SHAPE, at.KITE_START):
             self._parameters[place] = parameters[place]
