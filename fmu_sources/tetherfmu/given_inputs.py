@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime.inputs import BY_NAME, WIND_AT
+from tetherfmu.runtime.inputs import DRIVEN_KITE, INPUT_TABLE, WIND_AT
 from tetherfmu.runtime.instance import Instance
 from tetherfmu.runtime.variants import Variant
 
@@ -54,18 +54,20 @@ class Inputs(TypedDict, total=False):
     wind_at: ArrayLike
 
 
-KNOWN = (*BY_NAME, WIND_AT.name)
+OF_ANY = tuple(each.name for each in (*INPUT_TABLE, WIND_AT))
+OF_FREE_KITE = tuple(each.name for each in (*INPUT_TABLE, WIND_AT) if each.of != DRIVEN_KITE)
 
 
-def put(to, given):
+def put(to, given, at_start=False):
     """Set those inputs that are not None; ValueError if a shape is wrong, TypeError if there is no such input.
 
-    given : dict by name.
+    given : dict by name.  at_start : whether a free kite has a position and a velocity among them.
     """
+    known = OF_FREE_KITE if to.variant.kite_is_free and not at_start else OF_ANY
     for name in given:
-        if name not in KNOWN:
-            near = get_close_matches(name, KNOWN, 1)
-            hint = f"; did you mean {near[0]}?" if near else f"; there are {', '.join(KNOWN)}"
+        if name not in known:
+            near = get_close_matches(name, known, 1)
+            hint = f"; did you mean {near[0]}?" if near else f"; there are {', '.join(known)}"
             raise TypeError(f"{to.name} has no input {name!r}{hint}")
     numbers = {name: value for name, value in given.items() if name not in ("wind_velocity", WIND_AT.name)}
     for start, end, values in arguments.numbers_at(numbers):

@@ -206,7 +206,7 @@ class TetherModel(Running):
             given |= {"ground_position": ground_position, "ground_velocity": ground_velocity}
             if self.wind_points:
                 given["wind_at"] = np.zeros((self.wind_points, 3))
-            given_inputs.put(self._receiver, given | inputs)
+            given_inputs.put(self._receiver, given | inputs, at_start=True)
             if slack is not None:
                 chord = np.subtract(kite_position, ground_position, dtype=float)
                 self._parameters[at.INITIAL_LENGTH] = arguments.length_with(slack, chord, self.segments)

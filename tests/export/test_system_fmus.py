@@ -311,7 +311,7 @@ def test_a_wrong_file_is_told_in_one_line(tmp_path, capsys, wrong):
     assert told.count("\n") == 1
 
 
-@pytest.mark.parametrize("other", [["TetherDynamic"], ["--segments", "5"], ["--native", "--header"], ["--wind-points", "3"]])
+@pytest.mark.parametrize("other", [["TetherDynamic"], ["--segments", "5"], ["--header"], ["--examples"]])
 def test_options_that_do_not_go_with_a_system(other, capsys):
     with pytest.raises(SystemExit) as ended:
         main(["--system", str(FILES / "y_bridle.toml"), *other])

@@ -64,7 +64,7 @@ def accelerations(model, reel_out_speed, free_ends):
 def test_power_is_the_rate_of_the_energy(free_ends, reel_out_speed, node_winds):
     model = shaken(free_ends)
     if node_winds is not None:
-        given_inputs.put(model._receiver, node_winds)
+        given_inputs.put(model._receiver, {"wind_velocity": node_winds})
     now = model.energy(reel_out_speed, WIND, LOAD)
     a = accelerations(model, reel_out_speed, free_ends)
     start = model.get_state()

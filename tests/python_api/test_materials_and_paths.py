@@ -64,7 +64,8 @@ def test_a_flight_along_paths_equals_a_loop():
     flown = whole.fly(inputs, 0.02)
     for k in range(20):
         time = 1.0 + 0.02 * k
-        outputs = loop.step(0.02, *kite.at(time), *ground.at(time), 0.1 * time, (8.0 + time, 0.0, 0.0))
+        given = {"reel_out_speed": 0.1 * time, "wind_velocity": (8.0 + time, 0.0, 0.0)}
+        outputs = loop.step(0.02, *kite.at(time), *ground.at(time), **given)
     np.testing.assert_array_equal(flown.kite_force[-1], outputs.kite_force)
     np.testing.assert_array_equal(flown.positions[-1], loop.positions)
 

@@ -10,6 +10,7 @@ from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.instance import Instance
 from tetherfmu.runtime.packing import pack_records
 from tetherfmu.runtime.parameters import Solver
+from tetherfmu.runtime.variables import line_of_tether
 from tetherfmu.runtime.variants import BY_NAME, VARIANTS
 from tetherfmu.study.scenes.start import tether_at_start
 
@@ -38,8 +39,9 @@ def flight(variant, segments, steps):
 def starts(variant, segments, count):
     """A new start at so many points of the circle, as a function that returns the iterations for all shapes."""
     scene = circle_scene(segments)
-    instance = Instance(kernels(variant), segments + 1)
-    instance.set_up(*pack_records(instance.kernels, (scene.tether,), scene.environment, Solver()))
+    instance = Instance(kernels(variant), (line_of_tether(segments + 1),))
+    count_of_segments, parameters = pack_records(instance.kernels, (scene.tether,), scene.environment, Solver())
+    instance.set_up((count_of_segments,), parameters)
     inputs = [array("d", row) for row in scene.inputs(STEP)[:count]]
 
     def start():

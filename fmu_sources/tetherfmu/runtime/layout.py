@@ -97,7 +97,8 @@ LAST_STEP = 7  # last communication step [s], 0 before the first
 # the inputs whose rates are estimated, as they were at the start of the last communication step: velocities of the kite end
 # and of the ground end, of a free one see `lines.places_of_load`; load; reel-out speed, rate of `winch_length`, winch force
 LAST_RATED = 8
-LAST_KITE_VELOCITY, LAST_GROUND_VELOCITY, LAST_WINCH_FORCE = LAST_RATED, LAST_RATED + 3, LAST_RATED + 11
+LAST_KITE_VELOCITY, LAST_GROUND_VELOCITY = LAST_RATED, LAST_RATED + 3
+LAST_REEL_OUT_SPEED, LAST_WINCH_FORCE = LAST_RATED + 9, LAST_RATED + 11
 # their rates over about a quarter of the longest step, which stand in for the last one after a much shorter step
 RECENT_RATES = LAST_RATED + 12
 STEPS = RECENT_RATES + 12  # internal steps accepted since the start
