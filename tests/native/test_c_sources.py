@@ -15,6 +15,7 @@ from libraries.test_symbols import dynamic_symbols
 from native import as_importers_do as importer
 from native.test_platforms import C_LIBRARY
 from runtime import clients
+from runtime.host import Host
 from tetherfmu.export import native, native_sources, systems
 from tetherfmu.export.native_tables import most_room
 from tetherfmu.runtime.kernel_library import this_platform
@@ -85,6 +86,17 @@ def test_the_numbers_of_the_native_fmu_of_a_system(tmp_path):
     other = importer.with_library(path, importer.compiled(path, tmp_path), tmp_path, 2)
     found, expected = (own_process(importer.evidence_run, path=each) for each in (other, path))
     assert clients.different(found, expected) == []
+    found, expected = (own_process(derivatives_of_bridle, path=each) for each in (other, path))
+    assert found == expected
+    assert all(found)
+
+
+def derivatives_of_bridle(path):
+    """Of the tension at the ground by its position after a step: steps done again, in arrays of a trial."""
+    host = Host(path).start()
+    host.step(0.02)
+    output, inputs = [host.reference["main.tension_from"]], [host.reference[f"ground.position[{i}]"] for i in (1, 3)]
+    return [host.fmu.getDirectionalDerivative(output, [each], [1.0])[0] for each in inputs]
 
 
 @pytest.mark.parametrize("fmi", [2, 3])
