@@ -17,7 +17,7 @@ APART = ("check", "console")  # rooms at the right
 ROOMS_OF_FILES = {  # modules that stand beside the folders
     "commands": ("__main__", "commands"),
     "Python API": (
-        *("models", "tether_model", "given_inputs", "compiled_flight", "arguments"),
+        *("models", "tether_model", "given_inputs", "running", "compiled_flight", "arguments"),
         *("energy", "input_files", "materials", "paths", "results", "states"),
     ),
     "kernels.entry_points": ("kernels.entry_points",),
@@ -90,7 +90,7 @@ def without_detours(pairs):
 
 
 def contents(room):
-    """What is in a room: its folders, or else its modules, one line."""
+    """What is in a room: its folders and modules, one line."""
     if room == "kernels.entry_points":
         return "segments  pack  complete  initialize  advance  outputs  fly  energy, for each library"
     if room == "kernels.packing":
@@ -99,7 +99,7 @@ def contents(room):
         return "  ".join(name.rpartition(".")[2] for name in ROOMS_OF_FILES[room])
     folder = PACKAGE / room.replace(".", "/")
     folders = sorted(path.parent.name for path in folder.glob("*/__init__.py"))
-    return "  ".join(folders or sorted(path.stem for path in folder.glob("[a-z]*.py")))
+    return "  ".join([*folders, *sorted(path.stem for path in folder.glob("[a-z]*.py"))])
 
 
 def box(floor, rooms, k):

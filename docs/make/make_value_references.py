@@ -3,9 +3,9 @@
 from pathlib import Path
 
 from make_interface import table
-from tetherfmu.export.host_header import TYPES, c_name
-from tetherfmu.export.native_arrays import arrays
-from tetherfmu.export.native_tables import count_of_values
+from tetherfmu.export.native.arrays import arrays
+from tetherfmu.export.native.host_header import TYPES, c_name
+from tetherfmu.export.native.tables import count_of_values
 from tetherfmu.runtime.resources import DEFAULT_OPTIONS
 from tetherfmu.runtime.variables import INPUT, LOCAL, OUTPUT, PARAMETER, variables
 
@@ -55,7 +55,7 @@ def listed(variant):
 
 
 def rows(found):
-    """Markdown table of `native_arrays.Array`."""
+    """Markdown table of `native.arrays.Array`."""
     cells = []
     for each in found:
         count, last = len(each.variables), each.reference + len(each.variables) - 1

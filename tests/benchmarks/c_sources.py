@@ -23,8 +23,9 @@ from fmpy.validation import validate_fmu
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from native import as_importers_do as importer
-from tetherfmu.export import native, systems
+from tetherfmu.export import systems
 from tetherfmu.export.archive import SLAVES
+from tetherfmu.export.native import fmus as native
 from tetherfmu.runtime.kernel_library import SUFFIXES, this_platform
 
 FILES = Path(__file__).resolve().parents[2] / "examples" / "systems"

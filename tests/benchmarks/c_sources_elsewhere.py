@@ -30,7 +30,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from native import as_importers_do as importer
 from scenes import REVOLUTION, circle
-from tetherfmu.export import native, systems
+from tetherfmu.export import systems
+from tetherfmu.export.native import fmus as native
 from tetherfmu.libraries.linking import zig
 from tetherfmu.runtime.kernel_library import this_platform
 from tetherfmu.runtime.limits import WORST_WORK

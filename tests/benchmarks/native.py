@@ -22,8 +22,9 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from native import programs
 from runtime.host import Host
 from scenes import circle, kite_at_start
-from tetherfmu.export import archive, native
+from tetherfmu.export import archive
 from tetherfmu.export.build_options import BuildOptions
+from tetherfmu.export.native import fmus as native
 from tetherfmu.libraries import ready
 from tetherfmu.runtime.kernel_library import file_name, this_platform
 

@@ -12,7 +12,7 @@ import pytest
 from native.programs import WARNINGS, available
 from tetherfmu import TetherDynamic
 from tetherfmu.export.build_options import BuildOptions
-from tetherfmu.export.native import build
+from tetherfmu.export.native.fmus import build
 
 ROOT = Path(__file__).resolve().parents[2]
 SOURCE, PAGE = ROOT / "examples" / "hosts" / "fly_from_c.c", ROOT / "docs" / "use" / "importing.md"

@@ -9,10 +9,10 @@ from fmpy import read_model_description
 
 from native import programs
 from tetherfmu.commands import build as command
-from tetherfmu.export import native
 from tetherfmu.export.archive import SLAVES
 from tetherfmu.export.build_options import BuildOptions, Purpose
-from tetherfmu.export.host_header import c_name
+from tetherfmu.export.native import fmus as native
+from tetherfmu.export.native.host_header import c_name
 
 every_header = pytest.mark.parametrize(("fmi", "name"), [(fmi, name) for fmi in (2, 3) for name in SLAVES])
 

@@ -3,9 +3,9 @@
 import shutil
 import subprocess
 
-from tetherfmu.export.native import HEADERS
-from tetherfmu.export.native_arrays import arrays
-from tetherfmu.export.native_tables import header, wiring_of
+from tetherfmu.export.native.arrays import arrays
+from tetherfmu.export.native.fmus import HEADERS
+from tetherfmu.export.native.tables import header, wiring_of
 from tetherfmu.libraries import ready
 from tetherfmu.libraries.ahead_of_time import object_name
 from tetherfmu.libraries.native_shell import SHELL, unit

@@ -16,8 +16,10 @@ from native import as_importers_do as importer
 from native.test_platforms import C_LIBRARY
 from runtime import clients
 from runtime.host import Host
-from tetherfmu.export import native, native_sources, systems
-from tetherfmu.export.native_tables import most_room
+from tetherfmu.export import systems
+from tetherfmu.export.native import fmus as native
+from tetherfmu.export.native import sources as native_sources
+from tetherfmu.export.native.tables import most_room
 from tetherfmu.runtime.kernel_library import this_platform
 
 pytestmark = pytest.mark.skipif(not importer.available(), reason="there is no gcc")

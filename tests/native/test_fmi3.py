@@ -19,10 +19,10 @@ from lxml import etree
 from isolation import in_shared_process
 from runtime.host import Host, blob_of, restore
 from scenes import circle, kite_at_start, kite_inputs
-from tetherfmu.export import native
 from tetherfmu.export.archive import SLAVES
 from tetherfmu.export.build_options import BuildOptions
-from tetherfmu.export.native import HEADERS
+from tetherfmu.export.native import fmus as native
+from tetherfmu.export.native.fmus import HEADERS
 
 SCHEMAS = Path(fmpy.__file__).parent / "schema" / "fmi3"
 STEP = 0.02

@@ -15,8 +15,8 @@ from isolation import own_process
 from libraries.test_symbols import dynamic_symbols
 from runtime.host import Host
 from scenes import circle, kite_inputs
-from tetherfmu.export import native
 from tetherfmu.export.build_options import BuildOptions
+from tetherfmu.export.native import fmus as native
 from tetherfmu.libraries.ahead_of_time import TARGETS
 from tetherfmu.libraries.linking import MATHEMATICS
 

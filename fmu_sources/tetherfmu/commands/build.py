@@ -6,9 +6,10 @@ import sys
 from tetherfmu.console.ending import FAILED, WrongUse, command, one_line
 from tetherfmu.console.options import Parser, amount, folder
 from tetherfmu.console.progress import now
-from tetherfmu.export import archive, example_fmus, native, ssp
+from tetherfmu.export import archive, example_fmus, ssp
 from tetherfmu.export.archive import SLAVES
 from tetherfmu.export.build_options import BuildOptions
+from tetherfmu.export.native import fmus as native
 from tetherfmu.libraries import ready
 from tetherfmu.libraries.ahead_of_time import TARGETS
 from tetherfmu.materials import MATERIALS, tether_of

@@ -20,11 +20,14 @@ from tetherfmu.systems import files
 from tetherfmu.systems.ordering import ordered
 from tetherfmu.systems.tether_system import TetherSystem
 
-from . import host_header, native_sources, native_system, osp, related_files, system_evidence
+from . import osp, related_files, system_evidence
 from .archive import DESCRIPTION, SCRIPTS, SLAVES, packed_with_kernels, seal, write
 from .documents import ASSETS, OSP_FOLDER, filled, listed, manifest_of, of_every_fmu, style_and_tables
-from .native import HEADERS, TERMINALS, complete, kernels_of, widths_of, writer_of
-from .native_tables import header, room_of
+from .native import host_header
+from .native import sources as native_sources
+from .native import system as native_system
+from .native.fmus import HEADERS, TERMINALS, complete, kernels_of, widths_of, writer_of
+from .native.tables import header, room_of
 
 SLAVE, SCRIPT = "TetherSystem", "tether_system.py"
 TIMES = DEFAULT_OPTIONS["step"], DEFAULT_OPTIONS["stop"]  # of the default experiment [s]

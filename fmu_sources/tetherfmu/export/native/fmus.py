@@ -17,12 +17,12 @@ from tetherfmu.runtime.resources import DEFAULT_OPTIONS
 from tetherfmu.runtime.variables import table_of
 from tetherfmu.runtime.variants import library_of
 
-from . import host_header, native_description, native_description_fmi3, native_sources
-from .archive import DESCRIPTION, SCRIPTS, SLAVES, guid_of, write
-from .build_options import BuildOptions
-from .documents import documents
-from .native_arrays import arrays_at, places_of
-from .native_tables import header, room_of, wiring_of
+from ..archive import DESCRIPTION, SCRIPTS, SLAVES, guid_of, write
+from ..build_options import BuildOptions
+from ..documents import documents
+from . import description, description_fmi3, host_header, sources
+from .arrays import arrays_at, places_of
+from .tables import header, room_of, wiring_of
 from .universal import universal
 
 HEADERS = Path(find_spec("fmpy").origin).with_name("c-code")  # FMI's own, under the 2-clause BSD licence
@@ -34,7 +34,7 @@ def build(name, folder, options=None, fmi=2, with_header=False, with_sources=Fal
     """Build one native FMU and return its path; RuntimeError if a compiler or the linker fails.
 
     The arguments are those of `archive.build`; fmi : version, 2 or 3.  with_header : whether a C header for hosts is written
-    beside it, see `host_header`.  with_sources : whether the FMU can also be compiled by its importer, see `native_sources`.
+    beside it, see `host_header`.  with_sources : whether the FMU can also be compiled by its importer, see `sources`.
     """
     folder, options = Path(folder), options or BuildOptions()
     folder.mkdir(parents=True, exist_ok=True)
@@ -43,14 +43,14 @@ def build(name, folder, options=None, fmi=2, with_header=False, with_sources=Fal
     about = " ".join(filter(None, [runpy.run_path(str(SCRIPTS / script))[name].description, given["about"]]))
     kernels, files = kernels_of(library_of(variant), options.platforms), {}
     if fmi == 3:
-        files[TERMINALS] = native_description_fmi3.terminals(table_of(variant, given)).encode("utf-8")
+        files[TERMINALS] = description_fmi3.terminals(table_of(variant, given)).encode("utf-8")
     files |= documents(name, variant, about, options, native=fmi)
-    texts = writers(name, variant, about, given, fmi, (native_sources.FILE,) if with_sources else ())
+    texts = writers(name, variant, about, given, fmi, (sources.FILE,) if with_sources else ())
     token = complete(files, name, kernels, texts, fmi)
     if with_sources:
         lines = wiring_of(variant, table_of(variant, given), given["shape_points"]).lines
         room = room_of(ready.kernels(library_of(variant)), lines)
-        files |= native_sources.sources(name, library_of(variant), texts[1](token), room, fmi, HEADERS)
+        files |= sources.sources(name, library_of(variant), texts[1](token), room, fmi, HEADERS)
     made = write(files, folder, name, options.purpose)
     if with_header:
         table = table_of(variant, given)
@@ -91,7 +91,7 @@ def writers(name, variant, about, given, fmi, sources=()):
 
 def writer_of(fmi):
     """Module that writes the model description of a version of FMI."""
-    return native_description_fmi3 if fmi == 3 else native_description
+    return description_fmi3 if fmi == 3 else description
 
 
 def widths_of(table, places, fmi):

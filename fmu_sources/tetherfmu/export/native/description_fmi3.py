@@ -8,10 +8,10 @@ from tetherfmu.runtime.outputs import OUTPUT, OUTPUT_TABLE
 from tetherfmu.runtime.quantities import Quantity
 from tetherfmu.runtime.variables import INPUT, Variable
 
-from .documents import meaning
-from .native_arrays import Array, arrays_at
-from .native_description import categories, experiment, facts
-from .xml_text import xml_text
+from ..documents import meaning
+from ..xml_text import xml_text
+from .arrays import Array, arrays_at
+from .description import categories, experiment, facts
 
 CAPABILITIES = {
     "needsExecutionTool": "false",
@@ -36,7 +36,7 @@ TERMINALS = {
 
 
 def text(name, about, table, places, times, token, sources=()):
-    """Text of modelDescription.xml; the arguments are those of `native_description.text`.
+    """Text of modelDescription.xml; the arguments are those of `description.text`.
 
     sources : not needed, FMI 3 has a file of its own for them.
     """

@@ -5,7 +5,7 @@ from typing import NamedTuple
 from tetherfmu.runtime.inputs import WIND_AT
 from tetherfmu.runtime.variables import references, wind_points_in
 
-from .native_tables import count_of_values
+from .tables import count_of_values
 
 COMPONENTS = 3  # of a vector
 

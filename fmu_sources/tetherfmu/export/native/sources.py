@@ -10,8 +10,8 @@ from tetherfmu.libraries.c_kernels import c_kernels
 from tetherfmu.libraries.native_shell import PARTS, SHELL
 from tetherfmu.runtime.limits import MAX_SEGMENTS
 
-from .documents import filled
-from .xml_text import xml_text
+from ..documents import filled
+from ..xml_text import xml_text
 
 FOLDER = "sources"
 FILE = "fmu.c"
@@ -23,7 +23,7 @@ PROTOTYPE = re.compile(r"^(?!static|typedef|extern)\w[\w *]*?(\w+)\([^;]*\);", r
 def sources(name, library, tables, room, fmi, headers):
     """Files of the folder: dict of path in the archive to bytes; RuntimeError if the kernels cannot be made.
 
-    name : of the FMU.  library : of its kernels.  tables : text of `tables.h`.  room : text of `native_tables.room_of`.
+    name : of the FMU.  library : of its kernels.  tables : text of `tables.h`.  room : text of `tables.room_of`.
     fmi : 2 or 3.  headers : folder with those of FMI.
     """
     parts = [NOT_IN_C.get(part, part) for part in (*PARTS, f"fmi{fmi}") if NOT_IN_C.get(part, part)]

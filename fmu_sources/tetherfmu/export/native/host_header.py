@@ -8,9 +8,9 @@ import re
 from tetherfmu.runtime import __version__
 from tetherfmu.runtime.variables import INPUT, LOCAL, OUTPUT, PARAMETER
 
-from .documents import meaning
-from .native_arrays import arrays_at
-from .native_tables import c_text
+from ..documents import meaning
+from .arrays import arrays_at
+from .tables import c_text
 
 PREFIX = "TETHER_"
 HEADS = {INPUT: "inputs", OUTPUT: "outputs", LOCAL: "local variables", PARAMETER: "parameters"}
@@ -43,7 +43,7 @@ def text(file, identifier, table, places, fmi, token):
     """Text of the header of a native FMU.
 
     file : name of the FMU without ending.  identifier : model identifier.  table : of `variables.Variable`.
-    places : their `native_arrays.Places`.  fmi : 2 or 3.  token : guid of FMI 2, instantiation token of FMI 3.
+    places : their `arrays.Places`.  fmi : 2 or 3.  token : guid of FMI 2, instantiation token of FMI 3.
     """
     listed = arrays_at(table, places)
     parts = [_enumeration(HEADS[causality], _references(table, listed, places, fmi, causality)) for causality in HEADS]

@@ -5,9 +5,9 @@ from tetherfmu.runtime.inputs import WIND_AT, components
 from tetherfmu.runtime.kernel_library import SYSTEM
 from tetherfmu.runtime.variables import INPUT, PARAMETER
 
-from .native_arrays import Places
-from .native_description_fmi3 import TERMINALS, WIND, buses
-from .native_tables import Wiring, given_plan
+from .arrays import Places
+from .description_fmi3 import TERMINALS, WIND, buses
+from .tables import Wiring, given_plan
 
 
 def places_of(structure, table):
@@ -18,7 +18,7 @@ def places_of(structure, table):
 
 
 def wiring_of(structure, table):
-    """`native_tables.Wiring` of a system."""
+    """`tables.Wiring` of a system."""
     own = {each.name: each.place for each in table}
     lines, names = system_maps.lines_of(structure), [line.name for line in structure.lines]
     given, fixed = (sum(each.causality == kind for each in table) for kind in (INPUT, PARAMETER))

@@ -100,7 +100,7 @@ def header(wiring, widths, token):
     listed = [variable for variable in wiring.table if variable.causality == PARAMETER]
     return "\n".join(
         [
-            "/* Made by export/native_tables.py. */",
+            "/* Made by export/native/tables.py. */",
             "#ifndef TABLES_H",
             "#define TABLES_H",
             *_constants(wiring, token),

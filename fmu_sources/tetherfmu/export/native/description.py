@@ -6,8 +6,8 @@ from tetherfmu.runtime import __version__
 from tetherfmu.runtime.model_description import number_text, structure, types, units, variables
 from tetherfmu.runtime.parameters import DEFAULT_TOLERANCE
 
-from .archive import GENERATED
-from .xml_text import xml_text
+from ..archive import GENERATED
+from ..xml_text import xml_text
 
 CAPABILITIES = {
     "needsExecutionTool": "false",
@@ -32,7 +32,7 @@ def text(name, about, table, places, times, token, sources=()):
     """Text of modelDescription.xml.
 
     name : of the FMU.  about : description of the model.  table : of `variables.Variable`, with their `places`, which are
-    `native_arrays.Places`.  times : communication step and stop time of the default experiment [s].  token : the guid.
+    `arrays.Places`.  times : communication step and stop time of the default experiment [s].  token : the guid.
     sources : C files that an importer compiles.
     """
     root = Element("fmiModelDescription", fmiVersion="2.0", guid=token, **facts(name, about))
