@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from copy import deepcopy
+from pickle import PicklingError
 from warnings import warn
 
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.instance import Instance
+from tetherfmu.runtime.kernel_library import Kernels
 from tetherfmu.runtime.limits import most_of_a_step
 
 from . import arguments, compiled_flight
@@ -13,10 +16,42 @@ from .results import PlausibilityWarning, StepRefused
 
 
 class Running:
-    """Lines in an `Instance`, once they are started."""
+    """Lines in an `Instance`, once they are started; a subclass has `_make`, which makes it, `get_state` and `set_state`."""
 
     _instance: Instance
     _runs: bool = False
+    _kernels: Kernels | None = None  # other ones than those of the installation
+    _made: tuple = ()  # attributes that `_make` makes, so anew in a copy
+
+    def __getstate__(self):
+        """What a copy is made of: all attributes but the arrays, and the state if it runs."""
+        kept = {name: value for name, value in vars(self).items() if name not in self._made}
+        return kept, self.get_state() if self._runs else None
+
+    def __setstate__(self, kept):
+        """Be a copy."""
+        attributes, state = kept
+        vars(self).update(attributes)
+        self._make()
+        if state is not None:
+            self.set_state(state)
+
+    def __deepcopy__(self, memo):
+        """One of its own, in the same state; both share their kernels, which hold none."""
+        memo[id(self._kernels)] = self._kernels
+        memo[id(self)] = other = object.__new__(type(self))
+        other.__setstate__(deepcopy(self.__getstate__(), memo))
+        return other
+
+    __copy__ = deepcopy
+
+    def __reduce_ex__(self, protocol):
+        """For pickle; PicklingError with other kernels than those of the installation."""
+        if self._kernels is not None:
+            raise PicklingError(
+                f"this {type(self).__name__} was made with kernels of its own; without them it can be pickled"
+            )
+        return super().__reduce_ex__(protocol)
 
     @property
     def implausible(self) -> list[str]:

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from copy import deepcopy
-from pickle import PicklingError
 from typing import Unpack
 from warnings import warn
 
@@ -25,8 +23,6 @@ from . import arguments, energy, given_inputs, states
 from .given_inputs import Inputs
 from .results import Flown, Outputs, PlausibilityWarning, StepRefused, outputs_of
 from .running import Running
-
-_MADE = ("_variant", "_instance", "_parameters", "_state", "_inputs", "_outputs", "_receiver")  # anew in a copy
 
 
 class TetherModel(Running):
@@ -66,6 +62,7 @@ class TetherModel(Running):
     variant: str = ""
     _free_ends: tuple[bool, bool] = (False, False)
     _kite: FreeKite | None = None
+    _made = ("_variant", "_instance", "_parameters", "_state", "_inputs", "_outputs", "_receiver")
 
     def __init__(
         self,
@@ -115,36 +112,6 @@ class TetherModel(Running):
         self._receiver = given_inputs.Receiver(
             name, self._variant, instance, self._inputs, memoryview(instance.values), profile, self.wind_points
         )
-
-    def __getstate__(self):
-        """What a copy is made of: all attributes but the arrays, and the state if it runs."""
-        kept = {name: value for name, value in vars(self).items() if name not in _MADE}
-        return kept, self.get_state() if self._runs else None
-
-    def __setstate__(self, kept):
-        """Be a copy."""
-        attributes, state = kept
-        vars(self).update(attributes)
-        self._make()
-        if state is not None:
-            self.set_state(state)
-
-    def __deepcopy__(self, memo):
-        """A tether of its own, in the same state; both share their kernels, which hold none."""
-        memo[id(self._kernels)] = self._kernels
-        memo[id(self)] = other = object.__new__(type(self))
-        other.__setstate__(deepcopy(self.__getstate__(), memo))
-        return other
-
-    __copy__ = deepcopy
-
-    def __reduce_ex__(self, protocol):
-        """For pickle; PicklingError with other kernels than those of the installation."""
-        if self._kernels is not None:
-            raise PicklingError(
-                f"this {type(self).__name__} was made with kernels of its own; without them it can be pickled"
-            )
-        return super().__reduce_ex__(protocol)
 
     def __repr__(self) -> str:
         """What it is, and whether it runs."""

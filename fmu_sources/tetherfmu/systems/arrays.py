@@ -74,6 +74,15 @@ class Arrays:
         rows[:, [places.START_IS_SOUGHT, places.END_IS_SOUGHT]] = 0
         return found
 
+    def parameters(self):
+        """Copy of the parameters of all lines, without the wind at their nodes, which is part of their states."""
+        found = np.array(self.instance.parameters)
+        for k, segments in enumerate(self.instance.counts):
+            first = self.plan[places.PLAN_HEADER + places.LINE_NUMBERS * k + places.PARAMETERS_AT]
+            end = first + at.parameters_size(segments)
+            found[end - 3 * (segments + 1) : end] = 0.0
+        return found
+
     def seek(self, names):
         """Let the next start find the free points with these names, and no others."""
         rows = self.plan[places.PLAN_HEADER :].reshape(-1, places.LINE_NUMBERS)

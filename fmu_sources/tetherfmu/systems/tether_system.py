@@ -74,6 +74,8 @@ class TetherSystem(Running):
     <TetherSystem: 4 points (1 free), 3 lines, 16 segments, running>
     """
 
+    _made = ("_instance", "_arrays")
+
     def __init__(
         self,
         points: Sequence[Point],
@@ -92,9 +94,14 @@ class TetherSystem(Running):
         for line in lines:
             arguments.tethers_of("Line", line.tether)
         self.points, self.lines = points, lines
-        wind_points = arguments.wind_points(wind_points)
-        self._instance = instance_of(points, lines, environment, solver, ground, wind_points)
-        self._arrays = Arrays(self._instance, lines)
+        self._records = environment, solver, ground
+        self.wind_points: int = arguments.wind_points(wind_points)
+        self._make()
+
+    def _make(self):
+        """Make the arrays."""
+        self._instance = instance_of(self.points, self.lines, *self._records, self.wind_points)
+        self._arrays = Arrays(self._instance, self.lines)
 
     @classmethod
     def from_file(cls, path: str | Path) -> TetherSystem:
@@ -171,8 +178,8 @@ class TetherSystem(Running):
         before = self._arrays.inputs.copy()
         try:
             given = {name: position for name, position in positions.items() if position is not None}
-            if self._instance.lines[0].wind_points:
-                still = np.zeros((self._instance.lines[0].wind_points, 3))
+            if self.wind_points:
+                still = np.zeros((self.wind_points, 3))
                 wind_at = {**{line.name: still for line in self.lines}, **(wind_at or {})}
             self._set(given, velocities, loads, winches, wind_velocity, wind_at, at_start=True)
             self._arrays.seek(wanted)
@@ -303,7 +310,7 @@ class TetherSystem(Running):
         """
         self._check_started()
         arrays = self._arrays
-        return np.concatenate([arrays.topology(), arrays.state, arrays.inputs, self._instance.parameters])
+        return np.concatenate([arrays.topology(), arrays.state, arrays.inputs, arrays.parameters()])
 
     def set_state(self, state: ArrayLike) -> None:
         """Go back to a state of `get_state`, of this system or one that equals it, bit for bit.
@@ -312,7 +319,7 @@ class TetherSystem(Running):
         """
         arrays = self._arrays
         state = np.asarray(state, dtype=float)
-        ours = np.frombuffer(self._instance.parameters)
+        ours = arrays.parameters()
         sizes = [len(each) for each in (arrays.topology(), arrays.state, arrays.inputs, ours)]
         if state.shape != (sum(sizes),):
             raise ValueError(f"state has the shape {state.shape}; it must be {(sum(sizes),)}")
