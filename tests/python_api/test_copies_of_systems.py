@@ -14,20 +14,15 @@ ROPE = Tether(segments=4, initial_length=20.4)
 
 
 def started(wind_points):
-    system = TetherSystem(
-        POINTS, [Line("a", "left", "load", ROPE), Line("b", "right", "load", ROPE)], wind_points=wind_points
-    )
+    lines = [Line("a", "left", "load", ROPE), Line("b", "right", "load", ROPE)]
+    system = TetherSystem(POINTS, lines, wind_points=wind_points)
     system.initialize(**winds(wind_points, 0))
     return system
 
 
 def winds(wind_points, k):
     scale = 1.0 + 0.1 * k
-    return (
-        {"wind_at": {name: scale * WIND for name in ("left", "right")}}
-        if wind_points
-        else {"wind_velocity": scale * WIND[1]}
-    )
+    return {"wind_at": dict.fromkeys("ab", scale * WIND)} if wind_points else {"wind_velocity": scale * WIND[1]}
 
 
 def flown(system, wind_points, steps=range(5, 10)):
