@@ -6,11 +6,13 @@ segments and fly a number. Which line a status is about stands in the plan at ST
 carries the number of a free point, whose load it is about, and NO_EQUILIBRIUM_OF_POINT that of the point.
 """
 
+from ctypes import c_double, c_int32, c_int64
+
 from numba import types
 
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import plan_layout as places
-from tetherfmu.runtime.kernel_library import Kernels
+from tetherfmu.runtime.kernel_library import PROTOTYPES, Array, Kernels, Plan
 from tetherfmu.runtime.status import OK
 from tetherfmu.runtime.variants import BY_NAME, DYNAMIC
 
@@ -24,19 +26,9 @@ from .step import power_balance
 
 plan_size = kernel(places.plan_size)
 
-_DOUBLES, _WHOLE = types.CPointer(types.float64), types.CPointer(types.int64)
-_COUNT, _STATUS, _NUMBER = types.int64, types.int32, types.float64
-_FIXED = _WHOLE, _DOUBLES, _DOUBLES  # plan, parameters, inputs
-SIGNATURES = Kernels(
-    segments=_COUNT(_COUNT, _DOUBLES),
-    pack=_STATUS(_COUNT, _COUNT, _DOUBLES, _NUMBER, _DOUBLES),
-    complete=_STATUS(_WHOLE),
-    initialize=_STATUS(*_FIXED, _DOUBLES, _DOUBLES, _DOUBLES),
-    advance=_STATUS(*_FIXED, _NUMBER, _DOUBLES, _DOUBLES, _DOUBLES, _DOUBLES),
-    outputs=_STATUS(*_FIXED, _DOUBLES, _DOUBLES, _DOUBLES),
-    fly=_COUNT(*_FIXED, _COUNT, _NUMBER, _COUNT, _COUNT, _DOUBLES, _DOUBLES, _DOUBLES, _DOUBLES),
-    energy=_STATUS(*_FIXED, _COUNT, _DOUBLES, _DOUBLES, _DOUBLES),
-)
+_KINDS = {c_int64: types.int64, c_int32: types.int32, c_double: types.float64}
+_KINDS |= {Plan: types.CPointer(types.int64), Array: types.CPointer(types.float64)}
+SIGNATURES = Kernels(*(_KINDS[each._restype_](*map(_KINDS.get, each._argtypes_)) for each in PROTOTYPES))
 
 
 @view

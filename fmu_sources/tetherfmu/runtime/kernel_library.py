@@ -23,17 +23,26 @@ NO_LIBRARY_OF_PYTHONFMU = (
     f"PythonFMU has libraries for {' and '.join(PYTHONFMU)} only, not for {{platforms}}; "
     "build a native FMU: tetherfmu build --native"
 )
-_ARRAY = c_void_p
-_FIXED = _ARRAY, _ARRAY, _ARRAY  # plan, parameters, inputs
+
+
+class Plan(c_void_p):
+    """Address of whole numbers."""
+
+
+class Array(c_void_p):
+    """Address of floats."""
+
+
+_FIXED = Plan, Array, Array  # plan, parameters, inputs
 PROTOTYPES = Kernels(
-    segments=CFUNCTYPE(c_int64, c_int64, _ARRAY),
-    pack=CFUNCTYPE(c_int32, c_int64, c_int64, _ARRAY, c_double, _ARRAY),
-    complete=CFUNCTYPE(c_int32, _ARRAY),
-    initialize=CFUNCTYPE(c_int32, *_FIXED, _ARRAY, _ARRAY, _ARRAY),
-    advance=CFUNCTYPE(c_int32, *_FIXED, c_double, _ARRAY, _ARRAY, _ARRAY, _ARRAY),
-    outputs=CFUNCTYPE(c_int32, *_FIXED, _ARRAY, _ARRAY, _ARRAY),
-    fly=CFUNCTYPE(c_int64, *_FIXED, c_int64, c_double, c_int64, c_int64, _ARRAY, _ARRAY, _ARRAY, _ARRAY),
-    energy=CFUNCTYPE(c_int32, *_FIXED, c_int64, _ARRAY, _ARRAY, _ARRAY),
+    segments=CFUNCTYPE(c_int64, c_int64, Array),
+    pack=CFUNCTYPE(c_int32, c_int64, c_int64, Array, c_double, Array),
+    complete=CFUNCTYPE(c_int32, Plan),
+    initialize=CFUNCTYPE(c_int32, *_FIXED, Array, Array, Array),
+    advance=CFUNCTYPE(c_int32, *_FIXED, c_double, Array, Array, Array, Array),
+    outputs=CFUNCTYPE(c_int32, *_FIXED, Array, Array, Array),
+    fly=CFUNCTYPE(c_int64, *_FIXED, c_int64, c_double, c_int64, c_int64, Array, Array, Array, Array),
+    energy=CFUNCTYPE(c_int32, *_FIXED, c_int64, Array, Array, Array),
 )
 SUFFIXES = {"linux": ".so", "windows": ".dll", "darwin": ".dylib"}
 

@@ -182,39 +182,26 @@ def moves(system, k):
 
 
 @kernel
-def does_any_move(system):
-    """Whether any line takes part in a step."""
-    count = 0
-    for k in range(lines_of(system)):
-        count += moves(system, k)
-    return count > 0
+def reels(system, k):
+    """Whether the unstretched length of line k changes in a Rosenbrock step."""
+    return winch.is_reeling(conditions_of(system, k).reeling) or turns(system, k)
 
 
-@kernel
-def any_drum(system):
-    """Whether any winch is controlled by force."""
-    count = 0
-    for k in range(lines_of(system)):
-        count += has_drum(system, k)
-    return count > 0
+def any_line(holds):
+    """The kernel that says whether something holds for any line; holds : the kernel that says it of one."""
+
+    @kernel
+    def of_system(system):
+        count = 0
+        for k in range(lines_of(system)):
+            count += holds(system, k)
+        return count > 0
+
+    return of_system
 
 
-@kernel
-def is_any_turning(system):
-    """Whether any drum turns in a Rosenbrock step."""
-    count = 0
-    for k in range(lines_of(system)):
-        count += turns(system, k)
-    return count > 0
-
-
-@kernel
-def is_any_reeling(system):
-    """Whether the unstretched length of any line changes in a Rosenbrock step."""
-    count = 0
-    for k in range(lines_of(system)):
-        count += winch.is_reeling(conditions_of(system, k).reeling)
-    return count > 0 or is_any_turning(system)
+does_any_move, any_drum = any_line(moves), any_line(has_drum)
+is_any_turning, is_any_reeling = any_line(turns), any_line(reels)
 
 
 # --- fixed steps
