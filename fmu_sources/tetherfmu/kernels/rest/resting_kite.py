@@ -13,7 +13,7 @@ from . import resting_forces, resting_line, resting_points
 
 PLAN = places.plan_size(1)
 INPUTS = at.INPUTS + 3
-BAND = 2  # of the matrix of one point, see `systems/ordering.py`
+BAND = 0  # of the matrix of one point, see `systems/ordering.py`
 ROOM_AT = PLAN + INPUTS + (PLAN + INPUTS) % 2  # place of the scratch space of the system, behind its plan and its inputs
 
 

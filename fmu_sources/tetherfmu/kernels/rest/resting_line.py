@@ -14,7 +14,6 @@ from ..equations import assembly, segment
 from ..equations.ground import carries, support, support_slope, under
 from ..equations.lines import (
     add_at,
-    band_of,
     free_points,
     inputs_of,
     lines_of,
@@ -25,13 +24,14 @@ from ..equations.lines import (
     point_at,
     room_of,
     segments_of,
+    size_of_blocks,
     state_of,
 )
 from ..equations.properties import chain_of, property_of
 from ..flat_arrays import part
 from ..linear_algebra import condensed
-from ..linear_algebra.matrices import IDENTITY, ZERO_MATRIX, scale_matrix, subtract
-from ..linear_algebra.points import add_block, place_in
+from ..linear_algebra.matrices import ZERO_MATRIX, scale_matrix, subtract
+from ..linear_algebra.point_blocks import add_to_block
 from ..linear_algebra.vectors import ZERO_VECTOR, add_scaled, get, norm, put, scale, vector_at
 from ..step import transaction
 from . import dynamic_chain, end_tensions, newton
@@ -83,15 +83,6 @@ def first_sought(system):
         if is_point_sought(system, point):
             return point
     return 0
-
-
-@kernel
-def fill_others(system, matrix):
-    """Let the rows of points that are not sought say that they do not move (matrix modified)."""
-    b = band_of(system)
-    for point in range(free_points(system)):
-        if matrix[place_in(b, 3 * point, 3 * point)] == 0.0 and not is_point_sought(system, point):
-            add_block(b, point, point, IDENTITY, matrix)
 
 
 @kernel
@@ -194,7 +185,7 @@ def add_slopes(system, k, search):
                     slope = support_slope(body.ground, get(nodes, n * row_end), ZERO_VECTOR, ZERO_MATRIX)
                     block = subtract(block, scale_matrix(w.mass[n * row_end], slope))
                 row, column = point_at(system, k, row_end), point_at(system, k, column_end)
-                add_block(band_of(system), row, column, block, search.slopes)
+                add_to_block(*size_of_blocks(system), row, column, block, search.slopes)
     return True
 
 

@@ -33,7 +33,6 @@ from ..arrays import copy
 from ..compilation import kernel
 from ..equations.ground import has_ground
 from ..equations.lines import (
-    band_of,
     free_points,
     inputs_of,
     lines_of,
@@ -41,9 +40,11 @@ from ..equations.lines import (
     point_at,
     points_of,
     segments_of,
+    size_of_blocks,
     state_of,
 )
-from ..linear_algebra.points import factorize_band, is_positive_definite, place_in, solve_band
+from ..linear_algebra.matrices import IDENTITY, scale_matrix
+from ..linear_algebra.point_blocks import add_to_block, factorize_definite, solve_definite
 from ..linear_algebra.vectors import dot, get, norm, put_at
 from ..step import transaction
 from .resting_forces import find_residual, find_slopes, largest_residual, least_balanced, search_of
@@ -68,19 +69,17 @@ DENSEST = 0.25  # of these, in which the first equilibrium is sought
 @kernel
 def find_move(system, damping, search):
     """dX into search.move [m] (modified), along which the potential falls: its damping [N/m], and whether it is found."""
-    points, m, b = points_of(system), 3 * free_points(system), band_of(system)
+    size, matrix = size_of_blocks(system), points_of(system).matrix
     for _ in range(LARGEST_DAMPING):
-        if is_positive_definite(m, b, search.slopes, damping, search.factors):
-            break
+        copy(search.slopes, matrix)
+        for point in range(free_points(system)):
+            add_to_block(*size, point, point, scale_matrix(damping, IDENTITY), matrix)
+        if factorize_definite(*size, matrix):
+            copy(search.residual, search.move)
+            solve_definite(*size, matrix, search.move)
+            return damping, True
         damping *= HARDER
-    copy(search.slopes, points.matrix)
-    for i in range(m):
-        points.matrix[place_in(b, i, i)] += damping
-    copy(search.residual, search.move)
-    if not factorize_band(m, b, points.matrix, points.pivots):
-        return damping, False
-    solve_band(m, b, points.matrix, points.pivots, search.move)
-    return damping, True
+    return damping, False
 
 
 @kernel
