@@ -35,8 +35,8 @@ slides : 1 in a search without friction, else 0.  kept : an equilibrium to conti
 
 @kernel
 def search_size(points, band):
-    """Length of what so many free points need of `work` for their search, with this band of their matrix."""
-    return matrix_size(points, band) + 24 * points + 2
+    """Length of what so many free points need of `work`, also for their search, with this band of their matrix."""
+    return points_size(points, band) + matrix_size(points, band) + 24 * points + 2
 
 
 @view
@@ -105,15 +105,6 @@ def find_slopes(system, search):
             block = held, 0.0, 0.0, 0.0, held, 0.0, 0.0, 0.0, 0.0
             add_to_block(*size_of_blocks(system), point, point, block, search.slopes)
     return True
-
-
-@kernel
-def largest_residual(search):
-    """Largest residual of a point [N]."""
-    largest = 0.0
-    for point in range(len(search.size)):
-        largest = max(largest, norm(get(search.residual, point)))
-    return largest
 
 
 @kernel

@@ -62,6 +62,15 @@ def half_weight(system, k):
 
 
 @kernel
+def largest(vectors):
+    """Size of the largest of the vectors in a flat array."""
+    most = 0.0
+    for k in range(len(vectors) // 3):
+        most = max(most, norm(get(vectors, k)))
+    return most
+
+
+@kernel
 def shortest_line(system):
     """Length [m] of the shortest line at a sought point."""
     shortest = inf
@@ -69,14 +78,6 @@ def shortest_line(system):
         if is_any_sought(system, k):
             shortest = min(shortest, state_of(system, k)[at.LENGTH])
     return shortest
-
-
-@kernel
-def rise(system, point, x):
-    """Put a sought point of x [m] (modified) onto the ground if it is below."""
-    ground = under(parameters_of(system, 0))
-    if carries(ground, get(x, point)):
-        put(x, point, (x[3 * point], x[3 * point + 1], ground.height))
 
 
 @kernel
@@ -91,14 +92,13 @@ def guess(system, pull, search):
         for end in range(2):
             if is_sought(system, k, end):
                 add_at(points.right, point_at(system, k, end), half_weight(system, k))
-    largest = 0.0
+    force = largest(points.right)
     clear(points.matrix)
     for point in range(free_points(system)):
-        largest = max(largest, norm(get(points.right, point)))
         if not is_point_sought(system, point):  # it does not move
             add_to_block(*size, point, point, IDENTITY, points.matrix)
     for k in range(lines_of(system)):
-        density = pull * (largest if largest > 0.0 else 1.0) / state_of(system, k)[at.LENGTH]
+        density = pull * (force if force > 0.0 else 1.0) / state_of(system, k)[at.LENGTH]
         for end in range(2):
             if is_sought(system, k, end):
                 point, other = point_at(system, k, end), point_at(system, k, 1 - end)
@@ -110,11 +110,12 @@ def guess(system, pull, search):
     if not factorize_blocks(*size, points.matrix):
         return False
     solve_blocks(*size, points.matrix, points.right, x)
-    apart = SPREAD * shortest_line(system)
+    ground, apart = under(parameters_of(system, 0)), SPREAD * shortest_line(system)
     along_x, along_y = apart, 0.0
     for point in range(free_points(system)):
         add_at(x, point, (along_x, along_y, 0.0))
-        rise(system, point, x)
+        if carries(ground, get(x, point)):
+            put(x, point, (x[3 * point], x[3 * point + 1], ground.height))
         along_x, along_y = COSINE * along_x - SINE * along_y, SINE * along_x + COSINE * along_y
     return True
 

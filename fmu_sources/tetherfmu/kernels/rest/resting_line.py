@@ -14,7 +14,6 @@ from ..equations import assembly, segment
 from ..equations.ground import carries, support, support_slope, under
 from ..equations.lines import (
     add_at,
-    free_points,
     inputs_of,
     lines_of,
     motion_of,
@@ -58,12 +57,13 @@ def is_any_sought(system, k):
 
 
 @kernel
-def count_sought(system):
-    """Number of ends of lines whose points are sought."""
-    count = 0
+def any_sought(system):
+    """Number of a free point whose position is sought, or DRIVEN if there is none."""
     for k in range(lines_of(system)):
-        count += is_sought(system, k, 0) + is_sought(system, k, 1)
-    return count
+        for end in range(2):
+            if is_sought(system, k, end):
+                return point_at(system, k, end)
+    return places.DRIVEN
 
 
 @kernel
@@ -74,15 +74,6 @@ def is_point_sought(system, point):
         for end in range(2):
             count += is_sought(system, k, end) and point_at(system, k, end) == point
     return count > 0
-
-
-@kernel
-def first_sought(system):
-    """Number of the first free point whose position is sought; there is one."""
-    for point in range(free_points(system)):
-        if is_point_sought(system, point):
-            return point
-    return 0
 
 
 @kernel
