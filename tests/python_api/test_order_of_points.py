@@ -27,4 +27,4 @@ def test_band(pairs, apart):
     numbers = {name: k for k, name in enumerate(found)}
     assert sorted(found) == sorted(given)
     assert max(abs(numbers[line.start] - numbers[line.end]) for line in lines) == apart
-    assert band == 3 * apart + 2
+    assert band == apart

@@ -6,7 +6,7 @@ Source: George and Liu, Computer Solution of Large Sparse Positive Definite Syst
 
 
 def ordered(free, lines):
-    """Names of the free points in their order, and the band of their matrix (`kernels.linear_algebra.points`)."""
+    """Names of the free points in their order, and the band of their matrix: how far neighbours are apart at most."""
     neighbours = {name: set() for name in free}
     for line in lines:
         if line.start in neighbours and line.end in neighbours:
@@ -19,7 +19,7 @@ def ordered(free, lines):
     found.reverse()
     numbers = {name: k for k, name in enumerate(found)}
     apart = max((abs(numbers[a] - numbers[b]) for a in free for b in neighbours[a]), default=0)
-    return found, 3 * apart + 2
+    return found, apart
 
 
 def _levels(start, neighbours):

@@ -1,10 +1,12 @@
 """The block tridiagonal solver against numpy on the full matrix."""
 
+from itertools import product
+
 import numpy as np
 import pytest
 
 from tetherfmu.kernels.linear_algebra.block_tridiagonal import Matrix, factorize, solve
-from tetherfmu.kernels.rest.hanging_chain import solve_symmetric
+from tetherfmu.kernels.linear_algebra.point_blocks import add_to_block, factorize_definite, matrix_size, solve_definite
 
 
 @pytest.mark.parametrize(("first", "last"), [(0, 5), (1, 4), (1, 5), (0, 2), (2, 3), (2, 2)])
@@ -36,10 +38,18 @@ def test_singular_pivot_is_reported(bad, row):
     assert not factorize(0, 3, Matrix(diagonal, np.zeros(36), np.zeros(36)))
 
 
-def test_symmetric_three_by_three():
-    rng = np.random.default_rng(2)
-    half = rng.normal(size=(3, 3))
-    matrix = half @ half.T + np.eye(3)
-    b = rng.normal(size=3)
-    found = solve_symmetric(tuple(matrix[np.triu_indices(3)]), tuple(b))
-    np.testing.assert_allclose(found, np.linalg.solve(matrix, b), rtol=1e-12)
+@pytest.mark.parametrize("w", [0, 1, 2])
+def test_definite_matrix_of_points(w):
+    rng, count = np.random.default_rng(2), 5
+    near = np.kron(abs(np.subtract.outer(range(count), range(count))) <= w, np.ones((3, 3)))
+    whole = near * rng.normal(size=(15, 15)) + 15.0 * np.eye(15)
+    for matrix, is_definite in ((whole, True), (whole - 100.0 * np.diag(np.arange(15) == 7), False)):
+        blocks, b = np.zeros(matrix_size(count, w)), rng.normal(size=15)
+        for p, q in product(range(count), repeat=2):
+            if abs(p - q) <= w:
+                add_to_block(count, w, p, q, tuple(matrix[3 * p : 3 * p + 3, 3 * q : 3 * q + 3].ravel()), blocks)
+        assert factorize_definite(count, w, blocks) == is_definite
+        if is_definite:
+            found = b.copy()
+            solve_definite(count, w, blocks, found)
+            np.testing.assert_allclose(found, np.linalg.solve(matrix, b), rtol=1e-12)

@@ -26,7 +26,6 @@ from ..linear_algebra.vectors import ZERO_VECTOR, add_scaled, get, norm, put, sc
 from . import segment
 from .continuation import given_derivatives, is_continued
 from .end_motion import (
-    between_middles,
     centripetal_accelerations,
     curve,
     estimated_rates,
@@ -113,7 +112,8 @@ def rates_of_inputs(parameters, rated, step, state):
 
     Velocities that are derived, as that of `winch_length`, belong to the middles of steps.
     """
-    last, between = state[at.LAST_STEP], between_middles(state[at.LAST_STEP], state[at.STEP_BEFORE])
+    last, before = state[at.LAST_STEP], state[at.STEP_BEFORE]
+    between = 0.5 * (last + before) if before > 0.0 else 0.0
     of_ends = between if are_derived(parameters) else last
     of_ends, of_load, of_winch = (of_ends, of_ends, of_ends), (last, last, last), (last, between, last)
     return (

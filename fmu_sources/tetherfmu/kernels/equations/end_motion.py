@@ -78,12 +78,6 @@ def centripetal_accelerations(ground, kite, step):
 
 
 @kernel
-def between_middles(last_step, step_before):
-    """Time [s] between the middles of the last two steps [s], to which differences of positions belong; 0 without both."""
-    return 0.5 * (last_step + step_before) if step_before > 0.0 else 0.0
-
-
-@kernel
 def target(position, velocity, acceleration, time):
     """Position [m] and velocity [m/s] that an end is to have after a time [s], from its motion at the start."""
     return add_scaled(add_scaled(position, time, velocity), 0.5 * time * time, acceleration), add_scaled(

@@ -21,8 +21,7 @@ from ..arrays import (
 from ..compilation import kernel, view
 from ..flat_arrays import part
 from ..linear_algebra.condensed import Rows
-from ..linear_algebra.point_blocks import width_of
-from ..linear_algebra.points import row_size
+from ..linear_algebra.point_blocks import matrix_size
 from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, get, put, put_at, vector_at
 from .boundary import BoundaryConditions
 from .continuation import given_derivatives, is_continued
@@ -35,11 +34,10 @@ System.__doc__ = """The flat arrays of a system, see `plan_layout.py`.
 plan : whole numbers, floats in `rest/resting_kite.py`; of a tether alone a `plan.OneLine`.
 """
 
-Points = namedtuple("Points", "matrix pivots right solution mass stage_mass mass_rate change load_rate")
+Points = namedtuple("Points", "matrix right solution mass stage_mass mass_rate change load_rate")
 Points.__doc__ = """Scratch arrays of F free points, m = 3 F.
 
-matrix : of a step, m rows, see `linear_algebra.point_blocks`, or `points` with pivots, m.  right, solution : right-hand side
-of a stage [N], q [m/s], m.
+matrix : see `linear_algebra.point_blocks`.  right, solution : right-hand side of a stage [N], q [m/s], m.
 mass, stage_mass : of the point with its half segments at the start of the step and at a stage [kg], F.
 mass_rate : the rate of `mass` [kg/s], F.  change : of the velocities by what follows a step [m/s], m.
 load_rate : rates of the loads in the communication step [N/s], m.
@@ -89,15 +87,9 @@ def free_points(system):
 
 
 @kernel
-def band_of(system):
-    """Band of the matrix of the free points, see `linear_algebra.points`."""
-    return number_in(system.plan, places.BAND)
-
-
-@kernel
 def size_of_blocks(system):
-    """Rows and width of the matrix of the free points in a step, see `linear_algebra.point_blocks`."""
-    return free_points(system), width_of(band_of(system))
+    """Rows and width of the matrix of the free points, see `linear_algebra.point_blocks`."""
+    return free_points(system), number_in(system.plan, places.BAND)
 
 
 @view
@@ -205,20 +197,19 @@ def room_of(system, k):
 @kernel
 def points_size(points, band):
     """Length of what so many free points need of `work`, with this band of their matrix."""
-    return 3 * points * row_size(band) + 18 * points
+    return matrix_size(points, band) + 15 * points
 
 
 @view
 def points_of(system):
     """`Points` of a system."""
     count, room = free_points(system), behind(number_in(system.plan, places.POINTS_WORK), system.work)
-    m = 3 * count
-    size = m * row_size(band_of(system))
+    m, size = 3 * count, matrix_size(*size_of_blocks(system))
     matrix, room = part(room, 0, size), behind(size, room)
-    pivots, right, solution, room = split(m, room)
-    change, load_rate, room = part(room, 0, m), part(room, m, m), behind(2 * m, room)
+    right, solution, change, room = split(m, room)
+    load_rate, room = part(room, 0, m), behind(m, room)
     masses = part(room, 0, count), part(room, count, count), part(room, 2 * count, count)
-    return Points(matrix, pivots, right, solution, *masses, change, load_rate)
+    return Points(matrix, right, solution, *masses, change, load_rate)
 
 
 @kernel

@@ -78,13 +78,6 @@ def follows_force(parameters):
 
 
 @kernel
-def last_given_length(parameters, state):
-    """The same as `given_length` of the last step, or of the start [m]."""
-    last = state[at.LAST_WINCH_LENGTH]
-    return last if last != 0.0 else parameters[at.INITIAL_LENGTH]
-
-
-@kernel
 def given_length(parameters, inputs, state):
     """Length [m] that the winch should have paid out: `winch_length`; `initial_length` as long as it has been 0."""
     if inputs[at.WINCH_LENGTH] == 0.0 and state[at.LAST_WINCH_LENGTH] == 0.0:
@@ -102,7 +95,8 @@ def first_length(parameters, inputs, state):
 def winch_speed(parameters, inputs, state):
     """Rate of `winch_length` over the last step [m/s]; before the second the speed with which the winch starts."""
     if state[at.LAST_STEP] > 0.0:
-        return (given_length(parameters, inputs, state) - last_given_length(parameters, state)) / state[at.LAST_STEP]
+        last = state[at.LAST_WINCH_LENGTH] if state[at.LAST_WINCH_LENGTH] != 0.0 else parameters[at.INITIAL_LENGTH]
+        return (given_length(parameters, inputs, state) - last) / state[at.LAST_STEP]
     return state[at.REELING]
 
 

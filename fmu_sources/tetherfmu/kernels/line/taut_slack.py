@@ -97,12 +97,6 @@ def keep_energy(conditions, chain, w):
 
 
 @kernel
-def drum_transition_error(drum, chain, h, w):
-    """`transition_error` of the speed [m/s] of a drum with mass, on which the first segment pulls; `chain` as there."""
-    return 0.0 if drum.mass == 0.0 else wrong_impulse(0, chain, h, w) / drum.mass
-
-
-@kernel
 def keep_energy_of_drum(drum, chain, w):
     """Speed [m/s] of a drum with mass after a step in which its only segment, between driven ends, went over the transition.
 

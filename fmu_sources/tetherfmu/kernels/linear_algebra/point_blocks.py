@@ -4,9 +4,10 @@
 
 as within a line (`block_tridiagonal.py`), whose inner nodes these could be. Points in a row, whose neighbours are the next
 ones only, are solved there. The blocks of a diagonal stand one after the other, from the lowest of 2 w + 1 diagonals to the
-highest; the points p - w .. p + w may be neighbours of p (`systems/ordering.py`). `points.py` has the method with pivots,
-for matrices that may be anything, in three times the number of instructions.
-Source: Golub and Van Loan, Matrix Computations, 4th ed., sections 3.2.10 (block elimination) and 4.3 (bands).
+highest; the points p - w .. p + w may be neighbours of p (`systems/ordering.py`). Where the symmetric part of a matrix is
+positive definite, that of each D_p is, too, and no pivots are needed; a symmetric matrix is definite if all D_p are.
+Source: Golub and Van Loan, Matrix Computations, 4th ed., sections 3.2.10 (block elimination), 4.2 (positive definite
+matrices) and 4.3 (bands).
 """
 
 from ..arrays import copy
@@ -19,9 +20,9 @@ from .vectors import get, put
 
 
 @kernel
-def width_of(band):
-    """w of a matrix whose band of numbers, in the plan of a system, is 3 w + 2."""
-    return band // 3
+def matrix_size(count, w):
+    """Length of a matrix of `count` rows of blocks."""
+    return 9 * count * (2 * w + 1)
 
 
 @kernel
@@ -87,3 +88,39 @@ def solve_blocks(count, w, matrix, right, solution):
         for q in range(min(p + w, count - 1), p, -1):
             rest = minus_product(rest, get_matrix(matrix, place_of(count, w, p, q)), get(solution, q))
         put(solution, p, apply(get_matrix(matrix, place_of(count, w, p, p)), rest))
+
+
+@kernel
+def place_of_number(count, w, i, j):
+    """Place of the number in row i and column j of a matrix of `count` rows of blocks."""
+    return place_of(count, w, i // 3, j // 3) + 3 * (i % 3) + j % 3
+
+
+@kernel
+def factorize_definite(count, w, matrix):
+    """Factor a matrix as one of numbers (modified), for pivots of any size; False if one is not positive.
+
+    Blocks, which cofactors invert, lose more where a line is far stiffer along than across.
+    """
+    for k in range(3 * count):
+        pivot, end = matrix[place_of_number(count, w, k, k)], min(3 * (k // 3 + w + 1), 3 * count)
+        if not pivot > 0.0:
+            return False
+        for i in range(k + 1, end):
+            factor = matrix[place_of_number(count, w, i, k)] / pivot
+            matrix[place_of_number(count, w, i, k)] = factor
+            for j in range(k + 1, end):
+                matrix[place_of_number(count, w, i, j)] -= factor * matrix[place_of_number(count, w, k, j)]
+    return True
+
+
+@kernel
+def solve_definite(count, w, matrix, right):
+    """Solve with the factors of `factorize_definite`; the right-hand side (modified) becomes the solution."""
+    for i in range(3 * count):
+        for k in range(max(0, 3 * (i // 3 - w)), i):
+            right[i] -= matrix[place_of_number(count, w, i, k)] * right[k]
+    for i in range(3 * count - 1, -1, -1):
+        for k in range(i + 1, min(3 * (i // 3 + w + 1), 3 * count)):
+            right[i] -= matrix[place_of_number(count, w, i, k)] * right[k]
+        right[i] /= matrix[place_of_number(count, w, i, i)]

@@ -205,7 +205,7 @@ def drum_at(settle, tension):
             residual, inertial = residual_of(drum, stage, length, pull)
             if abs(residual) <= EXACT * (forces + abs(inertial)) + ROUNDING * (stiffness + inertia * length):
                 return length, pull, OK
-            if secant.is_at_limit(search, length, residual):
+            if length == (search.highest if residual < 0.0 else search.lowest):  # the root lies beyond it
                 return length, pull, NO_LENGTH if length == LONGEST else OK
             search, onward = secant.go_on(search, length, residual, FARTHEST * length)
             if onward == length and secant.has_interval(search):

@@ -16,7 +16,7 @@ from ..line.drum_events import next_motion, part_of_piece
 from ..line.moving_drum import NOTHING, Instant, first_event, project, room_left, tension_at_rest
 from ..line.rodas4p import GAMMA
 from ..line.step_control import allowed_errors
-from ..line.taut_slack import drum_transition_error
+from ..line.taut_slack import wrong_impulse
 from ..points.system_room import (
     DIRECTION,
     INCREMENT,
@@ -104,7 +104,7 @@ def error_of_drum(system, k, h):
     velocity_scale = max(velocity_scale, conditions.parameters[at.RELATIVE_TOLERANCE] * fastest)
     error = max(error, abs(numbers[INCREMENT]) / velocity_scale)
     chain = chain_with(conditions, numbers[LENGTH], numbers[SPEED])
-    transition = drum_transition_error(drum, chain, h, integrator_of(system, k)) / velocity_scale
+    transition = wrong_impulse(0, chain, h, integrator_of(system, k)) / drum.mass / velocity_scale
     return max(error, transition * transition) if transition > 1.0 else error
 
 

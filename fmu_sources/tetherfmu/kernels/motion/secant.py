@@ -34,12 +34,6 @@ def has_interval(search):
 
 
 @kernel
-def is_at_limit(search, place, residual):
-    """Whether the root lies beyond the limit at this place."""
-    return (residual < 0.0 and place == search.highest) or (residual > 0.0 and place == search.lowest)
-
-
-@kernel
 def go_on(search, place, residual, farthest):
     """`Search` with the function at a place, and the next place, at most `farthest` away; the same if there is none."""
     lowest, highest, low, high, below, above, last, last_residual, slope, change, count = search

@@ -185,19 +185,14 @@ def go_back(system, k):
 
 
 @kernel
-def motion_in_stages(system, k, is_new):
-    """Length [m] and speed [m/s] of the drum of line k after the stages of a step, or at its start."""
-    return length_of(system, k) if is_new else (numbers_of(system, k)[START_LENGTH], numbers_of(system, k)[START_SPEED])
-
-
-@kernel
 def energy_and_power(system, k, is_new, x, v):
     """Energy of the drum of line k [J] and the power [W] at most with which energy grows as not all segments pull alike.
 
     What the drum pays out lengthens all segments, and only the first one pulls at it. With the nodes at x [m] and velocities
     v [m/s] after the stages of a step, or at its start; the line (modified) then has the length there.
     """
-    conditions, (length, speed) = conditions_of(system, k), motion_in_stages(system, k, is_new)
+    conditions, numbers = conditions_of(system, k), numbers_of(system, k)
+    length, speed = length_of(system, k) if is_new else (numbers[START_LENGTH], numbers[START_SPEED])
     hold(system, k, length)
     chain, power = chain_with(conditions, length, speed), 0.0
     first = first_tension(chain, x, v)

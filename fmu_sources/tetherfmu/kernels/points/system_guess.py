@@ -66,15 +66,9 @@ def move_of_driven(system, k, end):
 
 
 @kernel
-def length_before(system, k):
-    """Unstretched length of line k [m] at the start of the communication step, of one with a drum at that of the step."""
-    return state_of(system, k)[at.LENGTH] if has_drum(system, k) else conditions_of(system, k).reeling[0]
-
-
-@kernel
 def add_weight(system, k, points):
     """Add line k to the equations of the mean moves of the free points (modified); whether one of its points is driven."""
-    weight = 1.0 / length_before(system, k)
+    weight = 1.0 / (state_of(system, k)[at.LENGTH] if has_drum(system, k) else conditions_of(system, k).reeling[0])
     for end in range(2):
         if is_at_point(system, k, end):
             add_block(system, k, end, end, add_to_diagonal(ZERO_MATRIX, weight))

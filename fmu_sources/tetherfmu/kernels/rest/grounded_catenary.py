@@ -26,18 +26,17 @@ from math import sqrt
 
 from ..compilation import kernel
 from ..linear_algebra.vectors import norm
+from ..motion import secant
 from .elastic_catenary import LEAST, asinh_difference
 
 MOST_LENGTHS = 60  # Newton iterations for the length of a hanging part
 MOST_TURNS = 40  # of the part on the ground, with one tension
-MOST_TENSIONS = 120  # that are tried
-MOST_GROWTHS = 200  # of the first of them
-GROWTH = 4.0
+MOST_TENSIONS = 320  # that are tried
+GROWTH = 4.0  # of the tension over the one before, at most
 LEAST_TENSION = 1e-6  # that is tried first
 LARGEST_TURN = 1.0  # [rad]
 ROUNDING = 1e-15
 EXACT = 1e-16  # of the length
-PATIENCE = 3  # steps of the Illinois method that do not halve the interval, before bisection
 GREATEST_GAP = 1e-9  # of the length, of a solution
 
 Grounded = namedtuple("Grounded", "dx dy low high gx gy n elasticity friction")
@@ -52,13 +51,6 @@ Parts.__doc__ = """A tether with a tension and a direction on the ground, in uni
 
 high, low, lying : lengths that hang from the ends and lie on the ground.  low_tension : H_low.  friction : F/l.
 vx, vy : v, what the part on the ground has to span.  spread : rate at which -v.d_across turns with the direction d.
-"""
-
-Bracket = namedtuple("Bracket", "low f_low high f_high weight side width slow")
-Bracket.__doc__ = """Interval in which a falling function changes its sign, for the Illinois method with bisection.
-
-weight : by which the method reduces the value at the end that stays.  side : of the last change, 1 below, -1 above, 0 none.
-width : of the interval some steps ago.  slow : steps since then.
 """
 
 
@@ -112,38 +104,6 @@ def hanging_length(ux, uy, height, load):
             break
         h = onward
     return h
-
-
-@kernel
-def bracket_of(low, f_low, high, f_high):
-    """A new `Bracket` between two places with their values."""
-    return Bracket(low, f_low, high, f_high, 1.0, 0, high - low, 0)
-
-
-@kernel
-def narrowed(bracket, place, value):
-    """A `Bracket` after a value at a place within it."""
-    low, f_low, high, f_high, weight, side, width, slow = bracket
-    now = 1 if value > 0.0 else -1
-    if now > 0:
-        low, f_low = place, value
-    else:
-        high, f_high = place, value
-    weight = 0.5 * weight if now == side else 1.0
-    slow += 1
-    if high - low < 0.5 * width:
-        width, slow = high - low, 0
-    return Bracket(low, f_low, high, f_high, weight, now, width, slow)
-
-
-@kernel
-def next_in(bracket):
-    """The next place to look at within a `Bracket`."""
-    low, high = bracket.low, bracket.high
-    below = bracket.f_low * (bracket.weight if bracket.side < 0 else 1.0)
-    above = bracket.f_high * (bracket.weight if bracket.side > 0 else 1.0)
-    place = low + (high - low) * below / max(below - above, LEAST)
-    return place if bracket.slow < PATIENCE and low < place < high else 0.5 * (low + high)
 
 
 @kernel
@@ -219,26 +179,16 @@ def lie(load, guess):
     ex, ey = (parts.vx / span, parts.vy / span) if span > 0.0 else (1.0, 0.0)
     if span <= parts.lying:
         return 0.0, ex, ey, parts, 0
-    bracket = bracket_of(0.0, span - parts.lying, 0.0, 0.0)
-    tension = max(guess, LEAST_TENSION)
-    value, tried = 0.0, 0
-    for _ in range(MOST_GROWTHS):
-        tried += 1
-        ex, ey, parts = turned(tension, ex, ey, load)
-        value = excess(tension, ex, ey, parts, load)
-        if value <= 0.0:
-            break
-        bracket = bracket_of(tension, value, 0.0, 0.0)
-        tension *= GROWTH
-    bracket = bracket_of(bracket.low, bracket.f_low, tension, value)
-    for _ in range(MOST_TENSIONS):
-        if abs(value) <= EXACT or bracket.high - bracket.low <= ROUNDING * bracket.high:
+    value, tried, farthest = span - parts.lying, 0, max(guess, LEAST_TENSION)
+    search, tension = secant.begin(0.0, 1.0 / LEAST, 0.0, LEAST)
+    while abs(value) > EXACT and tried < MOST_TENSIONS and search.high - search.low > ROUNDING * search.high:
+        search, onward = secant.go_on(search, tension, -value, farthest)
+        if onward == tension:
             break
         tried += 1
-        tension = next_in(bracket)
+        tension = onward
         ex, ey, parts = turned(tension, ex, ey, load)
-        value = excess(tension, ex, ey, parts, load)
-        bracket = narrowed(bracket, tension, value)
+        value, farthest = excess(tension, ex, ey, parts, load), GROWTH * tension
     span = lying_span(tension, parts.friction, parts.lying, load.elasticity)
     missing = abs(parts.vx - span * ex) + abs(parts.vy - span * ey)
     return tension, ex, ey, parts, tried if missing <= GREATEST_GAP and parts.lying >= 0.0 else -1

@@ -11,20 +11,20 @@ from tetherfmu.runtime.status import OK
 
 from ..arrays import behind, copy, split
 from ..compilation import kernel, view
-from ..equations.lines import add_at, band_of, clear, free_points, lines_of, point_at, points_size, state_of
+from ..equations.lines import add_at, clear, free_points, lines_of, point_at, points_size, size_of_blocks, state_of
 from ..flat_arrays import part
-from ..linear_algebra.points import place_in, row_size
+from ..linear_algebra.point_blocks import add_to_block, matrix_size
 from ..linear_algebra.vectors import get, norm, put
-from .resting_line import add_slopes, add_support, fill_others, force_at, is_any_sought, is_sought, rest_line, rounding_at
+from .resting_line import add_slopes, add_support, force_at, is_any_sought, is_sought, rest_line, rounding_at
 from .rigid_body import GIVE
 
 ACCURATE, BALANCED = 1e-12, 1e-10  # residual at a point over the size of the forces of its lines: goal, enough if it stalls
 ROUNDED = 4.0  # the same over the rounding errors of the tensions there, if it stalls
 
-Search = namedtuple("Search", "slopes factors x trial residual held move outer size rounding grip spent slides kept")
+Search = namedtuple("Search", "slopes x trial residual held move outer size rounding grip spent slides kept")
 Search.__doc__ = """Scratch arrays of F free points, m = 3 F.
 
-slopes, factors : S and what is factorized, m rows, see `linear_algebra.points`.  x, trial : positions [m], m.
+slopes : S, see `linear_algebra.point_blocks`.  x, trial : positions [m], m.
 residual : R [N], m, without friction if the points slide.  held : R with friction [N], m.  move : dX [m], m.
 outer : load and weight of the points [N], m.
 size, rounding : of the forces at and of the lines of each point, and of their rounding errors [N], F.
@@ -35,23 +35,22 @@ slides : 1 in a search without friction, else 0.  kept : an equilibrium to conti
 
 @kernel
 def search_size(points, band):
-    """Length of what so many free points need of `work` for their search, with this band of their matrix."""
-    return 6 * points * row_size(band) + 24 * points + 2
+    """Length of what so many free points need of `work`, also for their search, with this band of their matrix."""
+    return points_size(points, band) + matrix_size(points, band) + 24 * points + 2
 
 
 @view
 def search_of(system):
     """`Search` of a system, behind its `Points`."""
-    count, band = free_points(system), band_of(system)
+    count, band = size_of_blocks(system)
     room = behind(int(system.plan[places.POINTS_WORK]) + points_size(count, band), system.work)
-    m = 3 * count
-    size = m * row_size(band)
-    slopes, factors, room = part(room, 0, size), part(room, size, size), behind(2 * size, room)
+    m, size = 3 * count, matrix_size(count, band)
+    slopes, room = part(room, 0, size), behind(size, room)
     x, trial, residual, room = split(m, room)
     held, move, outer, room = split(m, room)
     sizes = part(room, 0, count), part(room, count, count), part(room, 2 * count, count)
     numbers, kept = (part(room, 3 * count, 1), part(room, 3 * count + 1, 1)), part(room, 3 * count + 2, m)
-    return Search(slopes, factors, x, trial, residual, held, move, outer, *sizes, *numbers, kept)
+    return Search(slopes, x, trial, residual, held, move, outer, *sizes, *numbers, kept)
 
 
 @kernel
@@ -99,23 +98,13 @@ def find_slopes(system, search):
     for k in range(lines_of(system)):
         if is_any_sought(system, k) and not add_slopes(system, k, search):
             return False
-    fill_others(system, search.slopes)
     for point in range(free_points(system)):
         x, y, _ = get(search.residual, point)
         if search.grip[point] > 0.0 and x == 0.0 and y == 0.0:
-            for axis in range(2):
-                place = place_in(band_of(system), 3 * point + axis, 3 * point + axis)
-                search.slopes[place] += search.grip[point] / GIVE
+            held = search.grip[point] / GIVE
+            block = held, 0.0, 0.0, 0.0, held, 0.0, 0.0, 0.0, 0.0
+            add_to_block(*size_of_blocks(system), point, point, block, search.slopes)
     return True
-
-
-@kernel
-def largest_residual(search):
-    """Largest residual of a point [N]."""
-    largest = 0.0
-    for point in range(len(search.size)):
-        largest = max(largest, norm(get(search.residual, point)))
-    return largest
 
 
 @kernel

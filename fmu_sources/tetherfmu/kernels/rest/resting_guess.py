@@ -12,7 +12,6 @@ from ..equations import node_loads
 from ..equations.ground import carries, under
 from ..equations.lines import (
     add_at,
-    band_of,
     clear,
     free_points,
     lines_of,
@@ -21,13 +20,14 @@ from ..equations.lines import (
     point_at,
     points_of,
     segments_of,
+    size_of_blocks,
     state_of,
 )
 from ..equations.properties import chain_of, point_mass, property_of, rest_length
 from ..linear_algebra.matrices import IDENTITY, scale_matrix
-from ..linear_algebra.points import add_block, factorize_band, solve_band
+from ..linear_algebra.point_blocks import add_to_block, factorize_blocks, solve_blocks
 from ..linear_algebra.vectors import get, norm, put, scale
-from .resting_line import fill_others, given_position, is_any_sought, is_point_sought, is_sought
+from .resting_line import given_position, is_any_sought, is_point_sought, is_sought
 
 PULLS = np.array((1.0, 0.3, 3.0))  # of the springs of the guesses: the weaker, the more stretched are the lines
 AS_GIVEN, DROPPED, GUESSED = 0, 1, 2  # where searches begin, see `set_off`; from GUESSED on with the pulls above
@@ -62,6 +62,15 @@ def half_weight(system, k):
 
 
 @kernel
+def largest(vectors):
+    """Size of the largest of the vectors in a flat array."""
+    most = 0.0
+    for k in range(len(vectors) // 3):
+        most = max(most, norm(get(vectors, k)))
+    return most
+
+
+@kernel
 def shortest_line(system):
     """Length [m] of the shortest line at a sought point."""
     shortest = inf
@@ -72,49 +81,41 @@ def shortest_line(system):
 
 
 @kernel
-def rise(system, point, x):
-    """Put a sought point of x [m] (modified) onto the ground if it is below."""
-    ground = under(parameters_of(system, 0))
-    if carries(ground, get(x, point)):
-        put(x, point, (x[3 * point], x[3 * point + 1], ground.height))
-
-
-@kernel
 def guess(system, pull, search):
     """Put the sought points, search.x [m] (modified), where all lines are springs without length; False if they cannot be.
 
     They pull with `pull` times the largest outer force at their length.
     """
-    points, b, x = points_of(system), band_of(system), search.x
-    copy(search.outer, x)
+    points, size, x = points_of(system), size_of_blocks(system), search.x
+    copy(search.outer, points.right)
     for k in range(lines_of(system)):
         for end in range(2):
             if is_sought(system, k, end):
-                add_at(x, point_at(system, k, end), half_weight(system, k))
-    largest = 0.0
-    for point in range(free_points(system)):
-        largest = max(largest, norm(get(x, point)))
+                add_at(points.right, point_at(system, k, end), half_weight(system, k))
+    force = largest(points.right)
     clear(points.matrix)
+    for point in range(free_points(system)):
+        if not is_point_sought(system, point):  # it does not move
+            add_to_block(*size, point, point, IDENTITY, points.matrix)
     for k in range(lines_of(system)):
-        density = pull * (largest if largest > 0.0 else 1.0) / state_of(system, k)[at.LENGTH]
+        density = pull * (force if force > 0.0 else 1.0) / state_of(system, k)[at.LENGTH]
         for end in range(2):
             if is_sought(system, k, end):
                 point, other = point_at(system, k, end), point_at(system, k, 1 - end)
-                add_block(b, point, point, scale_matrix(density, IDENTITY), points.matrix)
+                add_to_block(*size, point, point, scale_matrix(density, IDENTITY), points.matrix)
                 if is_sought(system, k, 1 - end):
-                    add_block(b, point, other, scale_matrix(-density, IDENTITY), points.matrix)
+                    add_to_block(*size, point, other, scale_matrix(-density, IDENTITY), points.matrix)
                 else:
-                    add_at(x, point, scale(density, given_position(system, k, 1 - end)))
-    fill_others(system, points.matrix)
-    m = 3 * free_points(system)
-    if not factorize_band(m, b, points.matrix, points.pivots):
+                    add_at(points.right, point, scale(density, given_position(system, k, 1 - end)))
+    if not factorize_blocks(*size, points.matrix):
         return False
-    solve_band(m, b, points.matrix, points.pivots, x)
-    apart = SPREAD * shortest_line(system)
+    solve_blocks(*size, points.matrix, points.right, x)
+    ground, apart = under(parameters_of(system, 0)), SPREAD * shortest_line(system)
     along_x, along_y = apart, 0.0
     for point in range(free_points(system)):
         add_at(x, point, (along_x, along_y, 0.0))
-        rise(system, point, x)
+        if carries(ground, get(x, point)):
+            put(x, point, (x[3 * point], x[3 * point + 1], ground.height))
         along_x, along_y = COSINE * along_x - SINE * along_y, SINE * along_x + COSINE * along_y
     return True
 

@@ -6,33 +6,23 @@ from tetherfmu.runtime.status import NO_EQUILIBRIUM_OF_KITE, OK
 
 from ..arrays import behind, copy, outputs_size, positions_and_velocities
 from ..compilation import kernel
-from ..equations.lines import System, points_size
+from ..equations.lines import System
 from ..flat_arrays import part
 from ..linear_algebra.vectors import ZERO_VECTOR, get, put, put_at, vector_at
-from . import resting_forces, resting_line, resting_points
+from . import resting_points
+from .resting_forces import search_size
+from .resting_line import line_work_size
 
 PLAN = places.plan_size(1)
 INPUTS = at.INPUTS + 3
-BAND = 2  # of the matrix of one point, see `systems/ordering.py`
+BAND = 0  # of the matrix of one point, see `systems/ordering.py`
 ROOM_AT = PLAN + INPUTS + (PLAN + INPUTS) % 2  # place of the scratch space of the system, behind its plan and its inputs
 
 
 @kernel
-def line_work_size(n):
-    """Length of what the line needs of `work`."""
-    return resting_line.line_work_size(n)
-
-
-@kernel
-def points_work_size():
-    """Length of what the point needs of `work`."""
-    return points_size(1, BAND) + resting_forces.search_size(1, BAND)
-
-
-@kernel
 def work_size(n):
-    """Length of the work array: the plan and the inputs of the system, then its own scratch space."""
-    return ROOM_AT + line_work_size(n) + points_work_size() + outputs_size(0)
+    """Length of the work array: the plan and the inputs of the system, then scratch space of its line and its point."""
+    return ROOM_AT + line_work_size(n) + search_size(1, BAND) + outputs_size(0)
 
 
 @kernel
@@ -42,7 +32,7 @@ def write_plan(n, plan):
         plan[k] = 0.0
     plan[places.LINES], plan[places.FREE_POINTS], plan[places.BAND] = 1.0, 1.0, BAND
     plan[places.POINTS_WORK] = line_work_size(n)
-    plan[places.OUTPUTS_WORK] = line_work_size(n) + points_work_size()
+    plan[places.OUTPUTS_WORK] = line_work_size(n) + search_size(1, BAND)
     plan[places.OUTPUTS_SIZE] = outputs_size(0)
     row = part(plan, places.PLAN_HEADER, places.LINE_NUMBERS)
     row[places.SEGMENTS] = n

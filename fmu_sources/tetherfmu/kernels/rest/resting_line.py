@@ -14,8 +14,6 @@ from ..equations import assembly, segment
 from ..equations.ground import carries, support, support_slope, under
 from ..equations.lines import (
     add_at,
-    band_of,
-    free_points,
     inputs_of,
     lines_of,
     motion_of,
@@ -25,13 +23,14 @@ from ..equations.lines import (
     point_at,
     room_of,
     segments_of,
+    size_of_blocks,
     state_of,
 )
 from ..equations.properties import chain_of, property_of
 from ..flat_arrays import part
 from ..linear_algebra import condensed
-from ..linear_algebra.matrices import IDENTITY, ZERO_MATRIX, scale_matrix, subtract
-from ..linear_algebra.points import add_block, place_in
+from ..linear_algebra.matrices import ZERO_MATRIX, scale_matrix, subtract
+from ..linear_algebra.point_blocks import add_to_block
 from ..linear_algebra.vectors import ZERO_VECTOR, add_scaled, get, norm, put, scale, vector_at
 from ..step import transaction
 from . import dynamic_chain, end_tensions, newton
@@ -58,12 +57,13 @@ def is_any_sought(system, k):
 
 
 @kernel
-def count_sought(system):
-    """Number of ends of lines whose points are sought."""
-    count = 0
+def any_sought(system):
+    """Number of a free point whose position is sought, or DRIVEN if there is none."""
     for k in range(lines_of(system)):
-        count += is_sought(system, k, 0) + is_sought(system, k, 1)
-    return count
+        for end in range(2):
+            if is_sought(system, k, end):
+                return point_at(system, k, end)
+    return places.DRIVEN
 
 
 @kernel
@@ -74,24 +74,6 @@ def is_point_sought(system, point):
         for end in range(2):
             count += is_sought(system, k, end) and point_at(system, k, end) == point
     return count > 0
-
-
-@kernel
-def first_sought(system):
-    """Number of the first free point whose position is sought; there is one."""
-    for point in range(free_points(system)):
-        if is_point_sought(system, point):
-            return point
-    return 0
-
-
-@kernel
-def fill_others(system, matrix):
-    """Let the rows of points that are not sought say that they do not move (matrix modified)."""
-    b = band_of(system)
-    for point in range(free_points(system)):
-        if matrix[place_in(b, 3 * point, 3 * point)] == 0.0 and not is_point_sought(system, point):
-            add_block(b, point, point, IDENTITY, matrix)
 
 
 @kernel
@@ -194,7 +176,7 @@ def add_slopes(system, k, search):
                     slope = support_slope(body.ground, get(nodes, n * row_end), ZERO_VECTOR, ZERO_MATRIX)
                     block = subtract(block, scale_matrix(w.mass[n * row_end], slope))
                 row, column = point_at(system, k, row_end), point_at(system, k, column_end)
-                add_block(band_of(system), row, column, block, search.slopes)
+                add_to_block(*size_of_blocks(system), row, column, block, search.slopes)
     return True
 
 

@@ -33,7 +33,6 @@ from ..arrays import copy
 from ..compilation import kernel
 from ..equations.ground import has_ground
 from ..equations.lines import (
-    band_of,
     free_points,
     inputs_of,
     lines_of,
@@ -41,14 +40,16 @@ from ..equations.lines import (
     point_at,
     points_of,
     segments_of,
+    size_of_blocks,
     state_of,
 )
-from ..linear_algebra.points import factorize_band, is_positive_definite, place_in, solve_band
-from ..linear_algebra.vectors import dot, get, norm, put_at
+from ..linear_algebra.matrices import IDENTITY, scale_matrix
+from ..linear_algebra.point_blocks import add_to_block, factorize_definite, solve_definite
+from ..linear_algebra.vectors import dot, get, put_at
 from ..step import transaction
-from .resting_forces import find_residual, find_slopes, largest_residual, least_balanced, search_of
-from .resting_guess import AS_GIVEN, GUESSED, PULLS, find_outer, set_off, shortest_line
-from .resting_line import count_sought, first_sought, is_any_sought, is_sought
+from .resting_forces import find_residual, find_slopes, least_balanced, search_of
+from .resting_guess import AS_GIVEN, GUESSED, PULLS, find_outer, largest, set_off, shortest_line
+from .resting_line import any_sought, is_any_sought, is_sought
 
 ITERATIONS = 300
 BUDGET = 150000.0  # of Newton iterations for the shape of a line in all of the search, mean of all lines
@@ -58,9 +59,8 @@ LARGEST_DAMPING = 60  # doublings of the damping
 OVERSHOT = 0.5  # rise of the potential at the end of a move over its fall at the start
 SHORTEST_PART, LONGEST_PART, TRIALS = 0.1, 0.9, 12  # of a move for the next trial; how many
 FIRST_PART = 0.3  # of the shortest line, which the first step of the most loaded point is about
-SLOW_PART = 0.2  # of the shortest line, the longest step of pseudo-transient continuation
-SLIDE_PART = 0.5  # the same without friction
 ALONG, SLOWLY, SLIDING, WAYS = 0, 1, 2, 3  # ways to search
+LONGEST = np.array((inf, 0.2, 0.5))  # step in each of them, over the shortest line
 AIR = np.array((0.0, 0.25, 0.5, 0.75, 1.0))  # density over the given one, from one equilibrium to the next
 DENSEST = 0.25  # of these, in which the first equilibrium is sought
 
@@ -68,19 +68,17 @@ DENSEST = 0.25  # of these, in which the first equilibrium is sought
 @kernel
 def find_move(system, damping, search):
     """dX into search.move [m] (modified), along which the potential falls: its damping [N/m], and whether it is found."""
-    points, m, b = points_of(system), 3 * free_points(system), band_of(system)
+    size, matrix = size_of_blocks(system), points_of(system).matrix
     for _ in range(LARGEST_DAMPING):
-        if is_positive_definite(m, b, search.slopes, damping, search.factors):
-            break
+        copy(search.slopes, matrix)
+        for point in range(free_points(system)):
+            add_to_block(*size, point, point, scale_matrix(damping, IDENTITY), matrix)
+        if factorize_definite(*size, matrix):
+            copy(search.residual, search.move)
+            solve_definite(*size, matrix, search.move)
+            return damping, True
         damping *= HARDER
-    copy(search.slopes, points.matrix)
-    for i in range(m):
-        points.matrix[place_in(b, i, i)] += damping
-    copy(search.residual, search.move)
-    if not factorize_band(m, b, points.matrix, points.pivots):
-        return damping, False
-    solve_band(m, b, points.matrix, points.pivots, search.move)
-    return damping, True
+    return damping, False
 
 
 @kernel
@@ -105,37 +103,23 @@ def work_along(search):
 @kernel
 def part_within(limit, search):
     """Part of a move that is no longer than a limit [m] at any point."""
-    longest = 0.0
-    for point in range(len(search.size)):
-        longest = max(longest, norm(get(search.move, point)))
+    longest = largest(search.move)
     return 1.0 if longest <= limit else limit / longest
 
 
 @kernel
-def go_along(system, most, search):
-    """Move search.x [m] by the part of a move after which the potential does not rise much again; secant steps.
+def go_along(system, most, overshot, search):
+    """Move search.x [m] by a part of a move, at most `most`: it [-], and whether all lines have an equilibrium there.
 
-    most : of the move.  Returns the part of `most` [-], and whether all lines have an equilibrium there.
+    overshot : rise of the potential that may end it over the fall at its start; secant steps to where it rises less.
     """
     start, taken = work_along(search), most
     for trial in range(TRIALS):
         left = try_part(system, taken, search)
-        if left >= -OVERSHOT * start or trial == TRIALS - 1:
+        if left > -overshot * start or trial == TRIALS - 1:
             copy(search.trial, search.x)
-            return taken / most, left > -inf
+            return taken, left > -inf
         taken *= min(max(start / (start - left), SHORTEST_PART), LONGEST_PART)
-    return taken, False
-
-
-@kernel
-def go_slowly(system, limit, search):
-    """Move search.x [m] by a move that is no longer than a limit [m] at any point; as `go_along`, but the part of it all."""
-    taken = part_within(limit, search)
-    for _ in range(TRIALS):
-        if try_part(system, taken, search) > -inf:
-            copy(search.trial, search.x)
-            return taken, True
-        taken *= SHORTEST_PART
     return taken, False
 
 
@@ -147,12 +131,12 @@ def search_from(system, way, search):
     """
     limit = shortest_line(system)
     search.slides[0] = 1.0 if way == SLIDING else 0.0
-    damping, last, worst = 0.0, inf, first_sought(system)
+    damping, last, worst = 0.0, inf, any_sought(system)
     found = find_residual(system, search.x, search)
     for _ in range(ITERATIONS):
         if not found or search.spent[0] > BUDGET * lines_of(system):
             return worst, False
-        residual = largest_residual(search)
+        residual = largest(search.residual)
         worst, over = least_balanced(residual > STALLED * last, search)
         last = residual
         if over <= 1.0:
@@ -164,12 +148,9 @@ def search_from(system, way, search):
         damping, found = find_move(system, damping, search)
         if not found:
             return worst, False
-        if way == SLOWLY:
-            taken, found = go_slowly(system, SLOW_PART * limit, search)
-        else:
-            most = part_within(SLIDE_PART * limit, search) if way == SLIDING else 1.0
-            taken, found = go_along(system, most, search)
-        damping *= SOFTER if taken == 1.0 else HARDER
+        most, overshot = part_within(LONGEST[way] * limit, search), inf if way == SLOWLY else OVERSHOT
+        taken, found = go_along(system, most, overshot, search)
+        damping *= SOFTER if taken == (1.0 if way == SLOWLY else most) else HARDER
     worst, over = least_balanced(True, search)
     return worst, over <= 1.0
 
@@ -273,7 +254,7 @@ def find(system, begins_as_given):
     OK, NO_POINT_IS_GIVEN, NO_EQUILIBRIUM_OF_POINT with the number of the point that is least balanced, or what the start of
     a line says; the inputs are as they were but on OK. The states of the lines at these points are modified.
     """
-    if count_sought(system) == 0:
+    if any_sought(system) == places.DRIVEN:
         return OK
     status = check(system)
     if status != OK:

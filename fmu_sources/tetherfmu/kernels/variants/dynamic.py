@@ -10,7 +10,9 @@ from ..arrays import positions_and_velocities
 from ..compilation import kernel, view
 from ..equations.lines import System
 from ..equations.plan import OneLine
+from ..equations.winch import follows_force
 from ..flat_arrays import part
+from ..line.backward_euler import given_steps
 from ..motion import iteration_limit
 from ..points import system_room
 from ..rest import dynamic_chain, resting_kite
@@ -63,4 +65,5 @@ def velocities_of(n, parameters, state, work):
 def outputs_of(n, parameters, state, shape_points, outputs, work):
     """Write all outputs (modified) that belong to a state."""
     dynamic_chain.outputs_of(n, parameters, state, shape_points, outputs, work)
-    outputs[at.SOLVER_ITERATION_LIMIT] = iteration_limit.of_step(n, parameters, state[at.LAST_STEP])
+    steps, has_drum = given_steps(parameters), follows_force(parameters)
+    outputs[at.SOLVER_ITERATION_LIMIT] = iteration_limit.of_steps(n, steps, has_drum, state[at.LAST_STEP])

@@ -20,7 +20,6 @@ from ..equations.lines import (
     number_of_line,
     outputs_of_line,
     parameters_of,
-    points_size,
     room_of,
     segments_of,
     state_of,
@@ -65,8 +64,7 @@ def complete_plan(plan):
         work += line_work_size(n)
     plan[places.STATUS_LINE] = places.ALL_LINES
     plan[places.POINTS_WORK] = work
-    points, band = plan[places.FREE_POINTS], plan[places.BAND]
-    work += points_size(points, band) + resting_forces.search_size(points, band)
+    work += resting_forces.search_size(plan[places.FREE_POINTS], plan[places.BAND])
     plan[places.OUTPUTS_WORK] = work
     plan[places.PARAMETERS_SIZE] = parameters
     plan[places.INPUTS_SIZE] = inputs + 3 * plan[places.FREE_POINTS]
