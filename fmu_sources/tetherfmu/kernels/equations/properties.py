@@ -123,12 +123,6 @@ def put_node_wind(n, i, wind, parameters):
 
 
 @kernel
-def share_of(n, s, parameters):
-    """Unstretched length of segment s over that of the tether [-]."""
-    return parameters[at.PARAMETER_SCALARS + at.SHARE * n + s]
-
-
-@kernel
 def scale_node_winds(n, factor, parameters):
     """Multiply the winds at the nodes in the parameters (modified) by a factor."""
     for k in range(at.PARAMETER_SCALARS + at.SEGMENT_PROPERTIES * n + n + 1, len(parameters)):

@@ -19,7 +19,7 @@ from ..compilation import kernel
 from ..flat_arrays import part
 from ..linear_algebra.pairs import number_at
 from ..linear_algebra.vectors import add_scaled, sub, vector_at
-from .properties import put_node_wind, share_of
+from .properties import put_node_wind
 
 KITE_END = 1.0  # its s
 
@@ -62,7 +62,7 @@ def put_node_winds(n, parameters, state, back):
     s = 0.0
     for i in range(n + 1):
         put_node_wind(n, i, wind_between(n, parameters, state, s, back), parameters)
-        s = min(s + share_of(n, i, parameters), KITE_END) if i < n else s
+        s = min(s + parameters[at.PARAMETER_SCALARS + at.SHARE * n + i], KITE_END) if i < n else s
 
 
 @kernel

@@ -30,15 +30,6 @@ CLOSED = 1e-3  # gap of the chain over its length that a first guess may have; N
 
 
 @kernel
-def rounding_tension(n, load):
-    """eps [N] of a first guess: a small part of the mean load of the inner nodes, never zero."""
-    total = 0.0
-    for i in range(1, n):
-        total += norm(get(load, i))
-    return SLACKEST * total / n + 1e-12
-
-
-@kernel
 def segment_compliance(chain, s, t, eps):
     """l0 (1/|t| + 1/EA) [m/N]: the vector between the nodes of a segment over its tension vector t [N]; also |t| [N]."""
     size = max(sqrt(dot(t, t) + eps * eps), LEAST)
@@ -138,6 +129,9 @@ def hang(chain, first_tension, load, x, tension):
 
     The inner nodes of x [m] and the segment tensions [N] (n numbers) are modified; the ends of x are given.
     """
-    eps = rounding_tension(chain.n, load)
+    total = 0.0
+    for i in range(1, chain.n):
+        total += norm(get(load, i))
+    eps = SLACKEST * total / chain.n + 1e-12  # never zero
     t, _ = solve(chain, first_tension, eps, sub(get(x, chain.n), get(x, 0)), load, CLOSED)
     march(chain, t, eps, load, x, tension)

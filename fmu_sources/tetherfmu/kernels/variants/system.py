@@ -77,19 +77,13 @@ def complete_plan(plan):
 
 
 @kernel
-def iteration_limit_of(system):
-    """The most iterations of all lines in the last communication step: each factorizes the matrix of each line once."""
-    steps, duration = given_steps(parameters_of(system, 0)), state_of(system, 0)[at.LAST_STEP]
-    return iteration_limit.of_steps(adaptive_steps.work_of(system), steps, system_room.any_drum(system), duration)
-
-
-@kernel
 def take_outputs(system, outputs):
     """Outputs of all lines (modified) in their states: OK, or OUTPUT_NOT_FINITE, and then they have no meaning.
 
     The plan (modified) says which line a status is about.
     """
-    most = iteration_limit_of(system)
+    steps, duration = given_steps(parameters_of(system, 0)), state_of(system, 0)[at.LAST_STEP]  # with common iterations
+    most = iteration_limit.of_steps(adaptive_steps.work_of(system), steps, system_room.any_drum(system), duration)
     for k in range(lines_of(system)):
         system.plan[places.STATUS_LINE] = k
         n, state, own = segments_of(system, k), state_of(system, k), outputs_of_line(system, k, outputs)
