@@ -41,8 +41,22 @@ def unbalanced(network, system):
     pressure = network.masses(0.0) * network.environment.gravity * depth / GROUND.ground_sink
     sideways = np.maximum(0.0, np.hypot(force[:, 0], force[:, 1]) - GROUND.ground_friction * pressure)
     left = np.hypot(sideways, force[:, 2] + pressure)[network.free]
+    return left.max() / largest_tension(network, x)
+
+
+def rounding(network, system):
+    """What rounding of the positions to the nearest number changes in the force on a free node, over the largest tension."""
+    x = network.gathered(system.positions)
+    rng = np.random.default_rng(0)
+    moved = [x + rng.choice((-0.5, 0.5), x.shape) * np.spacing(np.abs(x)) for _ in range(20)]
+    forces = [network.forces(0.0, each, np.zeros_like(x))[network.free] for each in (x, *moved)]
+    return max(np.abs(each - forces[0]).max() for each in forces[1:]) / largest_tension(network, x)
+
+
+def largest_tension(network, x):
+    """Largest tension of the segments between nodes at these places [m], in N."""
     _, tension, _ = network.segments(0.0, x, np.zeros_like(x))
-    return left.max() / tension.max()
+    return tension.max()
 
 
 @pytest.mark.parametrize("number", REFUSED_ONCE)
@@ -61,8 +75,10 @@ def test_few_are_refused():
     refused = 0
     for number in range(40):
         try:
-            # 18 has 6e-9, which is 5e-8 N: a few times the rounding errors of the tensions at a point 200 m from the origin
-            assert unbalanced(*found(number)) < 1e-8
+            network, system = found(number)
         except StepRefused:
             refused += 1
+            continue
+        # 9e-10 observed; 18, whose lines pull with 9 N only, has 6e-9, four times its rounding
+        assert unbalanced(network, system) < max(1e-9, 10.0 * rounding(network, system))
     assert refused <= 1
