@@ -138,6 +138,18 @@ def number(name, value, unit):
         raise ValueError(f"{name} is {value!r}; it must be a number [{unit}]") from None
 
 
+def tether_length(value, has_waves, by_speed):
+    """Unstretched length [m] at the end of a step; ValueError for a tether or a winch that takes none.
+
+    by_speed : whether `winch_control` is speed.
+    """
+    if has_waves:
+        raise ValueError("tether_length is an input of the tethers without waves; the dynamic tether reels: reel_out_speed")
+    if not by_speed:
+        raise ValueError("tether_length is given beside winch_control = force or length; it needs speed")
+    return number("tether_length", value, "m")
+
+
 def steps(name, value, count):
     """Communication steps [s] of so many rows, array (count,); ValueError for another shape."""
     found = np.asarray(value, dtype=float)

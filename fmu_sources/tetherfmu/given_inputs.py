@@ -58,6 +58,12 @@ OF_ANY = tuple(each.name for each in (*INPUT_TABLE, WIND_AT))
 OF_FREE_KITE = tuple(each.name for each in (*INPUT_TABLE, WIND_AT) if each.of != DRIVEN_KITE)
 
 
+def starts(wind_points):
+    """All inputs as they are at a start where they are not given, a dict by name."""
+    given = {each.name: each.start if each.size > 1 else each.start[0] for each in INPUT_TABLE}
+    return given | {WIND_AT.name: np.zeros((wind_points, 3))} if wind_points else given
+
+
 def put(to, given, at_start=False):
     """Set those inputs that are not None; ValueError if a shape is wrong, TypeError if there is no such input.
 

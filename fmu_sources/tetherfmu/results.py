@@ -164,3 +164,9 @@ class StepRefused(ValueError):
         super().__init__(message)
         self.flown = flown
         self.status = None if status is None else code(status)
+
+
+def flown_of(rows, seconds, refusals):
+    """`Flown` of the rows of one line, see `compiled_flight.fly`."""
+    peak = None if rows.peaks is None else rows.peaks[:, 0]
+    return Flown(rows.outputs, peak, rows.motion[0][:, 0], seconds, refusals)

@@ -6,6 +6,8 @@ from copy import deepcopy
 from pickle import PicklingError
 from warnings import warn
 
+import numpy as np
+
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.instance import Instance
 from tetherfmu.runtime.kernel_library import Kernels
@@ -78,6 +80,12 @@ class Running:
         """StepRefused before `initialize`."""
         if not self._runs:
             raise StepRefused(f"this {type(self).__name__} is not initialized: call initialize first")
+
+    def _motion(self, k=0):
+        """View of the positions [m] and velocities [m/s] of the nodes of line k, array (2, segments + 1, 3)."""
+        self._check_started()
+        first, segments = self._instance.states_at[k] + at.STATE_HEADER, self._instance.counts[k]
+        return np.frombuffer(self._instance.state)[first : first + 6 * (segments + 1)].reshape(2, segments + 1, 3)
 
     def _warn(self, deeper=0):
         """Warn the caller of a public method of what is implausible, each once since the start.

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from tetherfmu.libraries import ready
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime.inputs import INPUT_TABLE, KITE_AT_START, ZERO
+from tetherfmu.runtime.inputs import KITE_AT_START, ZERO
 from tetherfmu.runtime.instance import Instance
 from tetherfmu.runtime.kernel_library import Kernels
 from tetherfmu.runtime.packing import pack_records
@@ -21,7 +21,7 @@ from tetherfmu.runtime.variants import BY_NAME, library_of
 
 from . import arguments, energy, given_inputs, states
 from .given_inputs import Inputs
-from .results import Flown, Outputs, PlausibilityWarning, StepRefused, outputs_of
+from .results import Flown, Outputs, PlausibilityWarning, StepRefused, flown_of, outputs_of
 from .running import Running
 
 
@@ -168,12 +168,9 @@ class TetherModel(Running):
             (ground_position, *_, kite_position), (ground_velocity, *_, kite_velocity) = nodes
         before, parameters = self._inputs.copy(), self._parameters.copy()
         try:
-            given = {each.name: each.start if each.size > 1 else each.start[0] for each in INPUT_TABLE}
-            given |= {"kite_position": kite_position, "kite_velocity": kite_velocity}
-            given |= {"ground_position": ground_position, "ground_velocity": ground_velocity}
-            if self.wind_points:
-                given["wind_at"] = np.zeros((self.wind_points, 3))
-            given_inputs.put(self._receiver, given | inputs, at_start=True)
+            ends = {"kite_position": kite_position, "kite_velocity": kite_velocity}
+            ends |= {"ground_position": ground_position, "ground_velocity": ground_velocity}
+            given_inputs.put(self._receiver, given_inputs.starts(self.wind_points) | ends | inputs, at_start=True)
             if slack is not None:
                 chord = np.subtract(kite_position, ground_position, dtype=float)
                 self._parameters[at.INITIAL_LENGTH] = arguments.length_with(slack, chord, self.segments)
@@ -187,10 +184,10 @@ class TetherModel(Running):
             raise
         for place in (at.INITIAL_LENGTH, at.INITIAL_SHAPE, at.KITE_START):
             self._parameters[place] = parameters[place]
-        if nodes is not None:
-            self._motion_in_state()[:] = nodes
-            self._instance.take_outputs()
         self._runs = True
+        if nodes is not None:
+            self._motion()[:] = nodes
+            self._instance.take_outputs()
         self._warn()
         return self._present()
 
@@ -252,13 +249,8 @@ class TetherModel(Running):
         """Do a communication step [s] with the inputs as they are set, to this length [m] at its end unless that is None."""
         continuation = self._parameters[at.INPUT_CONTINUATION]
         if tether_length is not None:
-            if self._variant.has_waves:
-                raise ValueError(
-                    "tether_length is an input of the tethers without waves; the dynamic tether reels: reel_out_speed"
-                )
-            if self._parameters[at.WINCH_CONTROL] != at.WINCH_BY_SPEED:
-                raise ValueError("tether_length is given beside winch_control = force or length; it needs speed")
-            length = arguments.number("tether_length", tether_length, "m")
+            by_speed = self._parameters[at.WINCH_CONTROL] == at.WINCH_BY_SPEED
+            length = arguments.tether_length(tether_length, self._variant.has_waves, by_speed)
             self._state[at.LENGTH] = length - self._inputs[at.REEL_OUT_SPEED] * step
             self._parameters[at.INPUT_CONTINUATION] = at.HELD
         problem = self._instance.advance(step)
@@ -401,21 +393,6 @@ class TetherModel(Running):
         self._check_started()
         return energy.account(self._instance, **given)
 
-    def _motion(self):
-        """View of positions and velocities of the nodes, array (2, segments + 1, 3)."""
-        self._check_started()
-        return self._motion_in_state()
-
-    def _motion_in_state(self):
-        """The same before the start."""
-        return self._state[at.STATE_HEADER : at.state_size(self.segments)].reshape(2, -1, 3)
-
     def _present(self):
         """`Outputs` as they were computed last."""
         return outputs_of(self._outputs.copy())
-
-
-def flown_of(rows, seconds, refusals):
-    """`Flown` of the rows of one line, see `compiled_flight.fly`."""
-    peak = None if rows.peaks is None else rows.peaks[:, 0]
-    return Flown(rows.outputs, peak, rows.motion[0][:, 0], seconds, refusals)

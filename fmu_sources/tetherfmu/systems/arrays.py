@@ -100,11 +100,6 @@ class Arrays:
                     place = PLACES[f"{end}_{what}"]
                     row[..., place : place + 3] = vector
 
-    def motion_of(self, k):
-        """Positions [m] and velocities [m/s] of the nodes of line k, view (2, segments + 1, 3)."""
-        first, segments = self.instance.states_at[k] + at.STATE_HEADER, self.instance.counts[k]
-        return self.state[first : first + 6 * (segments + 1)].reshape(2, segments + 1, 3)
-
     def outputs_by_line(self, outputs):
         """Outputs of each line by its name, from those of all lines (..., outputs)."""
         ends = np.cumsum([at.outputs_size(line.shape_points) for line in self.instance.lines])

@@ -345,7 +345,7 @@ class TetherSystem(Running):
     def _present(self):
         """`SystemOutputs` as they were computed last."""
         values = self._arrays.outputs_by_line(np.array(self._instance.values[self._instance.outputs_at :]))
-        motion = [self._arrays.motion_of(k) for k in range(len(self.lines))]
+        motion = [self._motion(k) for k in range(len(self.lines))]
         lines = {name: outputs_of(each) for name, each in values.items()}
         most = next(iter(lines.values())).solver_iteration_limit  # of all lines the same
         return SystemOutputs(points_of(self.points, self.lines, motion, values), lines, most)
@@ -373,11 +373,6 @@ class TetherSystem(Running):
     def velocities(self) -> dict[str, NDArray[np.float64]]:
         """Node velocities of each line [m/s], arrays (segments + 1, 3)."""
         return {line.name: self._motion(k)[1].copy() for k, line in enumerate(self.lines)}
-
-    def _motion(self, k):
-        """Positions and velocities of the nodes of line k."""
-        self._check_started()
-        return self._arrays.motion_of(k)
 
     def _flown(self, rows, seconds, refusals):
         """`SystemFlown` of the rows of `compiled_flight.fly`."""
