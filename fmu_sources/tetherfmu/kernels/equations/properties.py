@@ -51,7 +51,13 @@ def chain_of(n, parameters, state):
 @kernel
 def property_of(chain, s, which):
     """One of the properties `layout.SHARE`, ... of segment s, or of two segments, as a pair."""
-    return number_at(chain.parameters, at.PARAMETER_SCALARS + which * chain.n, s)
+    return property_in(chain.parameters, chain.n, s, which)
+
+
+@kernel
+def property_in(parameters, n, s, which):
+    """The same of a chain of n segments in the parameters."""
+    return number_at(parameters, at.PARAMETER_SCALARS + which * n, s)
 
 
 @kernel

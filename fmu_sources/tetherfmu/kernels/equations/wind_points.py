@@ -6,8 +6,7 @@ s [-] is the unstretched length from the ground end over that of the tether. As 
 lengths, a node keeps its s, whatever the winch does.
 
 The state has the winds at the end of the last step, so that outputs and restored states follow from it; behind them wait
-derivatives that the importer gives for the next step. What a tether with nodes computes with, the wind at the nodes, is made
-of that in the parameters each time (`put_node_winds`), and is nothing to be kept.
+derivatives that the importer gives for the next step. `put_node_winds` makes the wind at the nodes of that, in the parameters.
 
 Theory: docs/models/theory.md, "Wind at points".
 """
@@ -19,7 +18,7 @@ from ..compilation import kernel
 from ..flat_arrays import part
 from ..linear_algebra.pairs import number_at
 from ..linear_algebra.vectors import add_scaled, sub, vector_at
-from .properties import put_node_wind
+from .properties import property_in, put_node_wind
 
 KITE_END = 1.0  # its s
 
@@ -62,7 +61,7 @@ def put_node_winds(n, parameters, state, back):
     s = 0.0
     for i in range(n + 1):
         put_node_wind(n, i, wind_between(n, parameters, state, s, back), parameters)
-        s = min(s + parameters[at.PARAMETER_SCALARS + at.SHARE * n + i], KITE_END) if i < n else s
+        s = min(s + property_in(parameters, n, i, at.SHARE), KITE_END) if i < n else s
 
 
 @kernel
