@@ -6,7 +6,7 @@ s [-] is the unstretched length from the ground end over that of the tether. As 
 lengths, a node keeps its s, whatever the winch does.
 
 The state has the winds at the end of the last step, so that outputs and restored states follow from it; behind them wait
-derivatives that the importer gives for the next step. `put_node_winds` makes the winds at the nodes of it, in the parameters.
+derivatives that the importer gives for the next step. `put_node_winds` makes the winds at the nodes of it in the parameters.
 
 Theory: docs/models/theory.md, "Wind at points".
 """
