@@ -58,6 +58,16 @@ def _places(instance, outputs):
     return peaks, [*np.cumsum([motion, *(6 * (segments + 1) for segments in instance.counts)]).tolist()]
 
 
+def _width(instance, outputs):
+    """Numbers of a row."""
+    return _places(instance, outputs)[1][-1]
+
+
+def _unflown(instance, count, outputs):
+    """So many rows of NaN."""
+    return np.full((count, _width(instance, outputs)), np.nan)
+
+
 def _cut(instance, rows, outputs):
     """`Rows` of an array of them."""
     peaks, places = _places(instance, outputs)
@@ -72,9 +82,8 @@ def _cut(instance, rows, outputs):
 
 def _run(instance, inputs, step, every, outputs):
     """How many steps were done until one was refused, and the rows until then, array (rows, numbers)."""
-    rows = np.zeros(
-        (len(inputs) // every + 1 if every else 1, _places(instance, outputs)[1][-1])
-    )  # the last one for scratch
+    count = len(inputs) // every if every else 0
+    rows = np.zeros((count + 1, _width(instance, outputs)))  # the last one for scratch
     arrays = instance.plan, instance.parameters, instance.state, instance.before, instance.work
     plan, parameters, state, before, work = map(address, arrays)
     flight = inputs.ctypes.data, len(inputs), step, every, outputs
@@ -97,11 +106,10 @@ def _until_refused(instance, inputs, step, every, outputs):
 def _skipping(instance, inputs, step, every, outputs):
     """Rows, and a tuple of the `Refusal` of each step that was left out."""
     span, refusals = max(every, SPAN - SPAN % every) if every else len(inputs), []
-    width = _places(instance, outputs)[1][-1]
-    kept = [np.zeros((0, width))]
+    kept = [_unflown(instance, 0, outputs)]
     for first in range(0, len(inputs), max(1, span)):
         part = inputs[first : first + span]
-        rows, k = np.full((len(part) if every else 0, width), np.nan), 0
+        rows, k = _unflown(instance, len(part) if every else 0, outputs), 0
         while k < len(part):
             done, flown = _run(instance, part[k:], step, 1 if every else 0, outputs)
             rows[k : k + len(flown)] = flown
@@ -114,7 +122,7 @@ def _skipping(instance, inputs, step, every, outputs):
 
 def _row_by_row(instance, inputs, steps, winds, every, outputs, skip):
     """Rows, and a tuple of the `Refusal` of each refused step, of steps [s] that differ or with winds at the nodes."""
-    rows, refusals = np.full((len(inputs) if every else 0, _places(instance, outputs)[1][-1]), np.nan), []
+    rows, refusals = _unflown(instance, len(inputs) if every else 0, outputs), []
     for k in range(len(inputs)):
         parameters = instance.parameters[:]
         if winds is not None:

@@ -169,4 +169,4 @@ class StepRefused(ValueError):
 def flown_of(rows, seconds, refusals):
     """`Flown` of the rows of one line, see `compiled_flight.fly`."""
     peak = None if rows.peaks is None else rows.peaks[:, 0]
-    return Flown(rows.outputs, peak, rows.motion[0][:, 0], seconds, refusals)
+    return Flown(rows.outputs, peak, rows.motion[0][:, 0].copy(), seconds, refusals)
