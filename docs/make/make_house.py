@@ -14,6 +14,7 @@ PACKAGE = ROOT / "fmu_sources" / "tetherfmu"
 FIGURE = ROOT / "docs" / "figures" / "house.png"
 FLOOR = 1.25  # height of a floor [inch]
 APART = ("check", "console")  # rooms at the right
+SHIPPED = ("fmi", "runtime")  # rooms that every FMU has
 ROOMS_OF_FILES = {  # modules that stand beside the folders
     "commands": ("__main__", "commands"),
     "Python API": (
@@ -127,7 +128,7 @@ def draw(path):
         for k, room in enumerate(rooms):
             left, bottom, width = box(level, rooms, k)
             middle = places[room] = left + 0.5 * width
-            colour = "#dceaf7" if room.startswith("kernels") else "#f3ead7" if room == "runtime" else "#eeeeee"
+            colour = "#dceaf7" if room.startswith("kernels") else "#f3ead7" if room in SHIPPED else "#eeeeee"
             shape = FancyBboxPatch((left, bottom), width, 0.6, "round,pad=0,rounding_size=0.01", fc=colour, ec="#555555")
             axis.add_patch(shape)
             axis.text(middle, -level + 0.23, room, ha="center", va="center", fontsize=11, weight="bold")

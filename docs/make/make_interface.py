@@ -4,9 +4,9 @@ from pathlib import Path
 
 from tetherfmu.export.archive import SLAVES
 from tetherfmu.export.documents import folded, meaning, start
+from tetherfmu.fmi.model_description import number_text
+from tetherfmu.fmi.resources import DEFAULT_OPTIONS
 from tetherfmu.runtime.inputs import WIND_AT
-from tetherfmu.runtime.model_description import number_text
-from tetherfmu.runtime.resources import DEFAULT_OPTIONS
 from tetherfmu.runtime.variables import INPUT, LOCAL, OUTPUT, PARAMETER, variables
 from tetherfmu.runtime.variants import TABLE, class_name
 

@@ -6,7 +6,7 @@ from make_interface import table
 from tetherfmu.export.native.arrays import arrays
 from tetherfmu.export.native.host_header import TYPES, c_name
 from tetherfmu.export.native.tables import count_of_values
-from tetherfmu.runtime.resources import DEFAULT_OPTIONS
+from tetherfmu.fmi.resources import DEFAULT_OPTIONS
 from tetherfmu.runtime.variables import INPUT, LOCAL, OUTPUT, PARAMETER, variables
 
 PAGE = Path(__file__).resolve().parents[1] / "reference" / "value_references.md"

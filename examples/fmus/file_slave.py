@@ -8,8 +8,8 @@ import zlib
 from pathlib import Path
 from xml.etree.ElementTree import SubElement
 
+from tetherfmu.fmi.resources import options_in
 from tetherfmu.runtime import refusals
-from tetherfmu.runtime.resources import options_in
 from tetherfmu.runtime.saved_state import STEPPING
 
 from .model_slave import ModelSlave

@@ -15,11 +15,11 @@ from itertools import chain
 from math import isfinite, nan
 from types import SimpleNamespace
 
+from tetherfmu.fmi.base_slave import BaseSlave
+from tetherfmu.fmi.resources import options_in
 from tetherfmu.runtime import layout, saved_state, status
-from tetherfmu.runtime.base_slave import BaseSlave
 from tetherfmu.runtime.limits import SHORTEST_LAST_STEP
 from tetherfmu.runtime.quantities import Quantity, check, checked, quantity
-from tetherfmu.runtime.resources import options_in
 from tetherfmu.runtime.saved_state import STEPPING, SavedState
 from tetherfmu.runtime.variables import Variable, parameters_of
 

@@ -2,7 +2,7 @@
 
     python tests/benchmarks/slack_chains.py [--segments N ...]
 
-The evidence sets of the winch by length and by force (`export/winch_evidence.py`), flown at 1e-10, and again with the inner
+The evidence sets of the winch by length and by force (`export/evidence.py`), flown at 1e-10, and again with the inner
 nodes starting 1e-10 m elsewhere (normal distribution): how many times as far they are apart, at most. Then flights at 1e-6
 and 1e-8 against that at 1e-10: largest error of a position, and of `kite_tension`, largest and median of
 a flight, over its largest value.
@@ -13,8 +13,8 @@ import warnings
 
 import numpy as np
 
-from tetherfmu import Solver, Tether, TetherDynamic
-from tetherfmu.export import winch_evidence
+from tetherfmu import Tether, TetherDynamic
+from tetherfmu.export import evidence
 
 FINEST, MOVED = 1e-10, 1e-10  # tolerance, [m]
 
@@ -22,8 +22,8 @@ FINEST, MOVED = 1e-10, 1e-10  # tolerance, [m]
 def flight(kind, segments, tolerance, moved=0.0):
     """Node positions [m] and `kite_tension` [N] at each communication point."""
     tether = Tether(segments=segments)
-    given = winch_evidence.winch_set(kind, TetherDynamic, tether)
-    flown = TetherDynamic(tether, solver=Solver(relative_tolerance=tolerance), winch=given.winch)
+    given = evidence.winch_set(kind, TetherDynamic, tether)
+    flown = given.model(tolerance)
     rows = [flown.initialize(**given.scene[0])]
     if moved:
         x = flown.positions.copy()
@@ -31,7 +31,7 @@ def flight(kind, segments, tolerance, moved=0.0):
         rows = [flown.initialize(positions=x, velocities=np.zeros_like(x), **given.scene[0])]
     positions = [flown.positions.copy()]
     for inputs in given.scene[:-1]:
-        rows.append(flown.step(winch_evidence.STEP, **inputs))
+        rows.append(flown.step(evidence.STEP, **inputs))
         positions.append(flown.positions.copy())
     return np.array(positions), np.array([row.kite_tension for row in rows])
 
@@ -41,7 +41,7 @@ def main():
     parser.add_argument("--segments", type=int, nargs="+", default=[20, 60, 120, 300])
     warnings.simplefilter("ignore")
     for segments in parser.parse_args().segments:
-        for kind in winch_evidence.GIVEN:
+        for kind in evidence.GIVEN:
             x, tension = flight(kind, segments, FINEST)
             elsewhere, _ = flight(kind, segments, FINEST, MOVED)
             print(f"{segments} segments, by {kind}: {np.abs(elsewhere - x).max() / MOVED:.2g} times as far apart")

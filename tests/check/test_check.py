@@ -12,7 +12,7 @@ import pytest
 
 from foreign import foreign
 from tetherfmu.check import __main__, inspection
-from tetherfmu.export import winch_evidence
+from tetherfmu.export import evidence
 from tetherfmu.export.archive import SLAVES, build
 from tetherfmu.export.build_options import BuildOptions
 from tetherfmu.runtime.kernel_library import this_platform
@@ -56,8 +56,8 @@ def test_sound_fmus(fmu_folder):
     assert status == 0
     assert said.count("valid by the XML schema of FMI 2.0, and FMPy finds no problem") == len(SLAVES)
     assert said.count("evidence set: 200 steps") == len(SLAVES)
-    for kind in winch_evidence.GIVEN:
-        assert said.count(f"evidence set, winch by {kind}: {winch_evidence.STEPS} steps") == len(SLAVES)
+    for kind in evidence.GIVEN:
+        assert said.count(f"evidence set, winch by {kind}: {evidence.WINCH_STEPS} steps") == len(SLAVES)
     assert len(re.findall(r"kite_force\[3\] +[\d.e+-]+ of +[\d.e+-]+ N$", said, re.MULTILINE)) == len(SLAVES)
     assert f"on {this_platform()}" in said
     assert "0 problems found" in said

@@ -9,9 +9,9 @@ import pytest
 from fmpy import read_model_description
 
 from tetherfmu import models
-from tetherfmu.export import evidence, winch_evidence
+from tetherfmu.export import evidence
 from tetherfmu.export.archive import SLAVES
-from tetherfmu.runtime.parameters import DEFAULT_TOLERANCE, Solver, Tether
+from tetherfmu.runtime.parameters import DEFAULT_TOLERANCE, Tether
 from tetherfmu.runtime.variants import BY_NAME
 
 dynamic = pytest.mark.parametrize("model", [models.TetherDynamic, models.TetherDynamicFree])
@@ -38,7 +38,7 @@ def columns(text):
 def test_files_obey_the_rules_of_the_cross_check(fmu_folder, name):
     """Names, at most 10 outputs, quoted names in the first line, time first and rising, below 1 MB, all inputs, options."""
     found = files(fmu_folder / f"{name}.fmu")
-    kinds = [name, *(f"{name}_{kind}" for kind in winch_evidence.GIVEN)]
+    kinds = [name, *(f"{name}_{kind}" for kind in evidence.GIVEN)]
     assert sorted(found) == sorted(["README.txt", *(f"{each}_{end}" for each in kinds for end in ENDS)])
     variables = {each.name: each for each in read_model_description(str(fmu_folder / f"{name}.fmu")).modelVariables}
     for kind in kinds:
@@ -80,18 +80,17 @@ def test_the_scene_moves_what_it_says():
 
 def deviation(model, relative_tolerance):
     """Largest difference of a dynamic tether's kite_tension from the reference, as a part of the largest tension."""
-    scene, names = evidence.scene_of(model, Tether()), evidence.recorded(model.variant)
-    reference = np.array(evidence.reference(model, Tether(), scene))[:, names.index("kite_tension")]
-    tether = model(Tether(), solver=Solver(relative_tolerance=relative_tolerance))
-    tensions = [tether.initialize(wind_velocity=scene[0]["wind_velocity"]).kite_tension]
-    tensions += [tether.step(evidence.STEP, **inputs).kite_tension for inputs in scene[:-1]]
+    made = evidence.flight(model, Tether())
+    place = made.outputs.index("kite_tension")
+    reference, tensions = (np.array(evidence.reference(made, each))[:, place] for each in (None, relative_tolerance))
     return np.abs(reference - tensions).max() / reference.max()
 
 
 @dynamic
 def test_the_reference_is_far_better_than_what_is_allowed(model):
     """A tolerance ten times tighter moves the reference of a dynamic tether by less than 1e-4 of the allowed deviation."""
-    assert deviation(model, 0.1 * evidence.REFERENCE_TOLERANCE) < 1e-4 * BY_NAME[model.variant].evidence_deviation
+    finer = 0.1 * evidence.flight(model, Tether()).reference_tolerance
+    assert deviation(model, finer) < 1e-4 * BY_NAME[model.variant].evidence_deviation
 
 
 @dynamic
@@ -102,7 +101,7 @@ def test_the_default_tolerance_stays_well_within_what_is_allowed(model):
 @pytest.mark.parametrize("diameter", [0.004, 0.5])
 def test_the_load_begins_with_what_holds_a_free_kite(diameter):
     tether = Tether().with_diameter(diameter)
-    (first, *_) = evidence.scene_of(models.TetherDynamicFree, tether)
+    (first, *_) = evidence.flight(models.TetherDynamicFree, tether).scene
     balance = np.array(first["kite_load"]) + models.TetherDynamicFree(tether).initialize().kite_force
     np.testing.assert_allclose(balance, (0.0, 0.0, 10.0 * 9.81), atol=1e-3)  # 10 digits of up to 1e6 N
 
@@ -110,7 +109,7 @@ def test_the_load_begins_with_what_holds_a_free_kite(diameter):
 def test_a_free_kite_is_pulled_taut():
     tether = models.TetherDynamicFree()
     tether.initialize()
-    scene = evidence.scene_of(models.TetherDynamicFree, Tether())
+    scene = evidence.flight(models.TetherDynamicFree, Tether()).scene
     outputs = [tether.step(evidence.STEP, **inputs) for inputs in scene[:-1]]
     assert outputs[-1].kite_tension > 3.0 * outputs[0].kite_tension
     assert max(each.kite_position[1] for each in outputs) > 20.0
@@ -121,7 +120,10 @@ def test_a_free_kite_is_pulled_taut():
 def test_the_set_belongs_to_the_start_values_of_the_fmu(model, segments):
     """Also with the fewest and with the most segments that a builder may ask for."""
     name = model.__name__
-    made, usual = (evidence.files(name, Tether(segments=number)) for number in (segments, 20))
+    made, usual = (
+        evidence.files(name, [evidence.flight(model, Tether(segments=number))], model=name, scene="", more="")
+        for number in (segments, 20)
+    )
     same = made[f"{name}_in.csv"] == usual[f"{name}_in.csv"]
     assert same == (model is models.TetherDynamic)  # the load of a free kite begins with the force of its tether
     assert made[f"{name}_ref.csv"] != usual[f"{name}_ref.csv"]
@@ -132,13 +134,13 @@ def test_digits_hide_the_last_bit_of_a_zero():
     assert evidence.text_of(123.456789012, 8) == "123.45679"
 
 
-@pytest.mark.parametrize("kind", list(winch_evidence.GIVEN))
+@pytest.mark.parametrize("kind", list(evidence.GIVEN))
 @dynamic
 def test_the_reference_of_a_winch_is_far_better_than_what_is_allowed(model, kind):
     """A tolerance ten times tighter moves it by less than 1e-2 of the allowed deviation, the drum's stops included."""
-    given, finer = winch_evidence.winch_set(kind, model, Tether()), 0.1 * winch_evidence.REFERENCE_TOLERANCE
-    usual = np.array(winch_evidence.reference(model, Tether(), given))
-    moved = np.abs(winch_evidence.reference(model, Tether(), given, finer) - usual).max(axis=0)
+    made = evidence.winch_set(kind, model, Tether())
+    usual = np.array(evidence.reference(made))
+    moved = np.abs(evidence.reference(made, 0.1 * made.reference_tolerance) - usual).max(axis=0)
     assert np.all(moved <= 1e-2 * BY_NAME[model.variant].evidence_deviation * largest(usual))
 
 
@@ -152,14 +154,14 @@ def largest(rows):
 @pytest.mark.parametrize("model", [models.TetherQuasiSteady, models.TetherDynamic])
 def test_the_drum_does_what_the_set_says(model):
     """Still as long as the pull differs from the tension by less than the friction; taut; slack and at its stop."""
-    given = winch_evidence.winch_set("force", model, Tether())
-    tension, _, length, speed = np.transpose(winch_evidence.reference(model, Tether(), given))
-    pull = np.array([each["winch_force"] for each in given.scene])
-    first = int(np.argmax(np.abs(pull - tension[0]) > given.winch.winch_friction))
+    made = evidence.winch_set("force", model, Tether())
+    tension, _, length, speed = np.transpose(evidence.reference(made))
+    pull = np.array([each["winch_force"] for each in made.scene])
+    first = int(np.argmax(np.abs(pull - tension[0]) > made.starts["winch_friction"]))
     assert first > 10
     assert np.all(speed[: first - 1] == 0.0)
     assert speed.min() < -1.0
     assert tension.max() > 5.0 * tension[0]
-    assert length.min() < 501.0 < length[-1] == given.winch.longest_length
+    assert length.min() < 501.0 < length[-1] == made.starts["longest_length"]
     assert speed[-1] == 0.0
     assert tension[-1] < tension[0]

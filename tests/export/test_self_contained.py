@@ -10,9 +10,9 @@ import pytest
 
 from tetherfmu.export.archive import SLAVES, build
 from tetherfmu.export.build_options import BuildOptions
+from tetherfmu.fmi.resources import KERNELS_FOLDER
 from tetherfmu.libraries.ahead_of_time import TARGETS
 from tetherfmu.runtime.kernel_library import PYTHONFMU, file_name, load, this_platform
-from tetherfmu.runtime.resources import KERNELS_FOLDER
 from tetherfmu.runtime.variants import VARIANTS
 
 LARGEST = 2_000_000  # bytes of an FMU

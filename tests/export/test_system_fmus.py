@@ -16,11 +16,11 @@ from tetherfmu import TetherSystem
 from tetherfmu.check.__main__ import main as check
 from tetherfmu.commands.build import main
 from tetherfmu.export import systems
-from tetherfmu.runtime import system_variables
+from tetherfmu.fmi import system_variables
+from tetherfmu.fmi.system_variables import GIVEN
 from tetherfmu.runtime.kernel_library import this_platform
 from tetherfmu.runtime.limits import WORST_WORK
 from tetherfmu.runtime.outputs import COUNTERS
-from tetherfmu.runtime.system_variables import GIVEN
 from tetherfmu.systems import files
 
 FILES = Path(__file__).parents[2] / "examples" / "systems"

@@ -1,15 +1,14 @@
-"""What an FMU ships, the folder `runtime`, imports the standard library only; its base slave imports PythonFMU as well."""
+"""What an FMU ships, `runtime` and `fmi`, imports the standard library only; its base slave imports PythonFMU as well."""
 
 import ast
 import sys
-from pathlib import Path
 
 import pytest
 
-import tetherfmu.runtime
+from tetherfmu.export.archive import SHIPPED
+from tetherfmu.libraries.sources import PACKAGE
 
-FOLDER = Path(tetherfmu.runtime.__file__).parent
-FILES = sorted(FOLDER.glob("*.py"))
+FILES = [path for folder in SHIPPED for path in sorted((PACKAGE / folder).rglob("*.py"))]
 
 
 def imports(file):
@@ -32,12 +31,15 @@ def test_imports_the_standard_library_only(file):
 
 @pytest.mark.parametrize("file", FILES, ids=lambda file: file.name)
 def test_relative_imports_stay_inside(file):
-    """The builder copies the files of the folder, nothing above or below it (`__version__` is a name in it)."""
-    relative = [(level, module) for level, module in imports(file) if level > 0 and module != "__version__"]
-    assert all(level == 1 for level, _ in relative)
-    assert {module for _, module in relative} <= {each.stem for each in FILES}
+    """Those of `runtime` in itself, those of `fmi` in both."""
+    for level, module in imports(file):
+        if level > 0:
+            inside = file.parents[level - 1].relative_to(PACKAGE) / module.split(".")[0]
+            folder = inside.parts[0]
+            assert folder == "runtime" or (folder == file.parent.name == "fmi")
+            assert PACKAGE / inside.with_suffix(".py") in FILES or PACKAGE / inside / "__init__.py" in FILES
 
 
-def test_the_folder_is_flat():
+def test_the_folders_are_flat():
     assert len(FILES) > 10
-    assert [path for path in FOLDER.rglob("*.py") if path.parent != FOLDER] == []
+    assert {path.parent for path in FILES} == {PACKAGE / folder for folder in SHIPPED}

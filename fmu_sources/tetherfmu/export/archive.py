@@ -1,4 +1,4 @@
-"""Assemble FMUs: compiled kernels, the folder `runtime`, PythonFMU's wrapper, one archive.
+"""Assemble FMUs: compiled kernels, the folders `runtime` and `fmi`, PythonFMU's wrapper, one archive.
 
 Inside an FMU the slave script and the package have names with a hash of their content, so that FMUs of different versions
 live side by side in one process. Equal sources and options give equal bytes.
@@ -15,10 +15,10 @@ from xml.etree import ElementTree
 
 from pythonfmu.builder import FmuBuilder
 
+from tetherfmu.fmi.resources import KERNELS_FOLDER, OPTIONS_FILE
 from tetherfmu.libraries import ready
 from tetherfmu.libraries.sources import PACKAGE
 from tetherfmu.runtime.kernel_library import NO_LIBRARY_OF_PYTHONFMU, PYTHONFMU, file_name
-from tetherfmu.runtime.resources import KERNELS_FOLDER, OPTIONS_FILE
 from tetherfmu.runtime.variants import EVERY_VARIANT, class_name, library_of
 
 from . import osp
@@ -28,9 +28,9 @@ from .documents import OSP_FOLDER, documents
 SCRIPTS = Path(__file__).with_name("slaves")
 SLAVES = {class_name(each): (f"tether_{each}.py", each) for each in EVERY_VARIANT}  # name: (slave script, variant)
 # PythonFMU executes the script of an FMU anew for each instance and keeps what it defines: 6 kB if that is a class
-SHIPPED = ("runtime", "wind")  # packages whose modules a slave may import
+SHIPPED = ("runtime", "fmi")  # folders of the package that every FMU has
 LAUNCHER = """from {package}.{module} import {name}
-from {package}.workarounds import hold
+from {package}.fmi.workarounds import hold
 
 hold(globals())
 """
@@ -123,23 +123,21 @@ def write_archive(files, target):
 def write_package(resources, name, script, kernels=(), modules=()):
     """Write the package with the slave in it, and its launcher, under names with a hash of it all; returns both paths.
 
-    name : class of the slave.  script : its file.  kernels : compiled libraries, for the hash.  modules : files that the
-    script imports beside those of the folder `runtime`. In the FMU all are in one folder.
+    name : class of the slave.  script : its file.  kernels : compiled libraries, for the hash.  modules : more files that
+    the script imports. Folders of this package are folders there; the script, and what is not of it, is beside them.
     """
-    sources = {path.name: path.read_text(encoding="utf-8") for path in sorted((PACKAGE / "runtime").glob("*.py"))}
-    for path in (*modules, script):
+    sources = {}
+    for path in (*(each for folder in SHIPPED for each in sorted((PACKAGE / folder).glob("*.py"))), *modules, script):
+        inside = path.relative_to(PACKAGE) if path.parent.parent == PACKAGE else Path(path.name)
         text = path.read_text(encoding="utf-8")
-        for folder in SHIPPED:
-            text = text.replace(f"from tetherfmu.{folder}.", "from .")
-            text = text.replace(f"from tetherfmu.{folder} import", "from . import")
-        sources[path.name] = text
+        sources[inside.as_posix()] = text.replace("from tetherfmu.", f"from {'.' * len(inside.parts)}")
     # with the name of the script: a package is loaded from the folder of one FMU, which may vanish before another needs it
     content = json.dumps([script.name, sources], sort_keys=True).encode("utf-8")
     content += b"".join(each.read_bytes() for each in kernels)
     digest = hashlib.sha256(content).hexdigest()[:PACKAGE_DIGITS]
     package, module = resources / f"tetherfmu_{digest}", script.stem
-    package.mkdir(parents=True)
     for file, text in sources.items():
+        (package / file).parent.mkdir(parents=True, exist_ok=True)
         (package / file).write_text(text, encoding="utf-8", newline="\n")
     launcher = resources / f"{module}_{digest}.py"
     text = LAUNCHER.format(package=package.name, module=module, name=name)

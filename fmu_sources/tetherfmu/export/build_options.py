@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass, field
 
+from tetherfmu.fmi.resources import DEFAULT_OPTIONS
 from tetherfmu.runtime.kernel_library import this_platform
-from tetherfmu.runtime.resources import DEFAULT_OPTIONS
 
 
 @dataclass(frozen=True)
@@ -62,7 +62,7 @@ class BuildOptions:
     wind_points: int = DEFAULT_OPTIONS["wind_points"]
 
     def as_dict(self):
-        """What the FMU itself must know, without defaults, as `runtime.resources.options_in` reads it."""
+        """What the FMU itself must know, without defaults, as `fmi.resources.options_in` reads it."""
         options = {"segments": self.segments, "shape_points": self.shape_points}
         if self.wind_points:
             options["wind_points"] = self.wind_points

@@ -3,66 +3,60 @@
 import re
 from html import escape
 from importlib.metadata import distribution
-from pathlib import Path
-from string import Template
 
+from tetherfmu import models
+from tetherfmu.fmi.model_description import number_text
 from tetherfmu.libraries.sources import PACKAGE
 from tetherfmu.runtime import __version__
-from tetherfmu.runtime.model_description import number_text
 from tetherfmu.runtime.parameters import Tether
 from tetherfmu.runtime.variables import INPUT, LOCAL, OUTPUT, PARAMETER, table_of
+from tetherfmu.runtime.variants import BY_NAME
 
-from . import evidence, osp, related_files, winch_evidence
+from . import evidence, osp, related_files
+from .texts import ASSETS, asset, filled
 
-ASSETS = Path(__file__).with_name("assets")
 LICENCE = PACKAGE.parents[1] / "LICENSE"  # in a checkout; a wheel has it among its metadata
 EVIDENCE_FOLDER = "documentation/evidence"
 OSP_FOLDER = "extra/com.open-simulation-platform"
 
 
 def documents(name, variant, description, options, native=None):
-    """All files beside the model: dict of their path in the archive to bytes.
+    """All files beside the model of a tether: dict of their path in the archive to bytes.
 
     name : of the FMU.  variant : one of `variants.EVERY_VARIANT`.  description : of the model, one paragraph.
     options : `BuildOptions`; an FMU for one purpose has a page of its own, and no evidence set.
-    native : version of FMI (2 or 3) of an FMU without Python; None for PythonFMU's. The groups of variables are for FMI 2.
+    native : version of FMI (2 or 3) of an FMU without Python; None for PythonFMU's.
     """
-    table = table_of(variant, options.as_dict())
-    texts = of_every_fmu(options.platforms, native)
-    if native != 3:
-        texts[f"{OSP_FOLDER}/{osp.file_name(name)}"] = osp.model_description(table)
+    table, sets, title = table_of(variant, options.as_dict()), {}, name
     if options.purpose:
-        title, about = f"{name}, {options.purpose.name}", options.purpose.page
-        shown = {"title": escape(title), "page": about, "files": listed(texts), **style_and_tables(table)}
-        texts["documentation/index.html"] = filled("purpose.html", **shown)
+        title, body = f"{name}, {options.purpose.name}", options.purpose.page
     else:
-        for file, asset in (("README.txt", "evidence.txt"), (f"{name}_ref.opt", "evidence.opt")):
-            texts[f"{EVIDENCE_FOLDER}/{file}"] = filled(asset, name=name, **evidence.facts(variant))
         tether = Tether(segments=options.segments, **dict(options.starts))
-        for file, text in evidence.files(name, tether, native == 3, options.wind_points).items():
-            texts[f"{EVIDENCE_FOLDER}/{file}"] = text
-        texts |= of_the_winch(name, tether, native == 3)
-        texts[related_files.MANIFEST] = manifest_of(texts)
-        texts["documentation/index.html"] = page(name, variant, description, table, texts, native)
-    return {
-        "terminalsAndIcons/icon.png" if native == 3 else "model.png": (ASSETS / "model.png").read_bytes(),
-        "documentation/figure.png": (ASSETS / "figure.png").read_bytes(),
-        **{path: text.encode("utf-8") for path, text in texts.items()},
-    }
+        made = evidence.of_tether(getattr(models, name), tether, options.wind_points)
+        words = {"scene": evidence.SCENES[BY_NAME[variant].kite_is_free], "more": filled("evidence_of_winch.txt", name=name)}
+        sets = evidence.files(name, made, native == 3, model=name, **words)
+        physics = asset(f"physics/{variant}.html").strip()
+        body = filled("tether.html", name=name, physics=physics, **about(description, native))
+    groups = osp.model_description(table)
+    beside = files_beside(name, page(title, body, table), sets, options.platforms, groups, native)
+    return beside | {"documentation/figure.png": (ASSETS / "figure.png").read_bytes()}
 
 
-def of_the_winch(name, tether, arrays):
-    """Texts of the evidence sets of the winch, dict of their path in the archive; arguments as in `evidence.files`."""
-    texts, options = winch_evidence.files(name, tether, arrays)
-    for file, (facts, starts) in options.items():
-        lines = [f"{each}, {value}\n" for each, value in starts.items()]
-        texts[file] = filled("evidence.opt", **facts) + "".join(lines)
-    return {f"{EVIDENCE_FOLDER}/{file}": text for file, text in texts.items()}
+def files_beside(name, page_of, sets, platforms, groups, native=None):
+    """Files beside the model of a tether or a system: dict of their path in the archive to bytes.
 
-
-def manifest_of(paths):
-    """Text of the manifest of related files for the evidence set among paths in the archive."""
-    return related_files.manifest([path for path in paths if path.startswith(EVIDENCE_FOLDER)])
+    page_of : gives the text of the page for the paths of the other files.  sets : texts of the evidence sets, dict by file
+    name.  platforms : as in `of_every_fmu`.  groups : text of the file for the Open Simulation Platform, for FMI 2.
+    """
+    texts = of_every_fmu(platforms, native)
+    if native != 3:
+        texts[f"{OSP_FOLDER}/{osp.file_name(name)}"] = groups
+    if sets:
+        own = {f"{EVIDENCE_FOLDER}/{file}": text for file, text in sets.items()}
+        texts |= own | {related_files.MANIFEST: related_files.manifest(own)}
+    texts["documentation/index.html"] = page_of(texts)
+    icon = "terminalsAndIcons/icon.png" if native == 3 else "model.png"
+    return {icon: (ASSETS / "model.png").read_bytes(), **{path: text.encode("utf-8") for path, text in texts.items()}}
 
 
 NO_PACKAGES = "No package has to be installed in it: the FMU carries its compiled\n   models."
@@ -80,10 +74,10 @@ def of_every_fmu(platforms, native=None, packages=NO_PACKAGES):
         "documentation/licenses/license.txt": own_licence,
     }
     if native:
-        texts["documentation/licenses/FMI.txt"] = (ASSETS / "FMI.txt").read_text(encoding="utf-8")
+        texts["documentation/licenses/FMI.txt"] = asset("FMI.txt")
     else:
         texts["documentation/licenses/PythonFMU.txt"] = licence_of("pythonfmu")
-        texts["documentation/licenses/CPPFMU.txt"] = (ASSETS / "CPPFMU.txt").read_text(encoding="utf-8")
+        texts["documentation/licenses/CPPFMU.txt"] = asset("CPPFMU.txt")
     return texts
 
 
@@ -113,23 +107,17 @@ def listed(paths):
     return "\n".join(lines)
 
 
-def page(name, variant, description, table, paths, native):
-    """Text of documentation/index.html: use, physics, the tables of all variables, and the files beside it (`paths`)."""
-    return filled(
-        "index.html",
-        name=name,
-        fmi=native or 2,
-        flavour="native" if native else "with PythonFMU",
-        version=__version__,
-        description=escape(description),
-        physics=(ASSETS / "physics" / f"{variant}.html").read_text(encoding="utf-8").strip(),
-        files=listed(paths),
-        **style_and_tables(table),
-    )
+def about(description, native=None):
+    """What the page of each FMU of a tether or a system says of it: dict of words for its text."""
+    flavour = "native" if native else "with PythonFMU"
+    return {"fmi": native or 2, "flavour": flavour, "version": __version__, "description": escape(description)}
 
 
-def style_and_tables(table, hint="<p>Set them before the initialization ends.</p>\n"):
-    """What the pages of all FMUs share: the style, and their tables of variables. hint : HTML above the parameters."""
+def page(title, body, table, hint="<p>Set them before the initialization ends.</p>\n"):
+    """Function of the paths of the other files that gives the text of documentation/index.html.
+
+    body : HTML above the tables of the variables in `table`.  hint : HTML above the parameters.
+    """
     local = rows(table, LOCAL, unit, meaning)
     tables = filled(
         "tables.html",
@@ -139,7 +127,8 @@ def style_and_tables(table, hint="<p>Set them before the initialization ends.</p
         local=filled("local.html", rows=local) if local else "",
         parameters=rows(table, PARAMETER, unit, start, allowed, meaning),
     )
-    return {"style": (ASSETS / "page.css").read_text(encoding="utf-8").strip(), "tables": tables.rstrip()}
+    shown = {"title": escape(title), "style": asset("page.css").strip(), "body": body.strip(), "tables": tables.rstrip()}
+    return lambda paths: filled("page.html", files=listed(paths), **shown)
 
 
 def folded(listed):
@@ -187,8 +176,3 @@ def licence_of(package):
     """Licence text of an installed package of which the FMU carries parts."""
     metadata = distribution(package)
     return metadata.read_text("licenses/LICENSE") or metadata.read_text("LICENSE")
-
-
-def filled(file, **values):
-    """Text of an asset with its $names replaced."""
-    return Template((ASSETS / file).read_text(encoding="utf-8")).substitute(values)

@@ -1,27 +1,143 @@
-"""The evidence set of an FMU, in the files of FMI's cross-check: what goes in, what must come out, and with which options.
+"""Evidence sets of an FMU, in the files of FMI's cross-check: what goes in, what must come out, and with which options.
 
-The scene starts from the start values of the FMU: a kite 500 m away flies into a part of a circle and outwards, a free one
-is pulled outwards and to and fro by its load; the wind rises, the tether pays out and becomes taut. The reference is the
-Python API with a tolerance far tighter than the FMU's.
+A tether has three. Each starts from the start values of the FMU; forces are parts of a force of the tether, so that they
+suit light and heavy ones.
+
+    ""       A kite 500 m away flies into a part of a circle and outwards, a free one is pulled outwards and to and fro by
+             its load; the wind rises, the tether pays out and becomes taut.
+    force    The winch has a drum with mass and dry friction. It holds still until its force exceeds the friction, breaks
+             away, reels the tether taut, lets it go as the force falls, and is stopped at `longest_length` with it slack.
+    length   The tether follows a length that is reeled in until it is taut, and out until it is slack.
+
+In that of a system a wind rises, all driven points sway together, the lines pay out. The reference is the Python API with a
+tolerance far tighter than the FMU's.
 """
 
+from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
-from math import cos, hypot, sin
+from math import cos, hypot, pi, sin
+from typing import NamedTuple
 from warnings import catch_warnings
 
-from tetherfmu import models
 from tetherfmu.results import PlausibilityWarning
-from tetherfmu.runtime.inputs import KITE_AT_START
-from tetherfmu.runtime.parameters import DEFAULT_TOLERANCE, Environment, FreeKite, Solver
+from tetherfmu.runtime.inputs import KITE_AT_START, ZERO, components, wind_at_names
+from tetherfmu.runtime.parameters import DEFAULT_TOLERANCE, Environment, FreeKite, Solver, Winch
 from tetherfmu.runtime.variables import INPUT, OUTPUT, names_of, variables
-from tetherfmu.runtime.variants import BY_NAME
+from tetherfmu.runtime.variants import BY_NAME, DYNAMIC
+from tetherfmu.systems.tether_system import TetherSystem
 
-STEP, STEPS = 0.05, 200  # of communication [s], and how many of them
-REFERENCE_TOLERANCE = 1e-9  # of the solver; 1e-10 changes the reference by 1e-8 of the largest force
-RECORDED = ("kite_force", "ground_tension", "kite_tension", "tether_length", "sag")  # and for 10 outputs one vector more
-KITE = ("flies into a part of a circle and outwards", "is pulled outwards and to and fro by its load")  # driven, free
+from .texts import filled
+
+STEP = 0.05  # of communication [s]
 INPUT_DIGITS, OUTPUT_DIGITS = 10, 8  # so that the last bit of a mathematical library does not show
+_BELOW = "\n" + 17 * " "  # where a second line of words begins
+SCENES = (  # in words: with a driven kite, with a free one, of a system
+    f"the kite flies into a part of a circle and outwards, the wind rises, the tether{_BELOW}pays out and becomes taut.",
+    f"the kite is pulled outwards and to and fro by its load, the wind rises, the{_BELOW}tether pays out and becomes taut.",
+    "a wind rises, the driven points sway together, the lines pay out.",
+)
 
+
+class EvidenceSet(NamedTuple):
+    """One evidence set: the model, what goes in, what is recorded, and the options of the run."""
+
+    kind: str  # "", or what controls the winch
+    model: Callable  # makes a model of the Python API with a relative tolerance
+    scene: list  # its arguments at each communication point: dicts with the digits of the input file
+    inputs: tuple  # FMI names
+    outputs: tuple
+    given: Callable  # arguments as a dict of FMI vectors to numbers, the same for the record of its outputs
+    found: Callable
+    tolerance: float  # of the run
+    reference_tolerance: float
+    allowed: float  # deviation, as a part of the largest value
+    starts: dict = {}  # noqa: RUF012  start values of parameters that are not those of the FMU
+
+
+def reference(made, tolerance=None):
+    """Recorded outputs of the Python API at the start and after each step: list of lists of numbers.
+
+    made : `EvidenceSet`.  tolerance : None for that of its reference.  ValueError if a system does not start, or a step is
+    refused.
+    """
+    with catch_warnings(action="ignore", category=PlausibilityWarning):  # command and FMU say once what is in doubt
+        model = made.model(tolerance or made.reference_tolerance)
+        rows = [model.initialize(**made.scene[0])]
+        rows += [model.step(STEP, **given) for given in made.scene[:-1]]
+    return [flat(made.found(row), made.outputs) for row in rows]
+
+
+def files(name, sets, arrays=False, **words):
+    """Texts of evidence sets, dict by file name: inputs, reference and options of each, and on all of them README.txt.
+
+    name : of the FMU.  arrays : whether a vector is one variable, as in FMI 3; its numbers then stand in one cell, with
+    blanks between them, as FMPy reads them.  words : in assets/evidence.txt.
+    """
+    texts = {}
+    for made in sets:
+        start = f"{name}_{made.kind}_" if made.kind else f"{name}_"
+        scene = [flat(made.given(each), made.inputs) for each in made.scene]
+        options = {"step": STEP, "stop": STEP * (len(scene) - 1), "tolerance": made.tolerance, "allowed": made.allowed}
+        texts[f"{start}in.csv"] = table_text(made.inputs, scene, INPUT_DIGITS, arrays)
+        texts[f"{start}ref.csv"] = table_text(made.outputs, reference(made), OUTPUT_DIGITS, arrays)
+        lines = [f"{each}, {value}\n" for each, value in made.starts.items()]
+        texts[f"{start}ref.opt"] = filled("evidence.opt", **options) + "".join(lines)
+    first = sets[0]
+    facts = {"tolerance": first.tolerance, "allowed": first.allowed, "reference_tolerance": first.reference_tolerance}
+    return texts | {"README.txt": filled("evidence.txt", name=name, step=STEP, **facts, **words)}
+
+
+def flat(values, names):
+    """Numbers of FMI variables from a dict of numbers and vectors; what is not in it is 0."""
+    row = []
+    for name in names:
+        vector, _, index = name.partition("[")
+        value = values.get(vector, 0.0)
+        for each in index[:-1].split(",") if index and vector in values else ():
+            value = value[int(each) - 1]
+        row.append(float(value))
+    return row
+
+
+def rounded(value):
+    """A number, or numbers in tuples and dicts, with the digits of the input file."""
+    if isinstance(value, dict):
+        return {key: rounded(each) for key, each in value.items()}
+    if isinstance(value, tuple):
+        return tuple(map(rounded, value))
+    return float(text_of(value, INPUT_DIGITS))
+
+
+def text_of(value, digits):
+    """A number with so many digits, two of them less behind the point: what rounding leaves of a zero becomes 0."""
+    return f"{round(value, digits - 2) + 0.0:.{digits}g}"
+
+
+def table_text(names, rows, digits, arrays):
+    """CSV as FMI's cross-check asks for it: quoted names, commas, the time first."""
+    columns = [name.partition("[")[0] if arrays else name for name in names]
+    lines = [",".join(f'"{name}"' for name in ("time", *dict.fromkeys(columns)))]
+    for k, row in enumerate(rows):
+        cells = {}
+        for name, value in zip(columns, row, strict=True):
+            cells.setdefault(name, []).append(text_of(value, digits))
+        lines.append(",".join([f"{k * STEP:.10g}", *map(" ".join, cells.values())]))
+    return "\n".join(lines) + "\n"
+
+
+def rise(time, duration):
+    """A smooth rise from 0 to 1: its value, its rate [1/s] and its integral [s] at a time [s]."""
+    u = min(max(time / duration, 0.0), 1.0)
+    integral = duration * (u**3 - u**4 / 2.0) + max(time - duration, 0.0)
+    return u * u * (3.0 - 2.0 * u), 6.0 * u * (1.0 - u) / duration, integral
+
+
+# --- a tether
+
+RECORDED = ("kite_force", "ground_tension", "kite_tension", "tether_length", "sag")  # and for 10 outputs one vector more
+_STEPS = 200
+_REFERENCE_TOLERANCE = 1e-9  # 1e-10 changes the reference by 1e-8 of the largest force
 _TURN_RATE, _TURN_RISES = 0.08, 4.0  # [rad/s], [s]
 _GROWTH, _GROWS = 0.018, 8.0  # of the distance [-], [s]
 _REEL_OUT, _REEL_OUT_BEGINS, _REEL_OUT_RISES = 0.5, 2.0, 4.0  # [m/s], [s], [s]
@@ -33,11 +149,40 @@ _PULL, _PULL_RISES = 2.7, 6.0  # [-], [s]
 _SWAY, _SWAY_RATE = 0.5, 0.8  # [-], [rad/s]
 
 
-def rise(time, duration):
-    """A smooth rise from 0 to 1: its value, its rate [1/s] and its integral [s] at a time [s]."""
-    u = min(max(time / duration, 0.0), 1.0)
-    integral = duration * (u**3 - u**4 / 2.0) + max(time - duration, 0.0)
-    return u * u * (3.0 - 2.0 * u), 6.0 * u * (1.0 - u) / duration, integral
+def of_tether(model, tether, wind_points=0):
+    """Evidence sets of a tether, list of `EvidenceSet`; those of the winch are left out of what bounces (`SEGMENTS`).
+
+    model : class of the Python API.  tether : `Tether` of the start values.  wind_points : of the FMU.
+    """
+    sets = [flight(model, tether, wind_points)]
+    if not BY_NAME[model.variant].has_waves or tether.segments in SEGMENTS:
+        sets += [winch_set(kind, model, tether) for kind in GIVEN]
+    return sets
+
+
+def flight(model, tether, wind_points=0):
+    """The `EvidenceSet` without a winch that is controlled; arguments as in `of_tether`."""
+    variant, at = BY_NAME[model.variant], inputs_at
+    if variant.kite_is_free:
+        at = partial(inputs_of_free_kite, kite_force=model(tether).initialize().kite_force.tolist())
+    scene = [with_wind_at(rounded(at(k * STEP)), wind_points) for k in range(_STEPS + 1)]
+    return EvidenceSet(
+        kind="",
+        model=lambda tolerance: model(tether, solver=Solver(relative_tolerance=tolerance), wind_points=wind_points),
+        scene=scene,
+        inputs=tuple(names_of(variables(model.variant, 0, wind_points=wind_points), INPUT)),
+        outputs=_recorded(model.variant, (*RECORDED, "kite_position" if variant.kite_is_free else "ground_force")),
+        given=dict,
+        found=lambda row: row._asdict(),
+        tolerance=variant.evidence_tolerance or DEFAULT_TOLERANCE,
+        reference_tolerance=_REFERENCE_TOLERANCE,
+        allowed=variant.evidence_deviation,
+    )
+
+
+def _recorded(variant, vectors):
+    """FMI names of outputs of a variant."""
+    return tuple(name for name in names_of(variables(variant, 0), OUTPUT) if name.partition("[")[0] in vectors)
 
 
 def inputs_at(time):
@@ -56,7 +201,7 @@ def inputs_at(time):
 def inputs_of_free_kite(time, kite_force):
     """As `inputs_at`, for a tether with a free kite end; kite_force : at the start [N].
 
-    The load begins with what holds the kite and the tether at rest, so that it suits light and heavy tethers.
+    The load begins with what holds the kite and the tether at rest.
     """
     force, distance = hypot(*kite_force), hypot(*KITE_AT_START)
     pull = _PULL * force * rise(time, _PULL_RISES)[0]
@@ -72,104 +217,154 @@ def _around(time):
     return {"reel_out_speed": reel_out, "wind_velocity": wind}
 
 
-def with_wind_at(inputs, wind_points):
-    """Inputs of `inputs_at` with the wind at points, which grows along the tether, in the place of `wind_velocity`."""
+def with_wind_at(inputs, wind_points, lines=()):
+    """Inputs with the wind at points, which grows along the tether, in the place of `wind_velocity`.
+
+    lines : names of those of a system, each with these points.
+    """
     if not wind_points:
         return inputs
     shares = [_WIND_AT_GROUND + 2.0 * (1.0 - _WIND_AT_GROUND) * k / (wind_points - 1) for k in range(wind_points)]
-    wind = tuple(rounded(tuple(share * each for each in inputs["wind_velocity"])) for share in shares)
-    return {**inputs, "wind_velocity": (0.0, 0.0, 0.0), "wind_at": wind}
+    wind = rounded(tuple(tuple(share * each for each in inputs["wind_velocity"]) for share in shares))
+    return {**inputs, "wind_velocity": ZERO, "wind_at": dict.fromkeys(lines, wind) if lines else wind}
 
 
-def files(name, tether, arrays=False, wind_points=0):
-    """Inputs and reference of an FMU: dict of file name to text.
+# --- the winch inside a tether
 
-    name : of the FMU and of its class in `models`.  tether : `Tether` of the start values of the FMU.  arrays : whether a
-    vector is one variable, as in FMI 3; its numbers then stand in one cell, with blanks between them, as FMPy reads them.
-    wind_points : of the FMU.
+# With one segment kite and drum bounce between slack and taut, and the tolerance leaves 0.3 % of the largest force; with
+# many, waves in the slack tether are so short that it leaves 1 to 6 %.
+SEGMENTS = range(2, 41)
+GIVEN = {"force": "winch_force", "length": "winch_length"}  # kind of set: the input that changes
+WINCH_STEPS = 120
+_WINCH_TOLERANCE, _WINCH_REFERENCE = 1e-6, 1e-8  # a drum remembers when it broke away
+_WINCH_RECORDED = ("ground_tension", "kite_tension", "tether_length", "winch_speed")
+# of the drum, in the weight of the tether, and its pull over time: stuck, taut, slack
+_MASS, _FRICTION, _STOP = 5.0, 0.5, 1.001  # [-], [-], [-] of `initial_length`
+_HELD, _TAUT, _LET_GO = 1.0, 5.0, -2.0  # parts of the weight [-]
+_TAUT_BEGINS, _TAUT_RISES, _TAUT_ENDS, _TAUT_FALLS = 0.4, 0.8, 3.0, 0.8  # [s]
+# of the length, in `initial_length`: reeled in, and out again
+_REELED_IN, _REEL_IN, _REELED_OUT, _OUT_BEGINS, _OUT = 0.0115, 2.5, 0.012, 2.75, 3.0  # [-], [s], [-], [s], [s]
+_OUTWARDS = 4.0  # load on a free kite, in the weight of the tether [-]
+
+
+def winch_set(kind, model, tether):
+    """The `EvidenceSet` of a kind, a key of `GIVEN`; model, tether : as in `of_tether`.
+
+    The kite is held where the FMU has it; a free one is pulled outwards by a constant load.
     """
-    model = getattr(models, name)
-    scene = [with_wind_at(each, wind_points) for each in scene_of(model, tether)]
-    inputs = names_of(variables(model.variant, 0, wind_points=wind_points), INPUT)
-    return {
-        f"{name}_in.csv": table_text(inputs, [flat(each, inputs) for each in scene], INPUT_DIGITS, arrays),
-        f"{name}_ref.csv": table_text(
-            recorded(model.variant), reference(model, tether, scene, wind_points), OUTPUT_DIGITS, arrays
+    weight, is_free = weight_of(tether), BY_NAME[model.variant].kite_is_free
+    winch = Winch(winch_control=kind)
+    if kind == "force":
+        numbers = _MASS * weight / Environment().gravity, _FRICTION * weight, _STOP * tether.initial_length
+        mass, friction, stop = rounded(numbers)
+        winch = Winch(winch_control=kind, winch_mass=mass, winch_friction=friction, longest_length=stop)
+    load = {"kite_load": _load_on(weight)} if is_free else {}
+    at = partial(pull_at, weight=weight) if kind == "force" else partial(length_at, first=tether.initial_length)
+    default = vars(Winch())
+    return EvidenceSet(
+        kind=kind,
+        model=lambda tolerance: model(tether, solver=Solver(relative_tolerance=tolerance), winch=winch),
+        scene=[{GIVEN[kind]: rounded(at(k * STEP)), **load} for k in range(WINCH_STEPS + 1)],
+        inputs=tuple(n for n in names_of(variables(model.variant, 0), INPUT) if n.partition("[")[0] in (GIVEN[kind], *load)),
+        outputs=_recorded(model.variant, (*_WINCH_RECORDED, *(("kite_position",) if is_free else ()))),
+        given=dict,
+        found=lambda row: row._asdict(),
+        tolerance=_WINCH_TOLERANCE,
+        reference_tolerance=_WINCH_REFERENCE,
+        allowed=BY_NAME[model.variant].evidence_deviation,
+        starts={name: value for name, value in vars(winch).items() if value != default[name]},
+    )
+
+
+def weight_of(tether):
+    """Weight of a tether of its first length in the standard gravity [N]."""
+    return 0.25 * pi * tether.diameter**2 * tether.density * tether.initial_length * Environment().gravity
+
+
+def pull_at(time, weight):
+    """Force of the winch at a time [s] on a tether of a weight [N]."""
+    up = rise(time - _TAUT_BEGINS, _TAUT_RISES)[0]
+    down = rise(time - _TAUT_ENDS, _TAUT_FALLS)[0]
+    return weight * (_HELD + (_TAUT - _HELD) * up + (_LET_GO - _TAUT) * down)
+
+
+def length_at(time, first):
+    """Length that the winch should have paid out at a time [s], of a tether of a first length [m]."""
+    back, out = rise(time, _REEL_IN)[0], rise(time - _OUT_BEGINS, _OUT)[0]
+    return first * (1.0 - _REELED_IN * back + _REELED_OUT * out)
+
+
+def _load_on(weight):
+    """Load that pulls a free kite outwards and carries it [N]."""
+    x, y, z = (_OUTWARDS * weight * part / hypot(*KITE_AT_START) for part in KITE_AT_START)
+    return rounded((x, y, z + FreeKite().kite_mass * Environment().gravity))
+
+
+# --- a system
+
+_SYSTEM_STEPS = 100
+_SYSTEM_TOLERANCE, _SYSTEM_REFERENCE = 1e-6, 1e-8  # at the default a short stiff line may have an error of its neighbours
+_MEAN, _GUSTS, _RISES, _RATE = 4.0, 1.0, 3.0, 0.7  # [m/s], [m/s], [s], [rad/s]
+_AMPLITUDE = 0.01  # of the driven points, in the mean length of the lines [-]
+_PAID_OUT = 2e-4  # of the length of a line, in a second [1/s]
+_TENSIONS = {"tension_from": "ground_tension", "tension_to": "kite_tension", "tether_length": "tether_length"}
+
+
+def of_system(system, wind_points=0):
+    """The `EvidenceSet` of a system. system : `systems.files.SystemFile`.  wind_points : of each line."""
+    driven, free, lines = [], [], [line.name for line in system.lines]
+    for point in system.points:
+        (driven if point.is_driven else free).append(point.name)
+
+    def model(tolerance):
+        solver = replace(system.solver, relative_tolerance=tolerance)
+        return TetherSystem(system.points, system.lines, system.environment, solver, system.ground, wind_points=wind_points)
+
+    moves = [name for what in ("position", "velocity") for each in driven for name in components(f"{each}.{what}", 3)]
+    winds = [f"{line}.{name}" for line in lines for name in wind_at_names(wind_points)]
+    forces = {each.name: f"{each.name}.{'force' if each.is_driven else 'position'}" for each in system.points}
+    at = partial(inputs_of_system, system=system)
+    return EvidenceSet(
+        kind="",
+        model=model,
+        scene=[with_wind_at(rounded(at(k * STEP)), wind_points, lines) for k in range(_SYSTEM_STEPS + 1)],
+        inputs=(*moves, *(f"{line}.reel_out_speed" for line in lines), *components("wind_velocity", 3), *winds),
+        outputs=(
+            *(name for vector in forces.values() for name in components(vector, 3)),
+            *(f"{line}.{what}" for line in lines for what in _TENSIONS),
         ),
-    }
+        given=_named,
+        found=partial(_found_in_system, forces),
+        tolerance=_SYSTEM_TOLERANCE,
+        reference_tolerance=_SYSTEM_REFERENCE,
+        allowed=DYNAMIC.evidence_deviation,
+    )
 
 
-def scene_of(model, tether):
-    """Inputs at all communication points: list of dicts of the Python API's arguments, with the digits of the input file.
-
-    model : class of the Python API.  tether : `Tether` of the start values.
-    """
-    at = inputs_at
-    if BY_NAME[model.variant].kite_is_free:
-        at = partial(inputs_of_free_kite, kite_force=model(tether).initialize().kite_force.tolist())
-    return [{key: rounded(value) for key, value in at(k * STEP).items()} for k in range(STEPS + 1)]
-
-
-def recorded(variant):
-    """FMI names of the recorded outputs."""
-    vectors = (*RECORDED, "kite_position" if BY_NAME[variant].kite_is_free else "ground_force")
-    return [name for name in names_of(variables(variant, 0), OUTPUT) if name.partition("[")[0] in vectors]
-
-
-def facts(variant):
-    """Numbers in assets/evidence.opt, the options of the run, and in its description assets/evidence.txt."""
-    tether = BY_NAME[variant]
-    tolerance = tether.evidence_tolerance or DEFAULT_TOLERANCE
+def inputs_of_system(time, system):
+    """Inputs at a time [s], as a dict of arguments of `TetherSystem.step` (SI units)."""
+    share, rate, _ = rise(time, _RISES)
+    length = _AMPLITUDE * sum(line.tether.initial_length for line in system.lines) / len(system.lines)
+    sway = length * share * sin(_RATE * time)
+    speed = length * (rate * sin(_RATE * time) + share * _RATE * cos(_RATE * time))
+    driven = {point.name: point.position for point in system.points if point.is_driven}
     return {
-        "step": STEP,
-        "stop": STEP * STEPS,
-        "allowed": tether.evidence_deviation,
-        "kite": KITE[tether.kite_is_free],
-        "tolerance": tolerance,
-        "reference_tolerance": REFERENCE_TOLERANCE,
+        "positions": {name: (x, y + sway, z) for name, (x, y, z) in driven.items()},
+        "velocities": dict.fromkeys(driven, (0.0, speed, 0.0)),
+        "reel_out_speeds": {line.name: share * _PAID_OUT * line.tether.initial_length for line in system.lines},
+        "wind_velocity": (_MEAN * share, _GUSTS * share * sin(_RATE * time), 0.0),
     }
 
 
-def reference(model, tether, scene, wind_points=0):
-    """Recorded outputs of the Python API at the start and after each step: list of lists of numbers."""
-    with catch_warnings(action="ignore", category=PlausibilityWarning):  # the command says once what is in doubt
-        tether = model(tether, solver=Solver(relative_tolerance=REFERENCE_TOLERANCE), wind_points=wind_points)
-        rows = [tether.initialize(**{key: value for key, value in scene[0].items() if key != "kite_load"})]
-        rows += [tether.step(STEP, **inputs) for inputs in scene[:-1]]
-    return [flat(row._asdict(), recorded(model.variant)) for row in rows]
+def _named(given):
+    """Arguments of `TetherSystem.step` by FMI vectors."""
+    kinds = {"positions": "position", "velocities": "velocity", "reel_out_speeds": "reel_out_speed", "wind_at": "wind_at"}
+    own = {f"{name}.{what}": each for key, what in kinds.items() for name, each in given.get(key, {}).items()}
+    return {"wind_velocity": given["wind_velocity"], **own}
 
 
-def flat(values, names):
-    """Numbers of FMI variables from a dict of numbers and vectors; what is not in it is 0."""
-    row = []
-    for name in names:
-        vector, _, index = name.partition("[")
-        value = values.get(vector, 0.0)
-        for each in index[:-1].split(",") if index and vector in values else ():
-            value = value[int(each) - 1]
-        row.append(float(value))
-    return row
-
-
-def rounded(value):
-    """A number or a vector with the digits of the input file."""
-    if isinstance(value, tuple):
-        return tuple(map(rounded, value))
-    return float(text_of(value, INPUT_DIGITS))
-
-
-def text_of(value, digits):
-    """A number with so many digits, two of them less behind the point: what rounding leaves of a zero becomes 0."""
-    return f"{round(value, digits - 2) + 0.0:.{digits}g}"
-
-
-def table_text(names, rows, digits, arrays=False, step=STEP):
-    """CSV as FMI's cross-check asks for it: quoted names, commas, the time first, every `step` [s]."""
-    columns = [name.partition("[")[0] if arrays else name for name in names]
-    lines = [",".join(f'"{name}"' for name in ("time", *dict.fromkeys(columns)))]
-    for k, row in enumerate(rows):
-        cells = {}
-        for name, value in zip(columns, row, strict=True):
-            cells.setdefault(name, []).append(text_of(value, digits))
-        lines.append(",".join([f"{k * step:.10g}", *map(" ".join, cells.values())]))
-    return "\n".join(lines) + "\n"
+def _found_in_system(forces, row):
+    """Outputs by FMI vectors, from `SystemOutputs`; forces : dict of point to its vector."""
+    own = {vector: getattr(row.points[name], vector.rpartition(".")[2]) for name, vector in forces.items()}
+    lines = {f"{name}.{what}": getattr(line, of) for name, line in row.lines.items() for what, of in _TENSIONS.items()}
+    return own | lines

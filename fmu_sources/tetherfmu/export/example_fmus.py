@@ -6,14 +6,15 @@ from html import escape
 from pathlib import Path
 from xml.etree import ElementTree
 
+from tetherfmu.fmi.resources import OPTIONS_FILE
 from tetherfmu.libraries.examples import EXAMPLES, example
 from tetherfmu.libraries.sources import PACKAGE
 from tetherfmu.runtime import __version__
 from tetherfmu.runtime.kernel_library import PYTHONFMU
-from tetherfmu.runtime.resources import OPTIONS_FILE
 
 from .archive import DESCRIPTION, pack, seal, write_archive, write_package
-from .documents import ASSETS, NO_PACKAGES, filled, of_every_fmu, style_and_tables
+from .documents import NO_PACKAGES, of_every_fmu, page
+from .texts import ASSETS, filled
 
 FOLDER, WIND = EXAMPLES / "fmus", PACKAGE / "wind"
 SLAVES = {  # name: script
@@ -47,9 +48,8 @@ def build(name, folder, starts=(), files_inside=()):
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
     script = FOLDER / SLAVES[name]
-    modules = sorted(
-        each for folder in (FOLDER, WIND) for each in folder.glob("*.py") if each not in (script, folder / "__init__.py")
-    )
+    beside = [each for each in FOLDER.glob("*.py") if each not in (script, FOLDER / "__init__.py")]
+    modules = sorted([*beside, *WIND.glob("*.py")])
     with tempfile.TemporaryDirectory() as temporary:
         resources = Path(temporary) / "resources"
         shipped = write_package(resources, name, script, modules=modules)
@@ -58,10 +58,8 @@ def build(name, folder, starts=(), files_inside=()):
             (resources / file).write_bytes(content)
         files = pack(resources, shipped, Path(temporary))
     description = ElementTree.fromstring(files[DESCRIPTION]).get("description")
-    texts = {
-        "documentation/index.html": _page(name, script, description),
-        **of_every_fmu(PYTHONFMU, packages=PACKAGES.get(name, NO_PACKAGES)),
-    }
+    texts = of_every_fmu(PYTHONFMU, packages=PACKAGES.get(name, NO_PACKAGES))
+    texts["documentation/index.html"] = _page(name, script, description)(texts)
     files["model.png"] = (ASSETS / "model.png").read_bytes()
     files.update({path: text.encode("utf-8") for path, text in texts.items()})
     seal(files)
@@ -69,14 +67,9 @@ def build(name, folder, starts=(), files_inside=()):
 
 
 def _page(name, script, description):
-    """Text of documentation/index.html: the equations as the sources have them, and the tables of all variables."""
+    """`documents.page` with the equations as the sources have them, and the tables of all variables."""
     texts = [example(f"fmus.{each}").__doc__ for each in ("model_slave", script.stem, "aerodynamics")]
     shown = texts if name.endswith("Kite") else texts[:2]
-    return filled(
-        "example.html",
-        name=name,
-        version=__version__,
-        description=escape(description),
-        physics="\n".join(f"<pre>{escape(text.strip())}</pre>" for text in reversed(shown)),
-        **style_and_tables(table_of(name), hint=""),
-    )
+    physics = "\n".join(f"<pre>{escape(text.strip())}</pre>" for text in reversed(shown))
+    body = filled("example.html", name=name, version=__version__, description=escape(description), physics=physics)
+    return page(name, body, table_of(name), hint="")

@@ -5,9 +5,9 @@ libcosim reads NAME_OspModelDescription.xml beside the FMU or beside the system 
 
 from xml.etree.ElementTree import Element, SubElement
 
-from tetherfmu.runtime.model_description import number_text
+from tetherfmu.fmi.model_description import number_text
 
-from .xml_text import xml_text
+from .texts import xml_text
 
 NAMESPACE = "https://open-simulation-platform.com/OspModelDescription/1.0.1"
 NAMESPACE_OF_STRUCTURE = "http://opensimulationplatform.com/MSMI/OSPSystemStructure"

@@ -6,7 +6,7 @@ It is a draft: the evidence set itself stays in the files of FMI's cross-check, 
 from pathlib import PurePosixPath
 from xml.etree.ElementTree import Element, SubElement
 
-from .xml_text import xml_text
+from .texts import xml_text
 
 FOLDER = "extra/org.fmi-standard.fmi-ls-ref"
 MANIFEST = f"{FOLDER}/fmi-ls-manifest.xml"

@@ -14,14 +14,14 @@ from xml.etree.ElementTree import Element, SubElement
 
 from fmpy import read_model_description
 
+from tetherfmu.fmi.model_description import base_units, number_text
 from tetherfmu.libraries.examples import example
 from tetherfmu.runtime import __version__
-from tetherfmu.runtime.model_description import base_units, number_text
 
 from . import archive, example_fmus, osp
 from .build_options import BuildOptions, Purpose
 from .documents import OSP_FOLDER
-from .xml_text import xml_text
+from .texts import xml_text
 
 NAMESPACE = "http://ssp-standard.org/SSP1/SystemStructure"
 PREFIXES = {"ssd": "Description", "ssc": "Common", "ssv": "ParameterValues"}

@@ -6,28 +6,28 @@ from html import escape
 from pathlib import Path
 from xml.etree import ElementTree
 
+from tetherfmu.fmi.resources import DEFAULT_OPTIONS
+from tetherfmu.fmi.system_maps import lines_of
+from tetherfmu.fmi.system_variables import OF_THE_SYSTEM, Line, Point, Structure, structure_of, table_of
 from tetherfmu.libraries import ready
-from tetherfmu.runtime import __version__
 from tetherfmu.runtime.inputs import ZERO
 from tetherfmu.runtime.kernel_library import SYSTEM
 from tetherfmu.runtime.layout import START_AT_REST, START_GIVEN
 from tetherfmu.runtime.parameters import Tether, Winch
 from tetherfmu.runtime.quantities import quantities
-from tetherfmu.runtime.resources import DEFAULT_OPTIONS
-from tetherfmu.runtime.system_maps import lines_of
-from tetherfmu.runtime.system_variables import OF_THE_SYSTEM, Line, Point, Structure, structure_of, table_of
 from tetherfmu.systems import files
 from tetherfmu.systems.ordering import ordered
 from tetherfmu.systems.tether_system import TetherSystem
 
-from . import osp, related_files, system_evidence
+from . import evidence, osp
 from .archive import DESCRIPTION, SCRIPTS, SLAVES, packed_with_kernels, seal, write
-from .documents import ASSETS, OSP_FOLDER, filled, listed, manifest_of, of_every_fmu, style_and_tables
+from .documents import about, files_beside, page
 from .native import host_header
 from .native import sources as native_sources
 from .native import system as native_system
 from .native.fmus import HEADERS, TERMINALS, complete, kernels_of, widths_of, writer_of
 from .native.tables import header, room_of
+from .texts import filled
 
 SLAVE, SCRIPT = "TetherSystem", "tether_system.py"
 TIMES = DEFAULT_OPTIONS["step"], DEFAULT_OPTIONS["stop"]  # of the default experiment [s]
@@ -44,34 +44,41 @@ def build(path, folder, platforms, shape_points=None, native=None, with_header=F
     found, positions = read(path)
     structure, folder = structure_from(found, positions, shape_points, wind_points), Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
-    points, lines = len(structure.points), len(structure.lines)
-    about = (
-        f"{structure.name}: {lines} line{'s' * (lines > 1)} between {points} points, of which {len(structure.free)} free."
-    )
-    evidence = system_evidence.files(structure.name, found, native == 3, wind_points)
+    points, lines, free = len(structure.points), len(structure.lines), len(structure.free)
+    words = f"{structure.name}: {lines} line{'s' * (lines > 1)} between {points} points, of which {free} free."
+    sets = _evidence_of(found, native == 3, wind_points)
     if native:
-        files, token = _native(structure, about, platforms, evidence, native, with_sources)
+        files, token = _native(structure, words, platforms, sets, native, with_sources)
         fmu, table = write(files, folder, structure.name, None), table_of(structure)
         if with_header:
             host_header.write(fmu, structure.name, table, native_system.places_of(structure, table), native, token)
         return fmu
-    options = {"system": structure.as_dict(), "about": about}
+    options = {"system": structure.as_dict(), "about": words}
     made = packed_with_kernels(SLAVE, SCRIPTS / SCRIPT, SYSTEM, platforms, options)
-    made.update(documents(structure, ElementTree.fromstring(made[DESCRIPTION]).get("description"), platforms, evidence))
+    made.update(documents(structure, ElementTree.fromstring(made[DESCRIPTION]).get("description"), platforms, sets))
     seal(made)
     return write(made, folder, structure.name, None)
 
 
-def _native(structure, about, platforms, evidence, fmi, with_sources):
+def _evidence_of(found, arrays, wind_points):
+    """Texts of the evidence set of a `SystemFile`, dict by file name; empty if its reference cannot be flown."""
+    words = {"model": TetherSystem.__name__, "scene": evidence.SCENES[-1], "more": ""}
+    try:
+        return evidence.files(found.name, [evidence.of_system(found, wind_points)], arrays, **words)
+    except ValueError:
+        return {}
+
+
+def _native(structure, words, platforms, sets, fmi, with_sources):
     """Files of a native FMU, dict of path in the archive to bytes; and its token."""
     table = table_of(structure)
     places = native_system.places_of(structure, table)
-    about = f"{runpy.run_path(str(SCRIPTS / SCRIPT))[SLAVE].description} {about}"
-    made = documents(structure, about, platforms, evidence, fmi)
+    description = f"{runpy.run_path(str(SCRIPTS / SCRIPT))[SLAVE].description} {words}"
+    made = documents(structure, description, platforms, sets, fmi)
     if fmi == 3:
         made[TERMINALS] = native_system.terminals(structure).encode("utf-8")
     listed = (native_sources.FILE,) if with_sources else ()
-    describe = partial(writer_of(fmi).text, structure.name, about, table, places, TIMES, sources=listed)
+    describe = partial(writer_of(fmi).text, structure.name, description, table, places, TIMES, sources=listed)
     tabulate = partial(header, native_system.wiring_of(structure, table), widths_of(table, places, fmi))
     token = complete(made, structure.name, kernels_of(SYSTEM, platforms), (describe, tabulate), fmi)
     if with_sources:
@@ -130,29 +137,21 @@ def _line(line, shape_points, wind_points):
     return Line(line.name, line.start, line.end, starts, points, wind_points)
 
 
-def documents(structure, description, platforms, evidence, native=None):
+def documents(structure, description, platforms, sets, native=None):
     """All files beside the model: dict of their path in the archive to bytes.
 
-    description : of the model.  evidence : texts of the evidence set, dict by path.  native : as in `build`.
+    description : of the model.  sets : texts of the evidence set, dict by file name.  native : as in `build`.
     """
     table = table_of(structure)
-    texts = of_every_fmu(platforms, native) | evidence | {related_files.MANIFEST: manifest_of(evidence)}
-    if native != 3:
-        texts[f"{OSP_FOLDER}/{osp.file_name(structure.name)}"] = osp.model_description_of_system(structure, table)
-    texts["documentation/index.html"] = filled(
+    body = filled(
         "system.html",
         name=structure.name,
-        fmi=native or 2,
-        flavour="native" if native else "with PythonFMU",
-        version=__version__,
-        description=escape(description),
         points="\n".join(map(_point_row, structure.points)),
         lines="\n".join(_row(line.name, line.start, line.end) for line in structure.lines),
-        files=listed(texts),
-        **style_and_tables(table),
+        **about(description, native),
     )
-    icon = "terminalsAndIcons/icon.png" if native == 3 else "model.png"
-    return {icon: (ASSETS / "model.png").read_bytes(), **{path: text.encode("utf-8") for path, text in texts.items()}}
+    groups = osp.model_description_of_system(structure, table)
+    return files_beside(structure.name, page(structure.name, body, table), sets, platforms, groups, native)
 
 
 def _point_row(point):

@@ -16,8 +16,8 @@ class Target(NamedTuple):
 ANY = Target("x86_64-unknown-linux-gnu", "x86-64")  # the first round of optimizing is for it, whatever the target
 
 # Kernels that keep a stack frame of their own, by numba's names: beyond 4096 bytes, the frame of a function that takes them
-# in would need a function of the C library on Windows. And one whose loop is faster alone, by 1 to 2 % of a step
-APART = ("rosenbrock4form", "assembly11node_forces")
+# in would need a function of the C library on Windows. And two that are faster alone, by 1 to 2 % and 3 to 7 % of a step
+APART = ("rosenbrock4form", "assembly11node_forces", "step_control13error_of_step")
 
 
 def whole_module(code):

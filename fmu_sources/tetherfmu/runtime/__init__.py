@@ -1,7 +1,6 @@
-"""All of this package that a finished FMU carries: declarations, flat arrays, one running tether, the FMI slave.
+"""What a finished FMU carries below its FMI shell (`fmi`): declarations, flat arrays, one running tether.
 
-The builder copies this folder as it is. Standard library only; `base_slave` alone knows PythonFMU. Imports nothing else of
-the package.
+The builder copies this folder as it is. Standard library only. Imports nothing else of the package.
 """
 
 __version__ = "0.1.0"

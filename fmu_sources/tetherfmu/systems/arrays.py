@@ -4,6 +4,8 @@ from types import SimpleNamespace
 
 import numpy as np
 
+from tetherfmu.fmi.system_maps import carried, lines_of
+from tetherfmu.fmi.system_variables import ENDS, Line
 from tetherfmu.libraries import ready
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import plan_layout as places
@@ -12,8 +14,6 @@ from tetherfmu.runtime.instance import Instance
 from tetherfmu.runtime.kernel_library import SYSTEM
 from tetherfmu.runtime.packing import pack_lines
 from tetherfmu.runtime.parameters import numbers_of
-from tetherfmu.runtime.system_maps import carried, lines_of
-from tetherfmu.runtime.system_variables import ENDS, Line
 
 from .ordering import ordered
 

@@ -2,12 +2,12 @@
 
 from xml.etree.ElementTree import Element, SubElement
 
+from tetherfmu.fmi.model_description import number_text, structure, types, units, variables
 from tetherfmu.runtime import __version__
-from tetherfmu.runtime.model_description import number_text, structure, types, units, variables
 from tetherfmu.runtime.parameters import DEFAULT_TOLERANCE
 
 from ..archive import GENERATED
-from ..xml_text import xml_text
+from ..texts import xml_text
 
 CAPABILITIES = {
     "needsExecutionTool": "false",

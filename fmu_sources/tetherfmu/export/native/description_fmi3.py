@@ -2,14 +2,14 @@
 
 from xml.etree.ElementTree import Element, SubElement
 
+from tetherfmu.fmi.model_description import attributes, enumerations, items, units
 from tetherfmu.runtime.inputs import WIND_AT, WITHOUT_EFFECT, inputs_of
-from tetherfmu.runtime.model_description import attributes, enumerations, items, units
 from tetherfmu.runtime.outputs import OUTPUT, OUTPUT_TABLE
 from tetherfmu.runtime.quantities import Quantity
 from tetherfmu.runtime.variables import INPUT, Variable
 
 from ..documents import meaning
-from ..xml_text import xml_text
+from ..texts import xml_text
 from .arrays import Array, arrays_at
 from .description import categories, experiment, facts
 

@@ -9,11 +9,11 @@ from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 
+from tetherfmu.fmi.resources import DEFAULT_OPTIONS
 from tetherfmu.libraries import ready
 from tetherfmu.libraries.ahead_of_time import object_name
 from tetherfmu.libraries.native_shell import SHELL, native_library
 from tetherfmu.runtime.kernel_library import SUFFIXES
-from tetherfmu.runtime.resources import DEFAULT_OPTIONS
 from tetherfmu.runtime.variables import table_of
 from tetherfmu.runtime.variants import library_of
 

@@ -10,8 +10,7 @@ from tetherfmu.libraries.c_kernels import c_kernels
 from tetherfmu.libraries.native_shell import PARTS, SHELL
 from tetherfmu.runtime.limits import MAX_SEGMENTS
 
-from ..documents import filled
-from ..xml_text import xml_text
+from ..texts import filled, xml_text
 
 FOLDER = "sources"
 FILE = "fmu.c"

@@ -1,6 +1,7 @@
 """The native FMU of a system: where its variables stand, for the tables in C, and its terminals."""
 
-from tetherfmu.runtime import inputs, outputs, system_maps, system_variables
+from tetherfmu.fmi import system_maps, system_variables
+from tetherfmu.runtime import inputs, outputs
 from tetherfmu.runtime.inputs import WIND_AT, components
 from tetherfmu.runtime.kernel_library import SYSTEM
 from tetherfmu.runtime.variables import INPUT, PARAMETER

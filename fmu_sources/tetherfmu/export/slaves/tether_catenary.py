@@ -1,6 +1,6 @@
 """PythonFMU slave: the elastic catenary."""
 
-from tetherfmu.runtime.slave import TetherSlave
+from tetherfmu.fmi.slave import TetherSlave
 
 
 class TetherCatenary(TetherSlave):

@@ -1,6 +1,6 @@
 """PythonFMU slave: the dynamic segmented tether, both ends driven."""
 
-from tetherfmu.runtime.slave import TetherSlave
+from tetherfmu.fmi.slave import TetherSlave
 
 
 class TetherDynamic(TetherSlave):

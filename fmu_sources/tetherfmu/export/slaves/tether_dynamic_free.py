@@ -1,6 +1,6 @@
 """PythonFMU slave: the dynamic segmented tether with a free kite end."""
 
-from tetherfmu.runtime.slave import TetherSlave
+from tetherfmu.fmi.slave import TetherSlave
 
 
 class TetherDynamicFree(TetherSlave):

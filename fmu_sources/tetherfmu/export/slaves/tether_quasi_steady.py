@@ -1,6 +1,6 @@
 """PythonFMU slave: the quasi-steady segmented tether."""
 
-from tetherfmu.runtime.slave import TetherSlave
+from tetherfmu.fmi.slave import TetherSlave
 
 
 class TetherQuasiSteady(TetherSlave):

@@ -1,6 +1,6 @@
 """PythonFMU slave: the straight elastic line."""
 
-from tetherfmu.runtime.slave import TetherSlave
+from tetherfmu.fmi.slave import TetherSlave
 
 
 class TetherStraight(TetherSlave):

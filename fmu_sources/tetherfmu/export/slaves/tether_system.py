@@ -1,6 +1,6 @@
 """PythonFMU slave: a system of tethers."""
 
-from tetherfmu.runtime.system_slave import SystemSlave
+from tetherfmu.fmi.system_slave import SystemSlave
 
 
 class TetherSystem(SystemSlave):

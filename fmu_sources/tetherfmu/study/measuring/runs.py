@@ -16,9 +16,9 @@ from warnings import catch_warnings
 import numpy as np
 import pandas as pd
 
+from tetherfmu.fmi.resources import DEFAULT_OPTIONS
 from tetherfmu.results import Flown, PlausibilityWarning, StepRefused
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime.resources import DEFAULT_OPTIONS
 from tetherfmu.runtime.variants import DYNAMIC_FREE, class_name
 from tetherfmu.study.scenes.start import tether_at_start
 

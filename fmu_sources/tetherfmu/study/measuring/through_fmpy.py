@@ -84,7 +84,7 @@ def fly(path, parameters, inputs, step):
         forces = fmu.getReal(gets)
         times[k] = before, after_set, after_step, perf_counter()
     fmu.terminate()
-    fmu.fmi2FreeInstance(fmu.component)  # the library stays loaded: see `runtime.workarounds`
+    fmu.fmi2FreeInstance(fmu.component)  # the library stays loaded: see `fmi.workarounds`
     return times[0, 2] - began, np.diff(times), forces[3:]
 
 

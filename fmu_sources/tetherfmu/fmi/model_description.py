@@ -6,8 +6,8 @@ PythonFMU's is completed with them; what they say of a variable, `attributes`, i
 from math import inf
 from xml.etree.ElementTree import Element, SubElement
 
-from .outputs import OUTPUT
-from .variables import CALCULATED, INPUT, PARAMETER
+from ..runtime.outputs import OUTPUT
+from ..runtime.variables import CALCULATED, INPUT, PARAMETER
 
 UNITS = {  # quantity, exponents of the base units, nominal value of an input or output
     "m": ("Length", {"m": 1}, 100.0),

@@ -9,14 +9,14 @@ import hashlib
 import json
 from dataclasses import dataclass, fields, replace
 
-from . import inputs, outputs
-from . import layout as at
-from .dependencies import depends_on
-from .inputs import DRIVEN_KITE, FREE_KITE, components
-from .parameters import Environment, FreeKite, Ground, Solver, Tether, Winch
-from .quantities import Quantity, quantities
-from .variables import INPUT, OUTPUT, PARAMETER, Variable, parameters_of, without_effect
-from .variants import DYNAMIC
+from ..runtime import inputs, outputs
+from ..runtime import layout as at
+from ..runtime.dependencies import depends_on
+from ..runtime.inputs import DRIVEN_KITE, FREE_KITE, components
+from ..runtime.parameters import Environment, FreeKite, Ground, Solver, Tether, Winch
+from ..runtime.quantities import Quantity, quantities
+from ..runtime.variables import INPUT, OUTPUT, PARAMETER, Variable, parameters_of, without_effect
+from ..runtime.variants import DYNAMIC
 
 ENDS = ("ground", "kite")  # of the tether of a line: its start and its end
 OF_THE_SYSTEM = (Environment, Solver, Ground)

@@ -3,14 +3,14 @@
 Its structure is a build option; `system_maps` says where its variables stand in the arrays of the lines.
 """
 
+from ..runtime.instance import Instance, zeros
+from ..runtime.kernel_library import SYSTEM
+from ..runtime.packing import pack_lines
+from ..runtime.quantities import NOT_WHOLE, checked
+from ..runtime.variables import INPUT, PARAMETER
 from . import system_maps
-from .instance import Instance, zeros
-from .kernel_library import SYSTEM
-from .packing import pack_lines
-from .quantities import NOT_WHOLE, checked
 from .slave import TetherSlave
 from .system_variables import structure_of, table_of
-from .variables import INPUT, PARAMETER
 
 
 class SystemSlave(TetherSlave):

@@ -3,15 +3,15 @@
 from array import array
 from pathlib import Path
 
-from . import layout, refusals, saved_state, status, variables
+from ..runtime import layout, refusals, saved_state, status, variables
+from ..runtime.instance import Instance, zeros
+from ..runtime.kernel_library import load
+from ..runtime.packing import pack
+from ..runtime.parameters import DEFAULT_TOLERANCE, diameter_in_doubt
+from ..runtime.saved_state import STEPPING, SavedState
+from ..runtime.variants import BY_NAME, library_of
 from .base_slave import WARNING, BaseSlave
-from .instance import Instance, zeros
-from .kernel_library import load
-from .packing import pack
-from .parameters import DEFAULT_TOLERANCE, diameter_in_doubt
 from .resources import KERNELS_FOLDER, options_in
-from .saved_state import STEPPING, SavedState
-from .variants import BY_NAME, library_of
 
 _KITE_END = slice(layout.KITE_POSITION, layout.KITE_VELOCITY + 3)  # inputs of the kernels, for a free kite its start
 

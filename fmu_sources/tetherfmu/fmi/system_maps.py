@@ -6,15 +6,15 @@ References are value references by the names of variables, see `system_variables
 from dataclasses import fields
 from itertools import count
 
-from . import inputs, outputs
-from . import layout as at
-from . import plan_layout as plan
-from .inputs import components
-from .instance import Line
-from .outputs import COUNTERS
-from .parameters import Ground, Tether, Winch
+from ..runtime import inputs, outputs
+from ..runtime import layout as at
+from ..runtime import plan_layout as plan
+from ..runtime.inputs import components
+from ..runtime.instance import Line
+from ..runtime.outputs import COUNTERS
+from ..runtime.parameters import Ground, Tether, Winch
+from ..runtime.variables import input_names
 from .system_variables import GIVEN, GIVEN_TO_ALL, OF_A_LINE, OF_THE_SYSTEM, SUMMED, input_name
-from .variables import input_names
 
 
 def inputs_of(structure, places):

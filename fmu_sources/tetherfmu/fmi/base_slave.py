@@ -12,11 +12,11 @@ from pythonfmu import Fmi2Slave
 from pythonfmu.default_experiment import DefaultExperiment
 from pythonfmu.enums import Fmi2Status
 
-from . import __version__, refusals
+from ..runtime import __version__, refusals
+from ..runtime.parameters import DEFAULT_TOLERANCE
+from ..runtime.saved_state import BEFORE, INITIALIZING, STEPPING, TERMINATED
+from ..runtime.variables import CALCULATED, INPUT
 from .model_description import complete
-from .parameters import DEFAULT_TOLERANCE
-from .saved_state import BEFORE, INITIALIZING, STEPPING, TERMINATED
-from .variables import CALCULATED, INPUT
 from .workarounds import free_interpreter_once, hold, leave_search_path
 
 NO_INTEGER = -(2**31)  # what is read of an Integer variable that has no value, as NaN of a Real one

@@ -4,7 +4,7 @@ import json
 from functools import lru_cache
 from pathlib import Path
 
-from .parameters import Tether
+from ..runtime.parameters import Tether
 
 OPTIONS_FILE = "options.json"
 KERNELS_FOLDER = "kernels"
