@@ -57,7 +57,7 @@ def test_page_tells_the_interface_and_its_links_lead_somewhere(fmu_folder, name)
     page = Page(files["documentation/index.html"].decode("utf-8"))
     for link in page.links:
         assert str(PurePosixPath("documentation") / link) in files
-    table = variables(SLAVES[name][1], 21)
+    table = variables(SLAVES[name], 21)
     for listed, each in folded(table):
         assert listed in page.cells
         assert each[0].quantity.meaning.removesuffix(", x").replace("point 1 of 21", "points") in page.cells

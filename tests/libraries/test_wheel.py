@@ -85,7 +85,7 @@ def test_the_sdist_can_be_tested_and_released(packages):
         "docs/make/make_release.py",
         "docs/make/stability/page.md.j2",
     )
-    assert names >= {*needed, "fmu_sources/tetherfmu/export/slaves/tether_dynamic.py"}
+    assert names >= {*needed, "fmu_sources/tetherfmu/fmi/slave.py"}
     assert not [name for name in names if "__pycache__" in name or "/compiled/" in name]
 
 

@@ -232,7 +232,7 @@ def main(arguments=None, prog="tetherfmu build"):
     if wanted.scene is not None:
         return build_for_scene(wanted)
     names, platforms = wanted.names or list(SLAVES), wanted.platforms
-    ready.folders([library_of(SLAVES[name][1]) for name in names], platforms)  # all at once is faster
+    ready.folders([library_of(SLAVES[name]) for name in names], platforms)  # all at once is faster
     segments = wanted.segments or BuildOptions.segments
     if wanted.diameter and (doubt := diameter_in_doubt(wanted.diameter)):
         print(doubt, file=sys.stderr)

@@ -19,14 +19,21 @@ from tetherfmu.fmi.resources import KERNELS_FOLDER, OPTIONS_FILE
 from tetherfmu.libraries import ready
 from tetherfmu.libraries.sources import PACKAGE
 from tetherfmu.runtime.kernel_library import NO_LIBRARY_OF_PYTHONFMU, PYTHONFMU, file_name
-from tetherfmu.runtime.variants import EVERY_VARIANT, class_name, library_of
+from tetherfmu.runtime.variants import BY_NAME, EVERY_VARIANT, class_name, library_of
 
 from . import osp
 from .build_options import BuildOptions
 from .documents import OSP_FOLDER, documents
 
-SCRIPTS = Path(__file__).with_name("slaves")
-SLAVES = {class_name(each): (f"tether_{each}.py", each) for each in EVERY_VARIANT}  # name: (slave script, variant)
+SLAVES = {class_name(each): each for each in EVERY_VARIANT}  # name of the FMU: variant
+SLAVE = '''"""PythonFMU slave."""
+
+from .fmi.{module} import {kind}
+
+
+class {name}({kind}):
+    variant, description = {variant!r}, {description!r}
+'''
 # PythonFMU executes the script of an FMU anew for each instance and keeps what it defines: 6 kB if that is a class
 SHIPPED = ("runtime", "fmi")  # folders of the package that every FMU has
 LAUNCHER = """from {package}.{module} import {name}
@@ -48,25 +55,27 @@ def build(name, folder, options=None):
     """
     folder, options = Path(folder), options or BuildOptions()
     folder.mkdir(parents=True, exist_ok=True)
-    script, variant = SLAVES[name]
-    files = packed_with_kernels(name, SCRIPTS / script, library_of(variant), options.platforms, options.as_dict())
+    variant = SLAVES[name]
+    facts = {"module": "slave", "kind": "TetherSlave", "variant": variant, "description": BY_NAME[variant].description}
+    files = packed_with_kernels(name, facts, library_of(variant), options.platforms, options.as_dict())
     description = ElementTree.fromstring(files[DESCRIPTION]).get("description")
     files.update(documents(name, variant, description, options))
     seal(files)
     return write(files, folder, name, options.purpose)
 
 
-def packed_with_kernels(name, script, library, platforms, options):
+def packed_with_kernels(name, facts, library, platforms, options):
     """Files of an FMU with PythonFMU's model description, dict of path to bytes; RuntimeError if compiling fails.
 
     PythonFMU's libraries are in it for the platforms of the kernels only; RuntimeError if it has none for them.
-    name : class of the slave.  script : its file.  library : of its kernels.  options : dict that it reads when it runs.
+    name : class of the slave.  facts : on it, for `SLAVE`.  library : of its kernels.  options : dict that it reads when it
+    runs.
     """
     compiled = ready.folders([library], platforms)[library]
     kernels = [compiled / file_name(library, platform) for platform in platforms]
     with tempfile.TemporaryDirectory() as temporary:
         resources = Path(temporary) / "resources"
-        shipped = write_package(resources, name, script, kernels)
+        shipped = write_package(resources, name, f"{name.lower()}.py", SLAVE.format(name=name, **facts), kernels)
         (resources / KERNELS_FOLDER).mkdir()
         for each in kernels:
             shutil.copy(each, resources / KERNELS_FOLDER)
@@ -120,28 +129,28 @@ def write_archive(files, target):
         partial.unlink(missing_ok=True)
 
 
-def write_package(resources, name, script, kernels=(), modules=()):
+def write_package(resources, name, file, text, kernels=(), modules=()):
     """Write the package with the slave in it, and its launcher, under names with a hash of it all; returns both paths.
 
-    name : class of the slave.  script : its file.  kernels : compiled libraries, for the hash.  modules : more files that
-    the script imports. Folders of this package are folders there; the script, and what is not of it, is beside them.
+    name : class of the slave.  file, text : of the module that has it.  kernels : compiled libraries, for the hash.
+    modules : more files that it imports. Folders of this package are folders there, and what is not of it is beside them.
     """
-    sources = {}
-    for path in (*(each for folder in SHIPPED for each in sorted((PACKAGE / folder).glob("*.py"))), *modules, script):
+    sources = {file: text.replace("from tetherfmu.", "from .")}
+    for path in (*(each for folder in SHIPPED for each in sorted((PACKAGE / folder).glob("*.py"))), *modules):
         inside = path.relative_to(PACKAGE) if path.parent.parent == PACKAGE else Path(path.name)
-        text = path.read_text(encoding="utf-8")
-        sources[inside.as_posix()] = text.replace("from tetherfmu.", f"from {'.' * len(inside.parts)}")
-    # with the name of the script: a package is loaded from the folder of one FMU, which may vanish before another needs it
-    content = json.dumps([script.name, sources], sort_keys=True).encode("utf-8")
+        own = path.read_text(encoding="utf-8")
+        sources[inside.as_posix()] = own.replace("from tetherfmu.", f"from {'.' * len(inside.parts)}")
+    # with the name of the module: a package is loaded from the folder of one FMU, which may vanish before another needs it
+    content = json.dumps([file, sources], sort_keys=True).encode("utf-8")
     content += b"".join(each.read_bytes() for each in kernels)
     digest = hashlib.sha256(content).hexdigest()[:PACKAGE_DIGITS]
-    package, module = resources / f"tetherfmu_{digest}", script.stem
-    for file, text in sources.items():
-        (package / file).parent.mkdir(parents=True, exist_ok=True)
-        (package / file).write_text(text, encoding="utf-8", newline="\n")
+    package, module = resources / f"tetherfmu_{digest}", Path(file).stem
+    for inside, own in sources.items():
+        (package / inside).parent.mkdir(parents=True, exist_ok=True)
+        (package / inside).write_text(own, encoding="utf-8", newline="\n")
     launcher = resources / f"{module}_{digest}.py"
-    text = LAUNCHER.format(package=package.name, module=module, name=name)
-    launcher.write_text(text, encoding="utf-8", newline="\n")
+    start = LAUNCHER.format(package=package.name, module=module, name=name)
+    launcher.write_text(start, encoding="utf-8", newline="\n")
     return launcher, package
 
 

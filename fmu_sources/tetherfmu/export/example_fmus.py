@@ -52,7 +52,7 @@ def build(name, folder, starts=(), files_inside=()):
     modules = sorted([*beside, *WIND.glob("*.py")])
     with tempfile.TemporaryDirectory() as temporary:
         resources = Path(temporary) / "resources"
-        shipped = write_package(resources, name, script, modules=modules)
+        shipped = write_package(resources, name, script.name, script.read_text(encoding="utf-8"), modules=modules)
         (resources / OPTIONS_FILE).write_text(json.dumps({"starts": [list(each) for each in starts]}))
         for file, content in files_inside:
             (resources / file).write_bytes(content)

@@ -1,6 +1,5 @@
 """Assemble the FMU of a system of tethers from its file: one library serves all systems, so that nothing is compiled."""
 
-import runpy
 from functools import partial
 from html import escape
 from pathlib import Path
@@ -20,7 +19,7 @@ from tetherfmu.systems.ordering import ordered
 from tetherfmu.systems.tether_system import TetherSystem
 
 from . import evidence, osp
-from .archive import DESCRIPTION, SCRIPTS, SLAVES, packed_with_kernels, seal, write
+from .archive import DESCRIPTION, SLAVES, packed_with_kernels, seal, write
 from .documents import about, files_beside, page
 from .native import host_header
 from .native import sources as native_sources
@@ -29,7 +28,12 @@ from .native.fmus import HEADERS, TERMINALS, complete, kernels_of, widths_of, wr
 from .native.tables import header, room_of
 from .texts import filled
 
-SLAVE, SCRIPT = "TetherSystem", "tether_system.py"
+SLAVE = TetherSystem.__name__
+ABOUT = (
+    "System of dynamic segmented tethers between points, solved in one step. "
+    "In: position and velocity of driven points, load on free points, reel-out speed of the lines, wind. "
+    "Out: force of the lines on driven points, position and velocity of free points, tensions and shapes of the lines."
+)
 TIMES = DEFAULT_OPTIONS["step"], DEFAULT_OPTIONS["stop"]  # of the default experiment [s]
 
 
@@ -54,7 +58,8 @@ def build(path, folder, platforms, shape_points=None, native=None, with_header=F
             host_header.write(fmu, structure.name, table, native_system.places_of(structure, table), native, token)
         return fmu
     options = {"system": structure.as_dict(), "about": words}
-    made = packed_with_kernels(SLAVE, SCRIPTS / SCRIPT, SYSTEM, platforms, options)
+    facts = {"module": "system_slave", "kind": "SystemSlave", "variant": None, "description": ABOUT}
+    made = packed_with_kernels(SLAVE, facts, SYSTEM, platforms, options)
     made.update(documents(structure, ElementTree.fromstring(made[DESCRIPTION]).get("description"), platforms, sets))
     seal(made)
     return write(made, folder, structure.name, None)
@@ -73,7 +78,7 @@ def _native(structure, words, platforms, sets, fmi, with_sources):
     """Files of a native FMU, dict of path in the archive to bytes; and its token."""
     table = table_of(structure)
     places = native_system.places_of(structure, table)
-    description = f"{runpy.run_path(str(SCRIPTS / SCRIPT))[SLAVE].description} {words}"
+    description = f"{ABOUT} {words}"
     made = documents(structure, description, platforms, sets, fmi)
     if fmi == 3:
         made[TERMINALS] = native_system.terminals(structure).encode("utf-8")

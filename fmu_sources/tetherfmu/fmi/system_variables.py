@@ -30,6 +30,7 @@ OF_A_LINE = {  # outputs of a tether that a line has, and their names there
     "slack_segments": "slack_segments",
     "grounded_length": "grounded_length",
 }
+MEANINGS = {"tension_from": "tension of the first segment, at {}", "tension_to": "tension of the last segment, at {}"}
 SUMMED = ("solver_iterations",)  # of all lines; the others are those of the first line
 GIVEN_TO_ALL = ("wind_velocity",)  # vectors that all lines share
 GIVEN = ("reel_out_speed", "winch_force", "winch_length")  # inputs of a tether that a line has
@@ -262,8 +263,7 @@ def _outputs_of_line(structure, line, known):
     """Outputs of a line."""
     for name, own in OF_A_LINE.items():
         each = outputs.BY_NAME[name]
-        meaning = {"tension_from": f"tension of the first segment, at {line.start}"}.get(own, each.quantity.meaning)
-        meaning = {"tension_to": f"tension of the last segment, at {line.end}"}.get(own, meaning)
+        meaning = MEANINGS[own].format(dict(line.ends)[name.partition("_")[0]]) if own in MEANINGS else each.quantity.meaning
         found = _known(structure, line, each, name, known)
         quantity = replace(each.quantity, meaning=meaning)
         yield Variable(f"{line.name}.{own}", OUTPUT, each.kind, quantity, 0, depends_on=found)

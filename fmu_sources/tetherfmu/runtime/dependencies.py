@@ -18,8 +18,10 @@ AIR = ("kite_velocity", "ground_velocity", "end_velocities", *AIR_AT_REST)
 GROUND = ("ground_contact", "ground_height", "ground_friction", "ground_sink")
 FORM = (*STRETCH, *AIR, *GROUND, "gravity", "segments", "initial_shape", "slack_stiffness_ratio")
 REELING = ("reel_out_speed",)
-KITE_AT_REST = ("kite_load", "kite_mass", "kite_start")  # what else counts where a free kite is in equilibrium
-WHERE_KITE_RESTS = (*STRETCH, *AIR_AT_REST, *GROUND, "gravity", "segments", "slack_stiffness_ratio", *KITE_AT_REST)
+WHERE_KITE_RESTS = (
+    *(*STRETCH, *AIR_AT_REST, *GROUND, "gravity", "segments", "slack_stiffness_ratio"),
+    *("kite_load", "kite_mass", "kite_start"),  # these of a free kite alone
+)
 FORCE = (*FORM, "axial_damping", "slack_damping_ratio", "damping_law", *REELING)
 
 
@@ -36,7 +38,7 @@ def depends_on(variant, output, element, shape_points, left_out=(), wind_points=
         kite = variant.depends_on.get("kite_position", ("kite_position[*]",))
         declared = {shape_points: kite, 1: ("ground_position[*]",)}.get(int(point[0]), declared)
     if variant.kite_is_free and "kite_position" in declared:
-        declared = (*declared, *KITE_AT_REST)
+        declared = (*declared, *WHERE_KITE_RESTS)
     names = dict.fromkeys(each for name in declared for each in _components(variant, name, component))
     if wind_points and "wind_velocity" in declared:
         blown = {name for vector in WITHOUT_EFFECT for name in _components(variant, vector, component)}

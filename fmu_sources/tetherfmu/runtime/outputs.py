@@ -1,7 +1,7 @@
 """The outputs of a tether, each declared once: unit, meaning, what it depends on, limits.
 
 The `outputs` array (`layout.py`), the FMI variables, what the Python API gives and its docstring, the dependencies and the
-interface page are made from this record. To add an output, declare it here before `shape` and let the kernels write it.
+interface page are made from this record. To add an output, declare it here as the last one and let the kernels write it.
 """
 
 from dataclasses import dataclass, replace

@@ -10,6 +10,7 @@ class Variant:
     """One variant of the tether; what a field says of outputs and dependencies is where it differs from the dynamic one."""
 
     name: str  # of its module in `kernels.variants`, or of no module if it uses the library of another
+    description: str  # of the FMU
     has_nodes: bool
     has_waves: bool  # if not, it is in equilibrium at each instant
     compile_seconds: float  # of its library, on two cores
@@ -63,6 +64,11 @@ _ACROSS = (*POSITIONS, *LENGTH, "axial_stiffness", *AIR)  # a horizontal force o
 
 STRAIGHT = Variant(
     "straight",
+    description=(
+        "Straight elastic line with weight and drag shared between its ends: tension of a taut tether at almost no cost. "
+        "In: position and velocity of the kite (and of the ground end), wind, reel-out speed. "
+        "Out: force of the tether on kite and ground."
+    ),
     has_nodes=False,
     has_waves=False,
     compile_seconds=3,
@@ -93,6 +99,11 @@ STRAIGHT = Variant(
 )
 CATENARY = Variant(
     "catenary",
+    description=(
+        "Elastic catenary under weight plus mean drag, in closed form: sag and end forces at rest or in slow flight. "
+        "In: position and velocity of the kite (and of the ground end), wind, reel-out speed. "
+        "Out: force of the tether on kite and ground."
+    ),
     has_nodes=False,
     has_waves=False,
     compile_seconds=4,
@@ -105,6 +116,12 @@ CATENARY = Variant(
 )
 QUASI_STEADY = Variant(
     "quasi_steady",
+    description=(
+        "Quasi-steady segmented tether: in instantaneous equilibrium under weight, drag, elasticity and the inertia of "
+        "turning with the kite; no waves. "
+        "In: position and velocity of the kite (and of the ground end), wind, reel-out speed. "
+        "Out: force of the tether on kite and ground."
+    ),
     has_nodes=True,
     has_waves=False,
     compile_seconds=10,
@@ -116,6 +133,11 @@ QUASI_STEADY = Variant(
 )
 DYNAMIC = Variant(
     "dynamic",
+    description=(
+        "Dynamic segmented tether between two driven ends: lumped masses, spring-damper segments, drag, reel-out. "
+        "In: position and velocity of the kite (and of the ground end), wind, reel-out speed. "
+        "Out: force of the tether on kite and ground."
+    ),
     has_nodes=True,
     has_waves=True,
     compile_seconds=25,
@@ -125,6 +147,12 @@ DYNAMIC = Variant(
 DYNAMIC_FREE = replace(
     DYNAMIC,
     name="dynamic_free",
+    description=(
+        "Dynamic segmented tether with a free kite end, a point mass that moves under the tether, its weight and a load: "
+        "lumped masses, spring-damper segments, drag, reel-out. "
+        "In: load on the kite, position and velocity of the ground end, wind, reel-out speed. "
+        "Out: position and velocity of the kite, force of the tether on kite and ground."
+    ),
     library="dynamic",
     kite_is_free=True,
     colour="purple",

@@ -4,7 +4,6 @@ The shell is compiled for the variables of the FMU, so it reads no file when it 
 """
 
 import re
-import runpy
 from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
@@ -15,9 +14,9 @@ from tetherfmu.libraries.ahead_of_time import object_name
 from tetherfmu.libraries.native_shell import SHELL, native_library
 from tetherfmu.runtime.kernel_library import SUFFIXES
 from tetherfmu.runtime.variables import table_of
-from tetherfmu.runtime.variants import library_of
+from tetherfmu.runtime.variants import BY_NAME, library_of
 
-from ..archive import DESCRIPTION, SCRIPTS, SLAVES, guid_of, write
+from ..archive import DESCRIPTION, SLAVES, guid_of, write
 from ..build_options import BuildOptions
 from ..documents import documents
 from . import description, description_fmi3, host_header, sources
@@ -38,9 +37,8 @@ def build(name, folder, options=None, fmi=2, with_header=False, with_sources=Fal
     """
     folder, options = Path(folder), options or BuildOptions()
     folder.mkdir(parents=True, exist_ok=True)
-    script, variant = SLAVES[name]
-    given = DEFAULT_OPTIONS | options.as_dict()
-    about = " ".join(filter(None, [runpy.run_path(str(SCRIPTS / script))[name].description, given["about"]]))
+    variant, given = SLAVES[name], DEFAULT_OPTIONS | options.as_dict()
+    about = " ".join(filter(None, [BY_NAME[variant].description, given["about"]]))
     kernels, files = kernels_of(library_of(variant), options.platforms), {}
     if fmi == 3:
         files[TERMINALS] = description_fmi3.terminals(table_of(variant, given)).encode("utf-8")

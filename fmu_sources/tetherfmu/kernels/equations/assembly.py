@@ -193,7 +193,7 @@ def linearize_segments(chain, in_air, x, v, modes, segments, records):
         drag = drag_by_velocity = broadcast(ZERO_MATRIX, length)
         a = broadcast(ZERO_VECTOR, length)
         if in_air:
-            drag, drag_by_velocity, a = segment.linearize_drag_between(chain, both, length, e, x_p, x_q, v_p, v_q)
+            _, drag, drag_by_velocity, a = segment.linearize_drag_between(chain, both, length, e, x_p, x_q, v_p, v_q)
         put_records(s, axial, drag, drag_by_velocity, (*a, *e, damper, slope), records)
         modes[s] = first(mode)
         modes[n - 1 - s] = second(mode)

@@ -1,14 +1,14 @@
 """The equations of motion of a chain: v' = F/m, one segment after the other. The first file for who wants to know the model.
 
-    x_i' = v_i,   m_i v_i' = T_i e_i - T_(i-1) e_(i-1) + half drags - m_i g e_z + N_i + load at the kite end
+    x_i' = v_i,   m_i v_i' = T_i e_i - T_(i-1) e_(i-1) + F_i + F_(i-1) - m_i g e_z + N_i + load at the kite end
+    T = k (l - l0) + c (l' - (l/l0) l0'),   F = 1/4 rho cd d l |w| w
 
-Segment i joins the nodes i and i + 1; N_i is the force of the ground. `segment.py`, `node_loads.py` and `ground.py` have the
-laws. A driven end moves as it is driven, whatever acts on it. Reeling changes L, the unstretched length, and with it the
-length l0 = L/n and the mass of each segment, without a thrust from m_i'; L' is the reel-out speed, or that of a `drum.py`.
+Segment i joins the nodes i and i + 1 in the direction e_i; T is its tension, F half of its drag in the wind w across it
+(`segment.py`), N the force of the ground (`ground.py`). A driven end moves as it is driven, whatever acts on it. Reeling
+changes L, and with it l0 = L/n and the masses, without a thrust from m_i'; L' is the reel-out speed.
 
-Nothing that flies calls this file: the solvers need derivatives, too, and find the same forces from both ends of the chain
-at once (`assembly.py`). tests/kernels/equations/test_motion.py compares them with this one; tests/reference has codes that
-share no law with this package. Theory: docs/models/theory.md, "The chain".
+The solvers find the same forces from both ends at once (`assembly.py`); tests/kernels/equations/test_motion.py compares
+them with this file. Theory: docs/models/theory.md, "One segment" and "The chain".
 """
 
 from ..compilation import kernel
@@ -27,7 +27,7 @@ def accelerations(chain, x, v, load, mass, a):
     """
     n = chain.n
     node_masses(chain, mass)
-    force = a  # one array for both
+    force = a  # in the same array until the end
     for i in range(n + 1):
         put(force, i, node_loads.load(chain, mass[i], get(x, i), get(v, i), None))
     put(force, n, add(get(force, n), load))

@@ -231,7 +231,7 @@ def slope_of_square(e, w, speed):
 
 @kernel
 def linearize_drag(chain, s, length, e, height, velocity):
-    """Derivatives of the half drag of segment s, or of two: G [N/m], A [N s/m] and a [N/m].
+    """Half drag [N] of segment s, or of two, and its derivatives G [N/m], A [N s/m] and a [N/m].
 
     Length l [m], direction e, mean height [m] and mean velocity [m/s] of its nodes.
     G = 1/4 rho cd d (|w| (w e - e w) - (W . e) S),  A = 1/4 rho cd d l S,  S = |w| (1 - e e) + w w/|w|.
@@ -239,13 +239,13 @@ def linearize_drag(chain, s, length, e, height, velocity):
     wind, density, wind_slope, density_slope = air_of(chain, s, height)
     w, lengthwise = apparent_wind(wind, e, velocity)
     speed = speed_across(w)
-    width = 0.25 * property_of(chain, s, at.DRAG_WIDTH)
+    width, factor = 0.25 * property_of(chain, s, at.DRAG_WIDTH), half_drag_factor(chain, s, length, density)
     across = slope_of_square(e, w, speed)
-    drag_by_velocity = scale_matrix(width * density * length, across)
+    drag_by_velocity = scale_matrix(factor, across)
     turn = skew(scale(width * density * speed, cross(e, w)))
     drag_by_position = subtract(turn, scale_matrix(width * density * lengthwise, across))
-    shear = apply(drag_by_velocity, wind_slope)
-    return drag_by_position, drag_by_velocity, add_scaled(shear, width * density_slope * length * speed, w)
+    a = add_scaled(apply(drag_by_velocity, wind_slope), width * density_slope * length * speed, w)
+    return scale(factor * speed, w), drag_by_position, drag_by_velocity, a
 
 
 @kernel

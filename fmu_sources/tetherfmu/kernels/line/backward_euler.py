@@ -74,8 +74,8 @@ def flight(x, v, h, acceleration):
 def start(attempt, time, kind, x, w):
     """Fill masses, old positions, free flight and modes of the dampers into w for a step from x [m] at a time [s].
 
-    No drag yet, and no load in the free flight. kind : WHOLE, where driven ends go to where their curves are; STAGE or
-    EXPECTED, where they go from x with their velocity after the step, as all other nodes do: see `second_order.py`.
+    No load in the free flight, and no drag yet, or that of before with EXPECTED. kind : WHOLE, where driven ends go to where
+    their curves are; STAGE or EXPECTED, where they go from x with their velocity after the step, see `second_order.py`.
     """
     conditions, chain, h, v = attempt
     n = chain.n
@@ -94,8 +94,9 @@ def start(attempt, time, kind, x, w):
     for s in range(n):
         taut = norm(sub(get(x, s + 1), get(x, s))) > rest_length(start, s)
         w.modes[s] = segment.TAUT if taut else segment.SLACK
-        put(w.drag, s, ZERO_VECTOR)
-        put_matrix(w.slope, 9 * s, ZERO_MATRIX)
+        if kind != EXPECTED:
+            put(w.drag, s, ZERO_VECTOR)
+            put_matrix(w.slope, 9 * s, ZERO_MATRIX)
 
 
 @kernel
@@ -105,8 +106,8 @@ def add_drag(attempt, x, w):
     for s in range(chain.n):
         length, e = segment.geometry(sub(get(x, s + 1), get(x, s)))
         ends = get(x, s), get(x, s + 1), get(v, s), get(v, s + 1)
-        put(w.drag, s, segment.half_drag_between(chain, s, length, e, *ends))
-        _, by_velocity, _ = segment.linearize_drag_between(chain, s, length, e, *ends)
+        drag, _, by_velocity, _ = segment.linearize_drag_between(chain, s, length, e, *ends)
+        put(w.drag, s, drag)
         put_matrix(w.slope, 9 * s, by_velocity)
 
 

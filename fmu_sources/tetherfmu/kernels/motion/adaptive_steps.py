@@ -128,8 +128,7 @@ def integrate(system, duration):
     time = 0.0
     h, last_error = first_step(duration, memory)
     budget = at.WORK_BUDGET // work_of(system)
-    tried = 0
-    rejected_before = False
+    tried, rejected_before = 0, False
     begin_drums(system)
     is_new = True  # whether a piece begins
     piece, weight = inf, 1.0

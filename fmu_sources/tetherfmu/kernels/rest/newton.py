@@ -121,7 +121,7 @@ def linearize(body, w):
         x_q = get_two(x, s + 1, mirror + 1)
         length, e = segment.geometry(sub(x_q, x_p))
         v_p, v_q = get_two(v, s, mirror), get_two(v, s + 1, mirror + 1)
-        drag, drag_by_velocity, a = segment.linearize_drag_between(chain, both, length, e, x_p, x_q, v_p, v_q)
+        _, drag, drag_by_velocity, a = segment.linearize_drag_between(chain, both, length, e, x_p, x_q, v_p, v_q)
         rest = rest_length(chain, both)
         stiffness, _ = segment.stiffness(chain, both, length - rest, rest)
         across = pair(w.tension[s], w.tension[mirror]) / length

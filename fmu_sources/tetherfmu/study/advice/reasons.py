@@ -21,7 +21,6 @@ import numpy as np
 import pandas as pd
 
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime.variants import VARIANTS
 from tetherfmu.study.measuring import runs
 from tetherfmu.study.measuring.errors import rms, size
 
@@ -99,7 +98,7 @@ def limit(group, config, found, level):
 
 def reasons(config, found, level):
     """Why not a simpler tether, with as many segments: triples of variant, number that hurts it most, its limit."""
-    for variant in VARIANTS[: VARIANTS.index(config.variant)]:
+    for variant in runs.ADVISED[: runs.ADVISED.index(config.variant)]:
         segments = (config.segments or SEGMENTS[-1]) if variant == "quasi_steady" else 0
         simpler = runs.Config(variant, segments, 0.0, config.step)
         errors = {group: group_error(group, simpler, found) for group in GROUPS}

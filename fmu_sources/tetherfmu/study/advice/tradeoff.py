@@ -8,10 +8,10 @@ import numpy as np
 import pandas as pd
 
 from tetherfmu.results import StepRefused
-from tetherfmu.runtime.variants import BY_NAME, VARIANTS
+from tetherfmu.runtime.variants import BY_NAME
 from tetherfmu.study.measuring.errors import converged, errors, worst
 from tetherfmu.study.measuring.executors import progress_bar
-from tetherfmu.study.measuring.runs import HOST_COST, Config, cost, run
+from tetherfmu.study.measuring.runs import ADVISED, HOST_COST, Config, cost, run
 from tetherfmu.study.measuring.store import key
 from tetherfmu.study.scenes.files import OUTPUTS
 
@@ -62,7 +62,7 @@ def ladder(scene):
             TOLERANCES if BY_NAME[variant].has_waves else (0.0,),
             steps(scene),
         )
-        for variant in VARIANTS
+        for variant in ADVISED
         if BY_NAME[variant].has_waves or not scene.kite_is_free
     )
     configs = starmap(Config, chain(*choices))

@@ -19,13 +19,14 @@ import pandas as pd
 from tetherfmu.fmi.resources import DEFAULT_OPTIONS
 from tetherfmu.results import Flown, PlausibilityWarning, StepRefused
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime.variants import DYNAMIC_FREE, class_name
+from tetherfmu.runtime.variants import DYNAMIC_FREE, VARIANTS, class_name
 from tetherfmu.study.scenes.start import tether_at_start
 
 TABLE = Path(__file__).with_name("costs.csv")
 UNITS = pd.read_csv(TABLE, index_col="variant")  # unit costs [s]: a row of `COLUMNS` for each variant and one for the host
 FIXED = "fixed_step"  # row of the dynamic tether with fixed steps of order 2, whose work are iterations
 HOST = "host"  # row of what FMPy adds to each communication step: set 6, step, get 6
+ADVISED = tuple(variant for variant in VARIANTS if variant in UNITS.index)  # those whose costs are known
 HOST_COST = float(UNITS.at[HOST, "per call"])  # [s]
 COLUMNS = ("per call", "per call and segment", "per work", "per work and segment")
 SHAPE_POINTS = DEFAULT_OPTIONS["shape_points"]

@@ -6,15 +6,16 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 
-from tetherfmu.models import TetherCatenary, TetherDynamic, TetherQuasiSteady, TetherStraight
+from tetherfmu.models import TetherQuasiSteady
 from tetherfmu.results import PlausibilityWarning, StepRefused
 from tetherfmu.runtime.inputs import by_name
 from tetherfmu.runtime.parameters import Tether
+from tetherfmu.study.scenes.start import MODELS
 
 from .flight import EVERY, LEADS, STEP
 from .log import LogError
 
-TETHERS = {each.variant: each for each in (TetherDynamic, TetherQuasiSteady, TetherCatenary, TetherStraight)}
+TETHERS = dict(reversed(MODELS.items()))  # the finest one first
 SEGMENTS = Tether.segments
 SCALARS = (
     *("ground_tension", "kite_tension", "tether_length", "ground_elevation", "ground_azimuth", "sag"),
