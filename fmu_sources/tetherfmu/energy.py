@@ -14,7 +14,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime.inputs import by_name
+from tetherfmu.runtime.inputs import by_name, check_names
 from tetherfmu.runtime.instance import address
 
 # inputs that powers depend on, beside the motion of the ends
@@ -107,6 +107,7 @@ def account(instance, line=0, **given):
 
     given : other values of inputs in `WITH_POWER` than those of the last step, by name; None is none.
     """
+    check_names("the energy", given, WITH_POWER)
     inputs, state = np.array(instance.values[: instance.outputs_at]), instance.state_of(line)
     first = instance.inputs_at(line)
     columns = by_name(inputs[first : first + at.INPUTS])

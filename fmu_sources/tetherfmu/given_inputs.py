@@ -1,13 +1,12 @@
 """Inputs of a tether of the Python API that are given by name: checked, and put into its arrays."""
 
-from difflib import get_close_matches
 from typing import NamedTuple, TypedDict
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime.inputs import DRIVEN_KITE, INPUT_TABLE, WIND_AT
+from tetherfmu.runtime.inputs import DRIVEN_KITE, INPUT_TABLE, WIND_AT, check_names
 from tetherfmu.runtime.instance import Instance
 from tetherfmu.runtime.variants import Variant
 
@@ -69,12 +68,7 @@ def put(to, given, at_start=False):
 
     given : dict by name.  at_start : whether a free kite has a position and a velocity among them.
     """
-    known = OF_FREE_KITE if to.variant.kite_is_free and not at_start else OF_ANY
-    for name in given:
-        if name not in known:
-            near = get_close_matches(name, known, 1)
-            hint = f"; did you mean {near[0]}?" if near else f"; there are {', '.join(known)}"
-            raise TypeError(f"{to.name} has no input {name!r}{hint}")
+    check_names(to.name, given, OF_FREE_KITE if to.variant.kite_is_free and not at_start else OF_ANY)
     numbers = {name: value for name, value in given.items() if name not in ("wind_velocity", WIND_AT.name)}
     for start, end, values in arguments.numbers_at(numbers):
         to.places[start:end] = values

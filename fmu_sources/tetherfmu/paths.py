@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tetherfmu.runtime.inputs import COUNT, KITE_AT_START, ZERO, by_name
+from tetherfmu.runtime.inputs import COUNT, KITE_AT_START, ZERO, by_name, check_names
 
 
 def polar(distance, elevation, azimuth):
@@ -95,20 +95,16 @@ def inputs_along(
     step: float,
     kite: MovingEnd | ArrayLike | None = None,
     ground: MovingEnd | ArrayLike | None = None,
-    reel_out_speed: Callable[[float], float] | float = 0.0,
-    wind_velocity: Callable[[float], ArrayLike] | ArrayLike = (0.0, 0.0, 0.0),
+    *,
     start: float = 0.0,
-    kite_load: Callable[[float], ArrayLike] | ArrayLike = (0.0, 0.0, 0.0),
-    winch_length: Callable[[float], float] | float = 0.0,
-    winch_force: Callable[[float], float] | float = 0.0,
+    **signals: Callable[[float], ArrayLike] | ArrayLike,
 ) -> NDArray:
     """Inputs of `steps` communication steps [s] for `TetherModel.fly`, array (steps, INPUTS).
 
     kite, ground : ends that move, or positions [m] of ends that stay; None: at the start values of `kite_position` and
-    `ground_position`, wherever `initialize` put them.  reel_out_speed [m/s], wind_velocity [m/s], kite_load (of a free kite
-    end) [N], winch_length (with `winch_control` = length) [m], winch_force (with force) [N] : constant, or functions of time
-    [s].  start : time of the
-    first step [s].  ValueError if an end is something else.
+    `ground_position`, wherever `initialize` put them.  start : time of the first step [s].  signals : the other inputs by
+    name, see `Inputs`: constant, or functions of time [s]; 0 where they are not given.  ValueError if an end is something
+    else, TypeError if there is no such input.
 
     >>> inputs_along(3, 0.02, wind_velocity=(8.0, 0.0, 0.0)).shape
     (3, 21)
@@ -116,14 +112,9 @@ def inputs_along(
     rows = np.zeros((steps, COUNT))
     ends = [("kite", KITE_AT_START if kite is None else kite), ("ground", ZERO if ground is None else ground)]
     ends = [(name, end_of(name, end)) for name, end in ends]
-    signals = {
-        "reel_out_speed": reel_out_speed,
-        "wind_velocity": wind_velocity,
-        "kite_load": kite_load,
-        "winch_force": winch_force,
-        "winch_length": winch_length,
-    }
     columns = by_name(rows)
+    of_ends = [f"{name}_{what}" for name, _ in ends for what in ("position", "velocity")]
+    check_names("inputs_along", signals, [name for name in columns if name not in of_ends])
     for k in range(steps):
         time = start + k * step
         for name, end in ends:

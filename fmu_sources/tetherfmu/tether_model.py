@@ -340,21 +340,13 @@ class TetherModel(Running):
         self._instance.take_outputs()
         return self._present()
 
-    def energy(
-        self,
-        reel_out_speed: float | None = None,
-        wind_velocity: ArrayLike | None = None,
-        kite_load: ArrayLike | None = None,
-        winch_force: float | None = None,
-    ) -> energy.Energy:
+    def energy(self, **inputs: Unpack[Inputs]) -> energy.Energy:
         """Energies and powers of the present state, an `energy.Energy`; tethers with nodes only.
 
-        `reel_out_speed` [m/s], `wind_velocity` [m/s], `kite_load` [N] and `winch_force` [N] are those of the last step where
-        they are None. The powers explain the change of the energy of the dynamic tether; `energy.EnergyAudit` adds them up
-        along a run.
+        inputs : those of `energy.WITH_POWER`, which are those of the last step where they are not given. The powers explain
+        the change of the energy of the dynamic tether; `energy.EnergyAudit` adds them up along a run.
         """
-        given = {"reel_out_speed": reel_out_speed, "wind_velocity": wind_velocity}
-        found, _, _ = self._account(**given, kite_load=kite_load, winch_force=winch_force)
+        found, _, _ = self._account(**inputs)
         return found
 
     @property

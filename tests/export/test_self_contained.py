@@ -39,7 +39,7 @@ def test_carries_its_kernels_and_no_cache(fmu_folder, name):
     assert contents(path) == [this_platform()]
     with zipfile.ZipFile(path) as archive:
         names = archive.namelist()
-        scripts = [entry for entry in names if re.fullmatch(r"resources/tether\w+_[0-9a-f]{12}\.py", entry)]
+        scripts = [entry for entry in names if re.fullmatch(r"resources/tether_\w+_[0-9a-f]{12}\.py", entry)]
         assert len(scripts) == 1
         packages = {entry.split("/")[1] for entry in names if "/slave.py" in entry}
         assert [re.fullmatch(r"tetherfmu_[0-9a-f]{12}", package) is not None for package in packages] == [True]

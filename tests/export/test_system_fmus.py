@@ -80,8 +80,8 @@ def opened(path):
 def step_of_python(system, k):
     y, speed, wind, load, reeling = given_at(k)
     x, at_start, z = next(point.position for point in system.points if point.name == "left")
-    given = {"left": (x, at_start + y, z)}, {"left": (0.0, speed, 0.0)}, {"knot": load}, {"main": reeling}, wind
-    return system.step(STEP, *given)
+    moving = {"left": (x, at_start + y, z)}, {"left": (0.0, speed, 0.0)}, {"knot": load}
+    return system.step(STEP, *moving, reel_out_speeds={"main": reeling}, wind_velocity=wind)
 
 
 def as_fmu(system, outputs):

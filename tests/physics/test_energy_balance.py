@@ -65,7 +65,7 @@ def test_power_is_the_rate_of_the_energy(free_ends, reel_out_speed, node_winds):
     model = shaken(free_ends)
     if node_winds is not None:
         given_inputs.put(model._receiver, {"wind_velocity": node_winds})
-    now = model.energy(reel_out_speed, WIND, LOAD)
+    now = model.energy(reel_out_speed=reel_out_speed, wind_velocity=WIND, kite_load=LOAD)
     a = accelerations(model, reel_out_speed, free_ends)
     start = model.get_state()
     total = []
@@ -77,7 +77,7 @@ def test_power_is_the_rate_of_the_energy(free_ends, reel_out_speed, node_winds):
         v += a * time
         state[at.LENGTH] += reel_out_speed * time
         model.set_state(state)
-        total.append(model.energy(reel_out_speed, WIND, LOAD).total)
+        total.append(model.energy(reel_out_speed=reel_out_speed, wind_velocity=WIND, kite_load=LOAD).total)
     # third derivative of the energy: E omega^3 with omega of some 1e2 1/s, so dt^2/6 of it is 1e-4 W of 1e4 W; rounding of
     # E = 1e4 J is 2e-12 J/(2 dt) = 1e-7 W
     assert (total[1] - total[0]) / (2.0 * dt) == pytest.approx(now.power, rel=1e-6, abs=1e-2)

@@ -57,7 +57,9 @@ def test_velocity_of_a_path_by_differences():
 def test_a_flight_along_paths_equals_a_loop():
     kite = MovingEnd(lambda t: (300.0 * np.cos(0.1 * t), 300.0 * np.sin(0.1 * t), 400.0))
     ground = MovingEnd(lambda t: (0.0, 0.1 * t, 0.0))
-    inputs = inputs_along(20, 0.02, kite, ground, lambda t: 0.1 * t, lambda t: (8.0 + t, 0.0, 0.0), start=1.0)
+    inputs = inputs_along(
+        20, 0.02, kite, ground, reel_out_speed=lambda t: 0.1 * t, wind_velocity=lambda t: (8.0 + t, 0.0, 0.0), start=1.0
+    )
     loop, whole = TetherDynamic(), TetherDynamic()
     for tether in (loop, whole):
         tether.initialize(*kite.at(1.0), *ground.at(1.0), wind_velocity=(9.0, 0.0, 0.0))

@@ -73,9 +73,10 @@ def packed_with_kernels(name, facts, library, platforms, options):
     """
     compiled = ready.folders([library], platforms)[library]
     kernels = [compiled / file_name(library, platform) for platform in platforms]
+    file = f"tether_{facts['variant'] or library}.py"
     with tempfile.TemporaryDirectory() as temporary:
         resources = Path(temporary) / "resources"
-        shipped = write_package(resources, name, f"{name.lower()}.py", SLAVE.format(name=name, **facts), kernels)
+        shipped = write_package(resources, name, file, SLAVE.format(name=name, **facts), kernels)
         (resources / KERNELS_FOLDER).mkdir()
         for each in kernels:
             shutil.copy(each, resources / KERNELS_FOLDER)

@@ -1,43 +1,81 @@
 """Inputs of a system of tethers that are given by the names of points and lines: into the rows of its arrays."""
 
 from collections.abc import Mapping
-from typing import NamedTuple
+from typing import TypedDict
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tetherfmu.fmi.system_variables import GIVEN
 from tetherfmu.results import StepRefused
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import status
-from tetherfmu.runtime.inputs import PLACES
+from tetherfmu.runtime.inputs import PLACES, check_names
+
+Vectors = Mapping[str, ArrayLike]
 
 
-class Given(NamedTuple):
-    """Inputs that are given, as arguments of `TetherSystem.step`; those of winches by `winches_of`."""
+class SystemInputs(TypedDict, total=False):
+    """Inputs of a system besides the motion of its points and the loads on them, by their names.
 
-    positions: Mapping
-    velocities: Mapping
-    loads: Mapping
-    winches: Mapping  # names of inputs of winches, with values by the names of lines
-    wind_velocity: ArrayLike | None
-    wind_at: Mapping  # by the names of lines with wind points
+    Attributes
+    ----------
+    reel_out_speeds : dict of str to float
+        Of lines, by name [m/s]; winches that are controlled by force or length start with them.
+    wind_velocity : (3,) array
+        Wind [m/s] at `wind_reference_height`.
+    winch_forces, winch_lengths : dict of str to float
+        Of lines with this `Winch.winch_control`, by name: forces with which winches pull [N], from the first step on, and
+        unstretched lengths that they should have paid out [m]; 0: `initial_length`.
+    wind_at : dict of str to (wind_points, 3) array
+        Wind [m/s] at the wind points of lines, by name.
+    """
+
+    reel_out_speeds: Vectors
+    wind_velocity: ArrayLike
+    winch_forces: Vectors
+    winch_lengths: Vectors
+    wind_at: Vectors
+
+
+_WINCHES = {f"{name}s": name for name in GIVEN}  # arguments: inputs of a line
+_KNOWN = ("positions", "velocities", "loads", *_WINCHES, "wind_velocity", "wind_at")
+
+
+def starts(lines, free, wind_points):
+    """All inputs but the motion of points as they are at a start where they are not given, a dict by name."""
+    winches = {each: {line.name: getattr(line, name, 0.0) for line in lines} for each, name in _WINCHES.items()}
+    winds = {"wind_at": {line.name: np.zeros((wind_points, 3)) for line in lines}} if wind_points else {}
+    return {"wind_velocity": (0.0, 0.0, 0.0), "loads": dict.fromkeys(free, (0.0, 0.0, 0.0)), **winches, **winds}
+
+
+def completed(given, before):
+    """Inputs by name where they are given, and as they were `before` where they are not; names of points and lines alike."""
+    found = dict(before)
+    for name, value in given.items():
+        if value is not None:
+            found[name] = {**before[name], **value} if isinstance(before.get(name), dict) else value
+    return found
 
 
 def put(given, arrays, points, lines, inputs=None, at_start=False):
     """Set the inputs that are given; ValueError if a name does not exist or a value has another shape.
 
-    given : Given.  arrays : `Arrays` of the system, whose inputs are modified unless others are given.
-    inputs : array (steps, inputs) to be set instead of those of the next step.  at_start : of free points, too.
+    given : arguments of `TetherSystem.step` by name; None is none.  arrays : `Arrays` of the system, whose inputs are
+    modified unless others are given.  inputs : array (steps, inputs) to be set instead of those of the next step.
+    at_start : of free points, too.  TypeError if there is no such argument.
     """
+    check_names("TetherSystem", given, _KNOWN)
+    given = {name: value for name, value in given.items() if value is not None}
     whole = arrays.inputs if inputs is None else inputs
     rows = [arrays.inputs_in(k, whole) for k in range(len(lines))]
     movable = [point.name for point in points if at_start or point.is_driven]
     steps = whole.shape[:-1]
-    for what, values in (("position", given.positions), ("velocity", given.velocities)):
-        for name, value in values.items():
-            _check_known(f"{what} of a {'point' if at_start else 'driven point'}", name, movable)
-            arrays.put_point_in(rows, name, what, _numbers(f"{name}.{what}", value, (3,), steps))
-    for name, value in given.loads.items():
+    for what, own in (("positions", "position"), ("velocities", "velocity")):
+        for name, value in given.get(what, {}).items():
+            _check_known(f"{own} of a {'point' if at_start else 'driven point'}", name, movable)
+            arrays.put_point_in(rows, name, own, _numbers(f"{name}.{own}", value, (3,), steps))
+    for name, value in given.get("loads", {}).items():
         _check_known("load on a free point", name, arrays.instance.free)
         load = _numbers(f"{name}.load", value, (3,), steps)
         if not np.all(np.abs(load) <= at.LARGEST_INPUT):
@@ -48,38 +86,23 @@ def put(given, arrays, points, lines, inputs=None, at_start=False):
             )
         arrays.loads_in(whole)[..., arrays.instance.free.index(name), :] = load
     names = [line.name for line in lines]
-    for what, values in given.winches.items():
-        for name, value in values.items():
+    for each, what in _WINCHES.items():
+        for name, value in given.get(each, {}).items():
             _check_known(f"{what} of a line", name, names)
             rows[names.index(name)][..., PLACES[what]] = _numbers(f"{name}.{what}", value, (), steps)
     points = arrays.instance.lines[0].wind_points
-    for name, value in given.wind_at.items():
+    for name, value in given.get("wind_at", {}).items():
         _check_known("wind_at of a line", name, names)
         if not points:
             raise ValueError("this TetherSystem has no wind points for wind_at: make it with wind_points=11")
         winds = _numbers(f"{name}.wind_at", value, (points, 3), steps)
         rows[names.index(name)][..., at.INPUTS :] = winds.reshape(*winds.shape[:-2], 3 * points)
-    if given.wind_velocity is not None:
-        wind = _numbers("wind_velocity", given.wind_velocity, (3,), steps)
+    if "wind_velocity" in given:
+        wind = _numbers("wind_velocity", given["wind_velocity"], (3,), steps)
         if points and np.any(wind):
             raise ValueError("wind_velocity is given to a TetherSystem with wind points; give wind_at")
         for row in rows:
             row[..., at.WIND_VELOCITY : at.WIND_VELOCITY + 3] = wind
-
-
-def winches_of(speeds, forces, lengths):
-    """Inputs of winches that are given, by name, each by the names of lines."""
-    return {"reel_out_speed": speeds or {}, "winch_force": forces or {}, "winch_length": lengths or {}}
-
-
-def first_winches_of(lines, speeds, forces, lengths):
-    """As `winches_of` at the start: of all lines, what is not given is as their records say, or 0."""
-    none = {line.name: 0.0 for line in lines}
-    return {
-        "reel_out_speed": {**{line.name: line.reel_out_speed for line in lines}, **(speeds or {})},
-        "winch_force": {**none, **(forces or {})},
-        "winch_length": {**none, **(lengths or {})},
-    }
 
 
 def _check_known(what, name, names):

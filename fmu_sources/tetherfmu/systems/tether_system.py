@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from array import array
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,11 +20,9 @@ from tetherfmu.runtime.status import OK
 
 from . import files
 from .arrays import Arrays, instance_of
-from .inputs import Given, first_winches_of, put, winches_of
+from .inputs import SystemInputs, Vectors, completed, put, starts
 from .records import Line, Point, check_system
 from .results import SystemEnergy, SystemFlown, SystemOutputs, points_of
-
-Vectors = Mapping[str, ArrayLike]
 
 
 class TetherSystem(Running):
@@ -128,10 +127,7 @@ class TetherSystem(Running):
         positions: Vectors | None = None,
         velocities: Vectors | None = None,
         loads: Vectors | None = None,
-        reel_out_speeds: Mapping[str, float] | None = None,
-        winch_forces: Mapping[str, float] | None = None,
-        winch_lengths: Mapping[str, float] | None = None,
-        wind_at: Vectors | None = None,
+        **inputs: Unpack[SystemInputs],
     ) -> SystemOutputs:
         """Start with the points where their records say, each line with the `initial_shape` between its two points.
 
@@ -146,14 +142,8 @@ class TetherSystem(Running):
             is found.
         loads : dict of str to (3,) array
             External force [N] on free points; 0 where none is given.
-        reel_out_speeds : dict of str to float
-            Other reel-out speeds [m/s] of lines than those of their records; winches that are controlled by force or
-            length start with them.
-        winch_forces, winch_lengths : dict of str to float
-            Forces [N] with which winches pull, from the first step on, and unstretched lengths [m] that they have paid out,
-            of lines with this `Winch.winch_control`; 0 where none is given: a length of 0 is `initial_length`.
-        wind_at : dict of str to (wind_points, 3) array
-            Wind [m/s] at the wind points of lines, by name; no wind at a line that is not there.
+        **inputs
+            The other ones of `SystemInputs`; where they are not given, reel-out speeds of the records of the lines, and 0.
 
         Returns
         -------
@@ -172,16 +162,13 @@ class TetherSystem(Running):
         wanted = [name for name, position in positions.items() if position is None]
         if not set(wanted) <= set(self._instance.free):
             raise ValueError(f"{next(iter(set(wanted) - set(self._instance.free)))} is no free point: give its position")
-        velocities = {**{each.name: each.velocity for each in self.points}, **(velocities or {})}
-        winches = first_winches_of(self.lines, reel_out_speeds, winch_forces, winch_lengths)
-        loads = {**dict.fromkeys(self._instance.free, (0.0, 0.0, 0.0)), **(loads or {})}
         before = self._arrays.inputs.copy()
         try:
-            given = {name: position for name, position in positions.items() if position is not None}
-            if self.wind_points:
-                still = np.zeros((self.wind_points, 3))
-                wind_at = {**{line.name: still for line in self.lines}, **(wind_at or {})}
-            self._set(given, velocities, loads, winches, wind_velocity, wind_at, at_start=True)
+            moving = {"velocities": {each.name: each.velocity for each in self.points}}
+            moving |= starts(self.lines, self._instance.free, self.wind_points)
+            given = completed({"wind_velocity": wind_velocity, "velocities": velocities, "loads": loads, **inputs}, moving)
+            given["positions"] = {name: position for name, position in positions.items() if position is not None}
+            put(given, self._arrays, self.points, self.lines, at_start=True)
             self._arrays.seek(wanted)
             problem = self._instance.start()
             if problem:
@@ -199,11 +186,7 @@ class TetherSystem(Running):
         positions: Vectors | None = None,
         velocities: Vectors | None = None,
         loads: Vectors | None = None,
-        reel_out_speeds: Mapping[str, float] | None = None,
-        wind_velocity: ArrayLike | None = None,
-        winch_forces: Mapping[str, float] | None = None,
-        winch_lengths: Mapping[str, float] | None = None,
-        wind_at: Vectors | None = None,
+        **inputs: Unpack[SystemInputs],
     ) -> SystemOutputs:
         """Advance by a communication step with the inputs at its start; an input that is not given stays as it is.
 
@@ -215,15 +198,8 @@ class TetherSystem(Running):
             Of driven points, by name [m], [m/s].
         loads : dict of str to (3,) array
             External force on free points [N] at the start of the step, which continues as a `kite_load` does.
-        reel_out_speeds : dict of str to float
-            Of lines, by name [m/s].
-        wind_velocity : (3,) array
-            Wind [m/s] at `wind_reference_height`.
-        winch_forces, winch_lengths : dict of str to float
-            Of lines with this `Winch.winch_control`, by name: forces with which winches pull [N], unstretched lengths that
-            they should have paid out [m].
-        wind_at : dict of str to (wind_points, 3) array
-            Wind [m/s] at the wind points of lines, by name.
+        **inputs
+            The other ones of `SystemInputs`.
 
         Returns
         -------
@@ -240,8 +216,8 @@ class TetherSystem(Running):
         self._check_started()
         before = self._arrays.inputs.copy()
         try:
-            winches = winches_of(reel_out_speeds, winch_forces, winch_lengths)
-            self._set(positions or {}, velocities or {}, loads or {}, winches, wind_velocity, wind_at)
+            given = {"positions": positions, "velocities": velocities, "loads": loads, **inputs}
+            put(given, self._arrays, self.points, self.lines)
             problem = self._instance.advance(arguments.number("step", step, "s"))
             if problem:
                 raise StepRefused(problem, self._instance.status)
@@ -258,14 +234,10 @@ class TetherSystem(Running):
         positions: Vectors | None = None,
         velocities: Vectors | None = None,
         loads: Vectors | None = None,
-        reel_out_speeds: Vectors | None = None,
-        wind_velocity: ArrayLike | None = None,
-        every: int = 1,
-        winch_forces: Vectors | None = None,
-        winch_lengths: Vectors | None = None,
-        wind_at: Vectors | None = None,
         *,
+        every: int = 1,
         on_refusal: str = "raise",
+        **inputs: Unpack[SystemInputs],
     ) -> SystemFlown:
         """Advance by many communication steps in compiled code; equals a loop of `step`, bit for bit.
 
@@ -275,7 +247,7 @@ class TetherSystem(Running):
             How many.
         step : float
             Communication step [s].
-        positions, velocities, loads, reel_out_speeds, wind_velocity, winch_forces, winch_lengths, wind_at
+        positions, velocities, loads, **inputs
             As for `step`, each constant or with one row for each step: (steps, 3) arrays, (steps,) of a winch.
         every : int
             A row is kept after every so many steps; 0 for none.
@@ -297,11 +269,11 @@ class TetherSystem(Running):
         self._check_started()
         steps, every = arguments.whole("steps", steps), arguments.whole("every", every)
         step = arguments.number("step", step, "s")
-        inputs = np.repeat(self._arrays.inputs[None, :], steps, axis=0)
-        winches = winches_of(reel_out_speeds, winch_forces, winch_lengths)
-        self._set(positions or {}, velocities or {}, loads or {}, winches, wind_velocity, wind_at, inputs=inputs)
+        rows = np.repeat(self._arrays.inputs[None, :], steps, axis=0)
+        given = {"positions": positions, "velocities": velocities, "loads": loads, **inputs}
+        put(given, self._arrays, self.points, self.lines, rows)
         when = at.AT_ROWS if every else at.NEVER
-        return self._fly(np.ascontiguousarray(inputs), step, every, when, on_refusal, self._flown)
+        return self._fly(np.ascontiguousarray(rows), step, every, when, on_refusal, self._flown)
 
     def get_state(self) -> NDArray[np.float64]:
         """Copy of the whole state, one flat array: topology, states of all lines, inputs, parameters.
@@ -381,8 +353,3 @@ class TetherSystem(Running):
         positions = {line.name: motion[:, 0].copy() for line, motion in zip(self.lines, rows.motion, strict=True)}
         points = points_of(self.points, self.lines, rows.motion, values)
         return SystemFlown(points, values, positions, seconds, refusals)
-
-    def _set(self, positions, velocities, loads, winches, wind, wind_at=None, *, inputs=None, at_start=False):
-        """Set those inputs that are given, by name, see `inputs.put`."""
-        given = Given(positions, velocities, loads, winches, wind, wind_at or {})
-        put(given, self._arrays, self.points, self.lines, inputs, at_start)
