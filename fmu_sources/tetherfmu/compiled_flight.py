@@ -139,10 +139,11 @@ def _row_by_row(instance, inputs, steps, winds, every, outputs, skip):
     return _every(instance, rows, every, outputs), tuple(refusals)
 
 
-def put_node_winds(instance, winds):
-    """Give an `Instance` (modified) of one line the wind at each node [m/s], array (segments + 1, 3)."""
-    instance.parameters[-winds.size :] = array("d", winds.T.ravel())
-    instance.parameters[at.WIND_PROFILE] = at.AT_NODES
+def put_node_winds(instance, winds, line=0):
+    """Give a line of an `Instance` (modified) the wind at each node [m/s], array (segments + 1, 3)."""
+    parameters, end = np.frombuffer(instance.parameters_of(line)), at.parameters_size(instance.counts[line])
+    parameters[end - winds.size : end] = winds.T.ravel()
+    parameters[at.WIND_PROFILE] = at.AT_NODES
 
 
 def _every(instance, rows, every, outputs):

@@ -51,8 +51,8 @@ class Arrays:
         As `plan_layout.py` has them.
     """
 
-    def __init__(self, instance, lines):
-        self.instance, self.lines = instance, lines
+    def __init__(self, instance, lines, wind_profile):
+        self.instance, self.lines, self._profile = instance, lines, wind_profile
         self.inputs = np.frombuffer(instance.values)[: instance.outputs_at]
         self.state, self.plan = np.frombuffer(instance.state), np.frombuffer(instance.plan, dtype=np.int64)
 
@@ -74,13 +74,24 @@ class Arrays:
         rows[:, [places.START_IS_SOUGHT, places.END_IS_SOUGHT]] = 0
         return found
 
-    def parameters(self):
-        """Copy of the parameters of all lines, without the wind at their nodes, which is part of their states."""
-        found = np.array(self.instance.parameters)
+    def winds(self):
+        """Places in the parameters of all lines: pairs of that of the wind profile, and of the wind at nodes, a slice."""
         for k, segments in enumerate(self.instance.counts):
             first = self.plan[places.PLAN_HEADER + places.LINE_NUMBERS * k + places.PARAMETERS_AT]
             end = first + at.parameters_size(segments)
-            found[end - 3 * (segments + 1) : end] = 0.0
+            yield first + at.WIND_PROFILE, slice(end - 3 * (segments + 1), end)
+
+    def put_profile(self):
+        """Let all lines have the wind profile of the environment again, but those with wind points."""
+        for (profile, _), line in zip(self.winds(), self.instance.lines, strict=True):
+            self.instance.parameters[profile] = at.AT_NODES if line.wind_points else self._profile
+
+    def without_winds(self, parameters):
+        """Copy of parameters of all lines without what is part of their states: the wind at nodes, and that it is there."""
+        found = np.array(parameters)
+        for profile, nodes in self.winds():
+            found[nodes] = 0.0
+            found[profile] = self._profile if found[profile] == at.AT_NODES else found[profile]
         return found
 
     def seek(self, names):

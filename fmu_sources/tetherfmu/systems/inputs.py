@@ -6,6 +6,8 @@ from typing import TypedDict
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tetherfmu.arguments import node_vectors
+from tetherfmu.compiled_flight import put_node_winds
 from tetherfmu.fmi.system_variables import GIVEN
 from tetherfmu.results import StepRefused
 from tetherfmu.runtime import layout as at
@@ -22,8 +24,9 @@ class SystemInputs(TypedDict, total=False):
     ----------
     reel_out_speeds : dict of str to float
         Of lines, by name [m/s]; winches that are controlled by force or length start with them.
-    wind_velocity : (3,) array
-        Wind [m/s] at `wind_reference_height`.
+    wind_velocity : (3,) array, or dict of str to (segments + 1, 3) array
+        Wind [m/s] at `wind_reference_height`; or at each node of lines, by name, whatever the wind profile says, until there
+        is another one at that height (not in `fly`).
     winch_forces, winch_lengths : dict of str to float
         Of lines with this `Winch.winch_control`, by name: forces with which winches pull [N], from the first step on, and
         unstretched lengths that they should have paid out [m]; 0: `initial_length`.
@@ -32,7 +35,7 @@ class SystemInputs(TypedDict, total=False):
     """
 
     reel_out_speeds: Vectors
-    wind_velocity: ArrayLike
+    wind_velocity: ArrayLike | Vectors
     winch_forces: Vectors
     winch_lengths: Vectors
     wind_at: Vectors
@@ -98,11 +101,33 @@ def put(given, arrays, points, lines, inputs=None, at_start=False):
         winds = _numbers(f"{name}.wind_at", value, (points, 3), steps)
         rows[names.index(name)][..., at.INPUTS :] = winds.reshape(*winds.shape[:-2], 3 * points)
     if "wind_velocity" in given:
-        wind = _numbers("wind_velocity", given["wind_velocity"], (3,), steps)
-        if points and np.any(wind):
-            raise ValueError("wind_velocity is given to a TetherSystem with wind points; give wind_at")
-        for row in rows:
-            row[..., at.WIND_VELOCITY : at.WIND_VELOCITY + 3] = wind
+        _put_wind(given["wind_velocity"], arrays, rows, names, at_start)
+
+
+def _put_wind(wind, arrays, rows, names, at_start):
+    """Set the wind [m/s] of all lines, (3,), or at each node of some, a dict by name; errors as those of `put`."""
+    instance, at_nodes, steps = arrays.instance, isinstance(wind, Mapping), rows[0].shape[:-1]
+    if not at_nodes:
+        wind = _numbers("wind_velocity", wind, (3,), steps)
+    if instance.lines[0].wind_points and (at_nodes or np.any(wind)):
+        raise ValueError("wind_velocity is given to a TetherSystem with wind points; give wind_at")
+    if at_nodes:
+        if steps:
+            raise ValueError("wind_velocity is given at nodes; in a flight it must be (3,), or (steps, 3)")
+        for name in wind:
+            _check_known("wind_velocity of a line", name, names)
+        winds = {
+            names.index(name): node_vectors(f"wind_velocity of {name}", value, instance.counts[names.index(name)])
+            for name, value in wind.items()
+        }
+        if at_start:
+            _put_wind((0.0, 0.0, 0.0), arrays, rows, names, at_start)
+        for k, each in winds.items():
+            put_node_winds(instance, each, k)
+        return
+    for row in rows:
+        row[..., at.WIND_VELOCITY : at.WIND_VELOCITY + 3] = wind
+    arrays.put_profile()
 
 
 def _check_known(what, name, names):

@@ -100,7 +100,7 @@ class TetherSystem(Running):
     def _make(self):
         """Make the arrays."""
         self._instance = instance_of(self.points, self.lines, *self._records, self.wind_points)
-        self._arrays = Arrays(self._instance, self.lines)
+        self._arrays = Arrays(self._instance, self.lines, self._records[0].wind_profile)
 
     @classmethod
     def from_file(cls, path: str | Path) -> TetherSystem:
@@ -122,7 +122,7 @@ class TetherSystem(Running):
 
     def initialize(
         self,
-        wind_velocity: ArrayLike = (0.0, 0.0, 0.0),
+        wind_velocity: ArrayLike | Vectors = (0.0, 0.0, 0.0),
         *,
         positions: Vectors | None = None,
         velocities: Vectors | None = None,
@@ -135,8 +135,8 @@ class TetherSystem(Running):
 
         Parameters
         ----------
-        wind_velocity : (3,) array
-            Wind [m/s] at `wind_reference_height`.
+        wind_velocity : (3,) array, or dict of str to (segments + 1, 3) array
+            Wind [m/s] at `wind_reference_height`; or at each node of lines, by name, and no wind at the others.
         positions, velocities : dict of str to (3,) array
             Other positions [m] and velocities [m/s] of points than those of their records; a position None of a free point
             is found.
@@ -162,7 +162,7 @@ class TetherSystem(Running):
         wanted = [name for name, position in positions.items() if position is None]
         if not set(wanted) <= set(self._instance.free):
             raise ValueError(f"{next(iter(set(wanted) - set(self._instance.free)))} is no free point: give its position")
-        before = self._arrays.inputs.copy()
+        before = self._arrays.inputs.copy(), self._instance.parameters[:]
         try:
             moving = {"velocities": {each.name: each.velocity for each in self.points}}
             moving |= starts(self.lines, self._instance.free, self.wind_points)
@@ -174,7 +174,7 @@ class TetherSystem(Running):
             if problem:
                 raise StepRefused(problem, self._instance.status)
         except ValueError:
-            self._arrays.inputs[:] = before
+            self._arrays.inputs[:], self._instance.parameters[:] = before
             raise
         self._runs = True
         self._warn()
@@ -214,7 +214,7 @@ class TetherSystem(Running):
             If a name does not exist or a value has another shape; nothing is changed.
         """
         self._check_started()
-        before = self._arrays.inputs.copy()
+        before = self._arrays.inputs.copy(), self._instance.parameters[:]
         try:
             given = {"positions": positions, "velocities": velocities, "loads": loads, **inputs}
             put(given, self._arrays, self.points, self.lines)
@@ -222,7 +222,7 @@ class TetherSystem(Running):
             if problem:
                 raise StepRefused(problem, self._instance.status)
         except ValueError:
-            self._arrays.inputs[:] = before
+            self._arrays.inputs[:], self._instance.parameters[:] = before
             raise
         self._warn()
         return self._present()
@@ -282,7 +282,7 @@ class TetherSystem(Running):
         """
         self._check_started()
         arrays = self._arrays
-        return np.concatenate([arrays.topology(), arrays.state, arrays.inputs, arrays.parameters()])
+        return np.concatenate([arrays.topology(), arrays.state, arrays.inputs, self._instance.parameters])
 
     def set_state(self, state: ArrayLike) -> None:
         """Go back to a state of `get_state`, of this system or one that equals it, bit for bit.
@@ -291,12 +291,13 @@ class TetherSystem(Running):
         """
         arrays = self._arrays
         state = np.asarray(state, dtype=float)
-        ours = arrays.parameters()
+        ours = self._instance.parameters
         sizes = [len(each) for each in (arrays.topology(), arrays.state, arrays.inputs, ours)]
         if state.shape != (sum(sizes),):
             raise ValueError(f"state has the shape {state.shape}; it must be {(sum(sizes),)}")
         topology, own, inputs, parameters = np.split(state, np.cumsum(sizes)[:-1])
-        if not (np.array_equal(topology, arrays.topology()) and np.array_equal(parameters, ours)):
+        is_same = np.array_equal(*map(arrays.without_winds, (parameters, ours)))
+        if not (np.array_equal(topology, arrays.topology()) and is_same):
             raise ValueError("state belongs to another system: its points, lines, environment or solver differ")
         if not np.all(np.isfinite(state)):
             raise ValueError("state has a number that is not finite")
@@ -304,7 +305,7 @@ class TetherSystem(Running):
             self._instance.take(array("d", own))
         except ValueError as problem:
             raise ValueError(f"state {problem}") from None
-        arrays.inputs[:] = inputs
+        arrays.inputs[:], ours[:] = inputs, array("d", parameters)
         self._runs = True
 
     def outputs(self) -> SystemOutputs:
