@@ -1,6 +1,8 @@
 """The FMU of a system with wind points: `LINE.wind_at[k,1..3]` in all flavours, as the Python API has it."""
 
 import math
+import zipfile
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -139,3 +141,15 @@ def test_numbers_of_the_header_are_those_of_the_model_description(fmus, flavour)
     for variable in read_model_description(str(fmus / flavour / "Swing.fmu")).modelVariables:
         assert numbers.pop(c_name(variable.name)) == variable.valueReference
     assert flavour == "native" or numbers["TETHER_A_WIND_AT_SIZE"] == 3 * POINTS
+
+
+def test_each_line_has_a_terminal_of_its_wind_in_the_place_of_the_one_of_all(fmus):
+    with zipfile.ZipFile(fmus / "fmi3" / "Swing.fmu") as opened:
+        root = ElementTree.fromstring(opened.read("terminalsAndIcons/terminalsAndIcons.xml"))
+    found = {each.get("name"): [(one.get("memberName"), one.get("variableName")) for one in each] for each in root[0]}
+    assert {name: members for name, members in found.items() if "wind" in name} == {
+        "a.wind": [("at", "a.wind_at")],
+        "b.wind": [("at", "b.wind_at")],
+    }
+    groups = ElementTree.parse(fmus / "native" / "Swing_OspModelDescription.xml").iter()
+    assert "wind" not in [each.get("name") for each in groups]

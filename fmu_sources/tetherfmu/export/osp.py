@@ -55,7 +55,8 @@ def model_description_of_system(structure, table):
     root, groups = _root()
     for point in structure.points:
         _port(groups, point.name, units, f"{point.name}.", "load" if point.is_free else "force")
-    _vector(groups, "LinearVelocity", "wind", units, "wind_velocity")
+    if not any(line.wind_points for line in structure.lines):
+        _vector(groups, "LinearVelocity", "wind", units, "wind_velocity")
     for line in structure.lines:
         _winch(groups, units, f"{line.name}_", f"{line.name}.")
     return xml_text(root)
