@@ -71,8 +71,7 @@ def error_of_lines(system, time, h):
     (`taut_slack.keep_energy`).
     """
     clear(points_of(system).change)
-    error = 0.0
-    changed = 0
+    error, changed = 0.0, 0
     for k in range(lines_of(system)):
         if moves(system, k):
             w = integrator_of(system, k)

@@ -111,11 +111,12 @@ def start_stage(system, k, stage, time, h):
     """
     conditions, w, now = conditions_of(system, k), integrator_of(system, k), time + ALPHA[stage] * h
     rosenbrock.combine(stage, h, w)
-    if turns(system, k) and not system_drums.go_to_stage(system, k, stage, h):
+    has_turning = turns(system, k)
+    if has_turning and not system_drums.go_to_stage(system, k, stage, h):
         return False
     rosenbrock.prescribe_ends(conditions, now, w)
     chain = chain_in_step(system, k, now)
-    rosenbrock.stage_masses(chain, stage, turns(system, k) or winch.is_reeling(conditions.reeling), w)
+    rosenbrock.stage_masses(chain, stage, has_turning or winch.is_reeling(conditions.reeling), w)
     rosenbrock.stage_force(conditions, chain, now, w)
     if stage == 0:
         rosenbrock.take_force_rate(conditions, time, w)
@@ -125,17 +126,17 @@ def start_stage(system, k, stage, time, h):
 @view
 def reduce_line(system, k, stage, time, h, points):
     """Right-hand side of a stage of line k, condensed, and what is left of it into that of the points (modified)."""
-    n, w = segments_of(system, k), integrator_of(system, k)
+    n, w, has_turning = segments_of(system, k), integrator_of(system, k), turns(system, k)
     rosenbrock.right_hand_side(conditions_of(system, k), stage, h, w)
-    if turns(system, k):
+    if has_turning:
         system_drums.subtract_rest(system, k)
     condensed.solve_inner(rows_of(system, k), w.matrix, w.q)
-    if turns(system, k):
+    if has_turning:
         system_drums.solve_drum(system, k, stage, time, h)
     for end in range(2):
         if is_at_point(system, k, end):
             left = condensed.what_is_left(n, end, w.matrix, w.q)
-            if turns(system, k):
+            if has_turning:
                 left = system_drums.add_left(system, k, end, left)
             add_at(points.right, point_at(system, k, end), left)
 
