@@ -13,8 +13,9 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from tetherfmu.naming import check_names
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime.inputs import by_name, check_names
+from tetherfmu.runtime.inputs import by_name
 from tetherfmu.runtime.instance import address
 
 # inputs that powers depend on, beside the motion of the ends

@@ -5,8 +5,9 @@ from typing import NamedTuple, TypedDict
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tetherfmu.naming import check_names
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime.inputs import DRIVEN_KITE, INPUT_TABLE, WIND_AT, check_names
+from tetherfmu.runtime.inputs import DRIVEN_KITE, INPUT_TABLE, WIND_AT
 from tetherfmu.runtime.instance import Instance
 from tetherfmu.runtime.variants import Variant
 

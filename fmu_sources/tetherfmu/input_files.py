@@ -7,9 +7,9 @@ import csv
 import stat
 import tomllib
 from dataclasses import field, fields, make_dataclass
-from difflib import get_close_matches
 from pathlib import Path
 
+from tetherfmu.naming import meant
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.parameters import GROUND_WITHOUT_GRAVITY, Ground
 from tetherfmu.runtime.quantities import check, quantities
@@ -73,9 +73,7 @@ def require(table, section, known, needed=()):
             raise ValueError(f"the key {label}{key} is missing")
     for key in table:
         if key not in known:
-            near = get_close_matches(key, known, 1)
-            hint = f"; did you mean {near[0]}?" if near else ""
-            raise ValueError(f"unknown key {label}{key}; known are {', '.join(known)}{hint}")
+            raise ValueError(f"unknown key {label}{key}; known are {', '.join(known)}{meant(key, known)}")
 
 
 def record(kind, table, section, needed=(), left_out=()):

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tetherfmu.runtime.inputs import COUNT, KITE_AT_START, ZERO, by_name, check_names
+from tetherfmu.naming import check_names
+from tetherfmu.runtime.inputs import COUNT, KITE_AT_START, ZERO, by_name
 
 
 def polar(distance, elevation, azimuth):

@@ -34,8 +34,8 @@ from .fmi.{module} import {kind}
 class {name}({kind}):
     variant, description = {variant!r}, {description!r}
 '''
-# PythonFMU executes the script of an FMU anew for each instance and keeps what it defines: 6 kB if that is a class
 SHIPPED = ("runtime", "fmi")  # folders of the package that every FMU has
+# PythonFMU executes the script of an FMU anew for each instance and keeps what it defines: 6 kB if that is a class
 LAUNCHER = """from {package}.{module} import {name}
 from {package}.fmi.workarounds import hold
 

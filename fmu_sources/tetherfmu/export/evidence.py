@@ -47,11 +47,11 @@ class EvidenceSet(NamedTuple):
     scene: list  # its arguments at each communication point: dicts with the digits of the input file
     inputs: tuple  # FMI names
     outputs: tuple
-    given: Callable  # arguments as a dict of FMI vectors to numbers, the same for the record of its outputs
-    found: Callable
     tolerance: float  # of the run
     reference_tolerance: float
     allowed: float  # deviation, as a part of the largest value
+    given: Callable = dict  # arguments as a dict of FMI vectors to numbers, the same for the record of its outputs
+    found: Callable = lambda row: row._asdict()
     starts: dict = {}  # noqa: RUF012  start values of parameters that are not those of the FMU
 
 
@@ -172,8 +172,6 @@ def flight(model, tether, wind_points=0):
         scene=scene,
         inputs=tuple(names_of(variables(model.variant, 0, wind_points=wind_points), INPUT)),
         outputs=_recorded(model.variant, (*RECORDED, "kite_position" if variant.kite_is_free else "ground_force")),
-        given=dict,
-        found=lambda row: row._asdict(),
         tolerance=variant.evidence_tolerance or DEFAULT_TOLERANCE,
         reference_tolerance=_REFERENCE_TOLERANCE,
         allowed=variant.evidence_deviation,
@@ -267,8 +265,6 @@ def winch_set(kind, model, tether):
         scene=[{GIVEN[kind]: rounded(at(k * STEP)), **load} for k in range(WINCH_STEPS + 1)],
         inputs=tuple(n for n in names_of(variables(model.variant, 0), INPUT) if n.partition("[")[0] in (GIVEN[kind], *load)),
         outputs=_recorded(model.variant, (*_WINCH_RECORDED, *(("kite_position",) if is_free else ()))),
-        given=dict,
-        found=lambda row: row._asdict(),
         tolerance=_WINCH_TOLERANCE,
         reference_tolerance=_WINCH_REFERENCE,
         allowed=BY_NAME[model.variant].evidence_deviation,
@@ -312,9 +308,7 @@ _TENSIONS = {"tension_from": "ground_tension", "tension_to": "kite_tension", "te
 
 def of_system(system, wind_points=0):
     """The `EvidenceSet` of a system. system : `systems.files.SystemFile`.  wind_points : of each line."""
-    driven, free, lines = [], [], [line.name for line in system.lines]
-    for point in system.points:
-        (driven if point.is_driven else free).append(point.name)
+    driven, lines = [point.name for point in system.points if point.is_driven], [line.name for line in system.lines]
 
     def model(tolerance):
         solver = replace(system.solver, relative_tolerance=tolerance)

@@ -5,7 +5,6 @@ of directional derivatives and the terminals of FMI 3 are made from this table.
 """
 
 from dataclasses import dataclass
-from difflib import get_close_matches
 
 from .quantities import places_of
 
@@ -132,12 +131,3 @@ def inputs_of(kite_is_free):
 def by_name(rows):
     """Columns of inputs by name, dict of views (..., size of the input) into an array of numpy (..., COUNT)."""
     return {each.name: rows[..., PLACES[each.name] : PLACES[each.name] + each.size] for each in INPUT_TABLE}
-
-
-def check_names(owner, given, known):
-    """TypeError if a class or a function has no input of a name among those that are given; known : those that it has."""
-    for name in given:
-        if name not in known:
-            near = get_close_matches(name, known, 1)
-            hint = f"; did you mean {near[0]}?" if near else f"; there are {', '.join(known)}"
-            raise TypeError(f"{owner} has no input {name!r}{hint}")

@@ -61,13 +61,16 @@ _AND_WEIGHT = (
 )
 _SLACK = (*POSITIONS, *LENGTH)  # whether one line is slack
 _ACROSS = (*POSITIONS, *LENGTH, "axial_stiffness", *AIR)  # a horizontal force of the straight line knows no weight
+_DRIVEN = (  # of descriptions
+    "In: position and velocity of the kite (and of the ground end), wind, reel-out speed. "
+    "Out: force of the tether on kite and ground."
+)
 
 STRAIGHT = Variant(
     "straight",
     description=(
         "Straight elastic line with weight and drag shared between its ends: tension of a taut tether at almost no cost. "
-        "In: position and velocity of the kite (and of the ground end), wind, reel-out speed. "
-        "Out: force of the tether on kite and ground."
+        f"{_DRIVEN}"
     ),
     has_nodes=False,
     has_waves=False,
@@ -101,8 +104,7 @@ CATENARY = Variant(
     "catenary",
     description=(
         "Elastic catenary under weight plus mean drag, in closed form: sag and end forces at rest or in slow flight. "
-        "In: position and velocity of the kite (and of the ground end), wind, reel-out speed. "
-        "Out: force of the tether on kite and ground."
+        f"{_DRIVEN}"
     ),
     has_nodes=False,
     has_waves=False,
@@ -119,8 +121,7 @@ QUASI_STEADY = Variant(
     description=(
         "Quasi-steady segmented tether: in instantaneous equilibrium under weight, drag, elasticity and the inertia of "
         "turning with the kite; no waves. "
-        "In: position and velocity of the kite (and of the ground end), wind, reel-out speed. "
-        "Out: force of the tether on kite and ground."
+        f"{_DRIVEN}"
     ),
     has_nodes=True,
     has_waves=False,
@@ -134,9 +135,7 @@ QUASI_STEADY = Variant(
 DYNAMIC = Variant(
     "dynamic",
     description=(
-        "Dynamic segmented tether between two driven ends: lumped masses, spring-damper segments, drag, reel-out. "
-        "In: position and velocity of the kite (and of the ground end), wind, reel-out speed. "
-        "Out: force of the tether on kite and ground."
+        f"Dynamic segmented tether between two driven ends: lumped masses, spring-damper segments, drag, reel-out. {_DRIVEN}"
     ),
     has_nodes=True,
     has_waves=True,

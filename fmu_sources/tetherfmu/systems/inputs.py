@@ -9,10 +9,11 @@ from numpy.typing import ArrayLike
 from tetherfmu.arguments import node_vectors
 from tetherfmu.compiled_flight import put_node_winds
 from tetherfmu.fmi.system_variables import GIVEN
+from tetherfmu.naming import check_names
 from tetherfmu.results import StepRefused
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import status
-from tetherfmu.runtime.inputs import PLACES, check_names
+from tetherfmu.runtime.inputs import PLACES
 
 Vectors = Mapping[str, ArrayLike]
 
@@ -111,23 +112,19 @@ def _put_wind(wind, arrays, rows, names, at_start):
         wind = _numbers("wind_velocity", wind, (3,), steps)
     if instance.lines[0].wind_points and (at_nodes or np.any(wind)):
         raise ValueError("wind_velocity is given to a TetherSystem with wind points; give wind_at")
-    if at_nodes:
-        if steps:
-            raise ValueError("wind_velocity is given at nodes; in a flight it must be (3,), or (steps, 3)")
-        for name in wind:
-            _check_known("wind_velocity of a line", name, names)
-        winds = {
-            names.index(name): node_vectors(f"wind_velocity of {name}", value, instance.counts[names.index(name)])
-            for name, value in wind.items()
-        }
-        if at_start:
-            _put_wind((0.0, 0.0, 0.0), arrays, rows, names, at_start)
-        for k, each in winds.items():
-            put_node_winds(instance, each, k)
-        return
-    for row in rows:
-        row[..., at.WIND_VELOCITY : at.WIND_VELOCITY + 3] = wind
-    arrays.put_profile()
+    if at_nodes and steps:
+        raise ValueError("wind_velocity is given at nodes; in a flight it must be (3,), or (steps, 3)")
+    winds = []
+    for name, value in wind.items() if at_nodes else ():
+        _check_known("wind_velocity of a line", name, names)
+        k = names.index(name)
+        winds.append((k, node_vectors(f"wind_velocity of {name}", value, instance.counts[k])))
+    if at_start or not at_nodes:
+        for row in rows:
+            row[..., at.WIND_VELOCITY : at.WIND_VELOCITY + 3] = 0.0 if at_nodes else wind
+        arrays.put_profile()
+    for k, each in winds:
+        put_node_winds(instance, each, k)
 
 
 def _check_known(what, name, names):
