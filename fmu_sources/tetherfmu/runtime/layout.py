@@ -87,7 +87,7 @@ SHAPE = outputs.PLACES["shape"]  # the last one: its size is a build option
 
 # state: header, then node positions, then node velocities; with wind points the winds there at the end of the last step
 # [m/s], then their derivatives that are given for the next step [m/s2]
-WARNING_KINDS = 15
+WARNING_KINDS = 20
 LENGTH = 0  # unstretched [m]
 REELING = 1  # rate of the unstretched length at the end of the last step [m/s]
 WIND = 2  # wind of the last step [m/s]
@@ -105,7 +105,7 @@ STEPS = RECENT_RATES + 12  # internal steps accepted since the start
 REJECTIONS = STEPS + 1  # internal steps rejected since the start
 ITERATIONS = STEPS + 2  # Newton iterations for shapes in equilibrium since the start
 GROUND_TENSION_VECTOR = 35  # [N] of the catenary; of a chain in equilibrium whose positions cannot hold it, else 0
-KITE_TENSION_VECTOR = 38  # the same at the kite of a chain; force on the kite of a catenary that lies on the ground
+KITE_TENSION_VECTOR = 38  # the same at the kite of a chain; force on the kite of a catenary
 MISSING_TENSION = 41  # [N] of the same chain: what the largest tension by its positions lacks
 LYING_LENGTH = MISSING_TENSION  # of the catenary: unstretched length on the ground [m]
 STEP_BEFORE = 42  # communication step before the last one [s], 0 before the second
@@ -118,7 +118,9 @@ WARNED_VALUES = 60  # for each k the value that was, 0 without
 LAST_WINCH_LENGTH = WARNED_VALUES + WARNING_KINDS  # input at the start of the last communication step [m]
 LONGEST_SO_FAR = LAST_WINCH_LENGTH + 1  # longest communication step since the start [s]
 CORRECTION_LEFT = LONGEST_SO_FAR + 1  # time in which the ends and the length still come to theirs [s], see `end_motion.py`
-GIVEN_DERIVATIVES = CORRECTION_LEFT + 1  # sum of 2**k, k of the inputs whose derivatives are given for the next step
+FALLBACKS = CORRECTION_LEFT + 1  # fixed steps of lower order than asked for since the start
+RECENT_FALLBACKS = FALLBACKS + 1  # part of about the last 1000 fixed steps that they are [-]
+GIVEN_DERIVATIVES = FALLBACKS + 2  # sum of 2**k, k of the inputs whose derivatives are given for the next step
 INPUT_DERIVATIVES = GIVEN_DERIVATIVES + 1  # those derivatives [1/s times the unit of the input], in the order of the inputs
 STATE_HEADER = INPUT_DERIVATIVES + INPUTS
 

@@ -18,17 +18,24 @@ SHALLOW = 0.01  # of the length: how far below the ground a tether without groun
 UNDER = 0.1  # how far below the ground a driven end may be where there is ground contact [m]
 NEARBY = 10.0  # such an excess that nobody need hear of [m]: loads are set down, and drones land near their winch
 LARGEST_PART_OF_DAMPING = 0.1  # E A h of backward Euler with fixed steps h over the damping of a segment [-]
+MOST_OFF_CHORD = 0.05  # of its load, by which that on the shape of a catenary differs from that along its chord [-]
+MOST_FALLBACKS = 0.01  # part of the last 1000 fixed steps that may be of lower order [-]
 STATE_IMPOSSIBLE = "contains impossible numbers"
 
 STRETCH, GROUND_ACCELERATION, KITE_ACCELERATION, GROUND_SPEED, KITE_SPEED, GROUND_RESIDUE, KITE_RESIDUE = range(7)
 STIFF_AND_SLACK, WINCH_REELS_IN_SLACK, WINCH_TOO_LONG, GROUND_IGNORED, END_UNDER_GROUND = range(7, 12)
-FIXED_STEP_DAMPS, FIXED_STEP_UNCONVERGED, UNRESOLVED = range(12, at.WARNING_KINDS)
+FIXED_STEP_DAMPS, FIXED_STEP_UNCONVERGED, UNRESOLVED, LOAD_OFF_CHORD, STIFF_STEP = range(12, 17)
+FALLBACK_AT_STOP, FALLBACK_ON_GROUND, FALLBACK_HARD = range(17, at.WARNING_KINDS)
 
 _ACCELERATION = (
     "the {end} end is accelerated by {value:.3g} m/s2, more than 1000 times gravity; check {end}_position and "
     "{end}_velocity for jumps and wrong units"
 )
 _SPEED = "the {end} end moves at {value:.3g} m/s, faster than sound; check its motion and the units"
+_FALLBACK = (
+    "{{percent:.2g}} % of the last 1000 fixed steps were not of order 2, but taken by backward Euler, as {reason}; "
+    "fallback_steps counts them; use a shorter fixed_step, or adaptive steps"
+)
 _RESIDUE = (
     "{end}_velocity contradicts {end}_position: it does not account for {percent:.0f} % of the displacement of the "
     "{end} end; set it to the rate of {end}_position, or end_velocities to 2 (derived)"
@@ -80,6 +87,18 @@ SENTENCES = {
         "steps of {value:.3g} s, which damp faster axial waves; use a shorter communication step, a larger "
         "relative_tolerance, fewer segments, more axial_damping, less axial_stiffness, or a fixed_step of your own"
     ),
+    LOAD_OFF_CHORD: (
+        "the load on the shape of the catenary differs by {percent:.2g} % from that along its chord, so its forces may be "
+        "wrong by more than {off:g} %; use the quasi-steady tether, or a shorter tether_length"
+    ),
+    STIFF_STEP: (
+        "fixed steps of {value:.3g} s are too long for how a tether with an axial_stiffness from {stiff:.0e} N on swings "
+        "along itself: its tension swings less than it should, or is that of a rod; use a shorter fixed_step, or adaptive "
+        "steps"
+    ),
+    FALLBACK_AT_STOP: _FALLBACK.format(reason="the drum of the winch came to rest or to a stop"),
+    FALLBACK_ON_GROUND: _FALLBACK.format(reason="the tether met the ground too fast for them"),
+    FALLBACK_HARD: _FALLBACK.format(reason="they did not converge, or gained energy from nothing"),
 }
 _END = {GROUND_ACCELERATION: "ground", GROUND_SPEED: "ground", GROUND_RESIDUE: "ground"}
 
@@ -91,6 +110,7 @@ def facts(kind):
         "allowed": 100.0 * (LARGEST_STRETCH - 1.0),
         "stiff": STIFF,
         "excess": 100.0 * LARGEST_EXCESS,
+        "off": 100.0 * MOST_OFF_CHORD,
         "part": 100.0 * LARGEST_PART_OF_DAMPING,
     }
 

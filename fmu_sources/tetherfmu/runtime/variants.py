@@ -29,7 +29,6 @@ class Variant:
 
 _IGNORED_WITHOUT_WAVES = {
     **dict.fromkeys(("axial_damping", "slack_damping_ratio", "damping_law"), "this tether has no waves"),
-    **dict.fromkeys(("relative_tolerance", "fixed_step", "fixed_step_method"), "there is no motion to integrate"),
     "initial_shape": "this tether is in equilibrium from the start",
 }
 _IGNORED_WITHOUT_NODES = {
@@ -44,9 +43,10 @@ _IGNORED_BY_A_STRAIGHT_LINE = {
 _IGNORED_BY_A_CATENARY = {**_IGNORED_WITHOUT_NODES, "ground_sink": "the ground is rigid under this tether"}
 _NO_WAVES = {
     "kite_damping": "axial damping of the tether at the kite end: 0, this tether has none",
-    "solver_steps": "internal steps of the solver since the start: 0, there is no motion to integrate",
-    "solver_rejections": "rejected internal steps of the solver since the start: 0, there is no motion to integrate",
-    "solver_iteration_limit": "the most iterations that fixed steps could take: 0, there is no motion to integrate",
+    "solver_steps": "internal steps of the drum of a winch that is controlled by force, since the start; else 0",
+    "solver_rejections": "rejected internal steps of such a drum since the start",
+    "solver_iteration_limit": "the most iterations that fixed steps could take: 0, this tether has no waves",
+    "fallback_steps": "fixed steps since the start that a method of lower order took over: 0, this tether has no waves",
 }
 _ONE_LINE = {
     **_NO_WAVES,

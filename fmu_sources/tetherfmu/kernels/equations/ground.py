@@ -157,7 +157,7 @@ def support_slope(ground, x, v, motion):
 
 
 # --- a step of backward Euler, from z_0 to z in h, in which both are functions of the position after it:
-#     a_n = w2 d (1 + a (d - d_0)/h) where that is above 0, and friction with a_n = w2 d_0
+#     a_n = w2 d (1 + a (d - d_0)/h) where that is above 0, and friction with an a_n that is held, as an iteration has it
 
 
 @kernel
@@ -168,8 +168,8 @@ def least_depth(ground, before, h):
 
 @kernel
 def depths(ground, old, new):
-    """Depths [m] of a node before and after a step, from its positions [m]; the first one is at least 0."""
-    return max(0.0, ground.height - old[2]), ground.height - new[2]
+    """Depths [m] of a node before and after a step, from its positions [m]; below 0 above the ground."""
+    return ground.height - old[2], ground.height - new[2]
 
 
 @kernel
@@ -180,30 +180,39 @@ def slide_of_step(old, new, h):
 
 
 @kernel
-def potential_of_step(ground, old, new, h):
-    """Incremental potential of the ground over the mass of a node that goes from `old` to `new` [m] in h [s]: [J/kg]."""
+def normal_of_step(ground, old, new, h):
+    """a_n [m/s2] of a node that goes from `old` to `new` [m] in h [s], and its derivative by z [1/s2]."""
+    before, depth = depths(ground, old, new)
+    if depth <= least_depth(ground, before, h):
+        return 0.0, 0.0
+    faster = ground.damping / h
+    by_z = -ground.hardness * (1.0 + faster * (2.0 * depth - before))
+    return ground.hardness * depth * (1.0 + faster * (depth - before)), by_z
+
+
+@kernel
+def potential_of_step(ground, old, new, h, held):
+    """Incremental potential of the ground over the mass of a node that goes from `old` to `new` [m] in h [s]: [J/kg].
+
+    held : a_n of the friction [m/s2].
+    """
     before, depth = depths(ground, old, new)
     least = least_depth(ground, before, h)
     _, way = slide_of_step(old, new, h)
-    total = ground.friction * ground.hardness * before * way
+    total = ground.friction * held * way
     if depth > least:
-        faster = ground.damping / h
-        squares, cubes = depth * depth - least * least, depth**3 - least**3
-        total += ground.hardness * (0.5 * (1.0 - faster * before) * squares + faster * cubes / 3.0)
+        faster, deeper = ground.damping / h, depth - least
+        linear = faster * least if least > 0.0 else 1.0 - faster * before
+        total += ground.hardness * deeper * deeper * (0.5 * linear + faster * deeper / 3.0)
     return total
 
 
 @kernel
-def force_of_step(ground, old, new, h):
+def force_of_step(ground, old, new, h, held):
     """Minus the derivative of `potential_of_step` by `new` [m/s2], and the derivative of that, a matrix [1/s2]."""
-    before, depth = depths(ground, old, new)
     u, way = slide_of_step(old, new, h)
-    grip = ground.friction * ground.hardness * before
-    pressed = by_z = 0.0
-    if depth > least_depth(ground, before, h):
-        faster = ground.damping / h
-        pressed = ground.hardness * depth * (1.0 + faster * (depth - before))
-        by_z = -ground.hardness * (1.0 + faster * (2.0 * depth - before))
+    grip = ground.friction * held
+    pressed, by_z = normal_of_step(ground, old, new, h)
     xx, xy, yx, yy = slip_slope(-grip / way, u)
     return (-grip * u[0], -grip * u[1], pressed), (xx, xy, 0.0, yx, yy, 0.0, 0.0, 0.0, by_z)
 

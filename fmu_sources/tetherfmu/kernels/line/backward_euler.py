@@ -36,7 +36,7 @@ WHOLE, STAGE, EXPECTED = 0, 1, 2  # steps, stages of `second_order.py`, those of
 
 FixedSteps = namedtuple("FixedSteps", "size method")
 FixedSteps.__doc__ = "Fixed steps: their size [s], 0 for adaptive ones, and `fixed_step_method`, as an enumeration."
-Workspace = namedtuple("Workspace", "x trial old free drag slope move acceleration matrix mass modes held")
+Workspace = namedtuple("Workspace", "x trial old free drag slope move acceleration matrix mass modes held pressed")
 Workspace.__doc__ = """Scratch arrays of a step; 3 (n + 1) numbers where nothing else is said.
 
 x : positions of the iteration [m].  trial : positions to try [m].  old : positions before the step [m].
@@ -44,14 +44,14 @@ free : y, where the nodes would fly freely [m].  drag : half drags F of the segm
 9 (n + 1).  move : minus the gradient of Phi [N], then the move of the nodes [m].  matrix, mass : see
 `arrays.shared_arrays`; masses at the end of the step.  modes : n, which damping each segment has, see `segment.TAUT`.
 held : n, l - l0 where the matrix was made [m]: its sign is the mode of the spring there.  acceleration : of the nodes in a
-stage [m/s2], before it what is expected.
+stage [m/s2], before it what is expected.  pressed : n + 1, a_n of the friction on the ground [m/s2].
 """
 
 
 @kernel
 def workspace_size(n):
     """Length of the work array that `workspace` needs."""
-    return shared_size(n) + 7 * 3 * (n + 1) + 9 * (n + 1) + 2 * n
+    return shared_size(n) + 7 * 3 * (n + 1) + 10 * (n + 1) + 2 * n
 
 
 @view
@@ -60,8 +60,8 @@ def workspace(n, work):
     blocks, _, mass, room = shared_arrays(n, work)
     x, trial, old, free, drag, move, room = node_arrays(n, room)
     acceleration, slope, room = part(room, 0, 3 * (n + 1)), part(room, 3 * (n + 1), 9 * (n + 1)), behind(12 * (n + 1), room)
-    modes, held = part(room, 0, n), part(room, n, n)
-    return Workspace(x, trial, old, free, drag, slope, move, acceleration, Matrix(*blocks), mass, modes, held)
+    modes, held, pressed = part(room, 0, n), part(room, n, n), part(room, 2 * n, n + 1)
+    return Workspace(x, trial, old, free, drag, slope, move, acceleration, Matrix(*blocks), mass, modes, held, pressed)
 
 
 @kernel
@@ -90,6 +90,8 @@ def start(attempt, time, kind, x, w):
             end = add_scaled(get(x, i), h, get(w.free, i)) if kind != WHOLE else get(w.old, i)
             put(w.old, i, add_scaled(end, -h, get(w.free, i)))
             put(w.free, i, end)
+    for i in range(n + 1):
+        w.pressed[i] = 0.0
     start = chain_during(conditions, time)
     for s in range(n):
         taut = norm(sub(get(x, s + 1), get(x, s))) > rest_length(start, s)

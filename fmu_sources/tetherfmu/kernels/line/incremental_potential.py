@@ -4,14 +4,14 @@
     y_i = x0 + h v0 + h^2 (gravity + load/m_i)            where a node would fly freely
     s = (b l - e . r0)/h,  b = 1 - h (dl0/dt)/l0          the rate that the damper sees; r0: r before the step
     drag = sum_s h u . A u - F . (x_p + x_q)              u: change of the mean velocity of the nodes p, q of a segment
-    and of the nodes on the ground `equations/ground.py`: int m a_n dd + h mu m a_n0 sqrt(|v_t|^2 + v_r^2)
+    and of the nodes on the ground `equations/ground.py`: int m a_n dd + h mu m N sqrt(|v_t|^2 + v_r^2)
 
 Its gradient is zero where the equations of motion hold with the forces of the new positions and velocities: backward
 Euler. Its matrix is made positive definite: it leaves out negative tension across a segment.
 
 k, c, T, F and A are those of `segment.py`. Half drag F and its slope A are those of the old velocities and of the directions
-at the start of the iteration; the friction on the ground is that of the old depth. A driven end is where its curve is; its
-old position counts as x - h v, so that the damper sees its exact velocity.
+at the start of the iteration; N is the a_n of the iteration, held until the next one. A driven end is where its curve is;
+its old position counts as x - h v, so that the damper sees its exact velocity.
 
 Source: Martin, Thomaszewski, Grinspun and Gross, Example-based elastic materials, ACM Trans. Graph. 30 (2011), section 4.
 See docs/models/numerics.md, "Fixed step".
@@ -36,6 +36,8 @@ from ..linear_algebra.matrices import (
 from ..linear_algebra.vectors import add, add_scaled, dot, get, norm, put, scale, sub
 
 ROUNDING = 1e-15  # of positions and of the terms of the potential, relative
+PRESSED = 1e-3  # of the weight and the pressure, by which this may be another one than is held for the friction
+SLID = 0.03  # of the way that a node slides in a step; the error after it is its square
 SHORTEST_PART = 0.1  # of its old length, to which a segment counts as shortened where it turns
 
 Attempt = namedtuple("Attempt", "conditions chain h v")
@@ -94,19 +96,43 @@ def ground_potential(attempt, x, w):
     of_ground = ground.ground_of(attempt.chain.parameters)
     total = 0.0
     for i in range(attempt.conditions.first, attempt.conditions.last + 1):
-        total += w.mass[i] * ground.potential_of_step(of_ground, get(w.old, i), get(x, i), attempt.h)
+        total += w.mass[i] * ground.potential_of_step(of_ground, get(w.old, i), get(x, i), attempt.h, w.pressed[i])
     return total
 
 
 @kernel
-def add_ground(attempt, x, w):
-    """Add the ground to the matrix of the iteration and minus its part of the gradient to w.move (both modified)."""
+def add_ground(attempt, x, is_held, w):
+    """Add the ground to the matrix of the iteration and minus its part of the gradient to w.move (both modified).
+
+    is_held : whether the a_n of the friction stays as it is.
+    """
     of_ground, h, diagonal = ground.ground_of(attempt.chain.parameters), attempt.h, w.matrix.diagonal
     for i in range(attempt.conditions.first, attempt.conditions.last + 1):
-        force, by_position = ground.force_of_step(of_ground, get(w.old, i), get(x, i), h)
+        if not is_held:
+            w.pressed[i], _ = ground.normal_of_step(of_ground, get(w.old, i), get(x, i), h)
+        force, by_position = ground.force_of_step(of_ground, get(w.old, i), get(x, i), h, w.pressed[i])
         put(w.move, i, add_scaled(get(w.move, i), w.mass[i], force))
         block = get_matrix(diagonal, 9 * i)
         put_matrix(diagonal, 9 * i, subtract(block, scale_matrix(w.mass[i], by_position)))
+
+
+@kernel
+def rests_on_ground(attempt, x, w):
+    """Whether the ground carries and holds the nodes at x [m] as in the iteration that led there.
+
+    Each node presses as is held for its friction, up to PRESSED, and has slid by no more than a part SLID of its way in it.
+    """
+    of_ground = ground.ground_of(attempt.chain.parameters)
+    for i in range(attempt.conditions.first, attempt.conditions.last + 1):
+        old, new, move = get(w.old, i), get(x, i), get(w.move, i)
+        normal, _ = ground.normal_of_step(of_ground, old, new, attempt.h)
+        if abs(normal - w.pressed[i]) > PRESSED * (w.pressed[i] + attempt.chain.gravity):
+            return False
+        if w.pressed[i] > 0.0:
+            _, way = ground.slide_of_step(old, new, attempt.h)
+            if move[0] ** 2 + move[1] ** 2 > (SLID * way) ** 2:
+                return False
+    return True
 
 
 @kernel
@@ -138,8 +164,11 @@ def inertia(attempt, i, x, w):
 
 
 @kernel
-def linearize(attempt, x, w):
-    """Matrix of the iteration into w.matrix, minus the gradient of Phi into w.move (both modified)."""
+def linearize(attempt, x, is_held, w):
+    """Matrix of the iteration into w.matrix, minus the gradient of Phi into w.move (both modified).
+
+    is_held : as for `add_ground`.
+    """
     n = attempt.chain.n
     h, b = attempt.h, shrinkage(attempt)
     diagonal, lower, upper = w.matrix
@@ -164,4 +193,4 @@ def linearize(attempt, x, w):
     put_matrix(diagonal, 9 * n, block)
     put(w.move, n, force)
     if ground.has_ground(attempt.chain.parameters):
-        add_ground(attempt, x, w)
+        add_ground(attempt, x, is_held, w)

@@ -20,11 +20,11 @@ stage: in smooth flight one iteration does.
 A step is taken anew by `fixed_steps.subdivided_step` over the whole of h, and then has order 1, where
 
 - a stage does not converge within `limits.MOST_ITERATIONS`,
-- a node is on the ground,
-- a segment is as stiff as `limits.STIFF`: its tension would show by how little a driven end is put right after the stages,
-- a segment goes slack or taut, or a stage takes more than two iterations, and the energy grows by more than ends, winch,
-  wind and load can have put in: the start of a stage is an extrapolation, which knows neither of the transition nor of
-  a chain that turns far in a step.
+- a segment is as stiff as `limits.STIFF`, and the step longer than its line swings along itself (`is_unresolved`): there
+  stages keep the nodes at the distances of rods, but not the tensions that these take,
+- a segment goes slack or taut, a node touches down or lifts off, or a stage takes more than two iterations, and the energy
+  grows by more than ends, winch, wind and load can have put in: the start of a stage is an extrapolation, which knows
+  neither of the transition nor of a chain that turns far in a step.
 
 Sources: Alexander, Diagonally implicit Runge-Kutta methods for stiff O.D.E.'s, SIAM J. Numer. Anal. 14 (1977);
 Hairer and Wanner, Solving Ordinary Differential Equations II, section IV.6. See docs/models/numerics.md, "Fixed step".
@@ -80,15 +80,15 @@ def workspace(n, work):
 def energy_and_power(conditions, time, x, v, mass):
     """Energy [J] at a time [s]; the power [W] that the rest of the world puts in is at most the second number.
 
-    Of nodes of these masses [kg] at x [m] with the velocities v [m/s]: kinetic, elastic, of weight. The power counts the
-    magnitudes of forces and velocities.
+    Of nodes of these masses [kg] at x [m] with the velocities v [m/s]: kinetic, elastic, of weight and ground. The power
+    counts the magnitudes of forces and velocities.
     """
     chain, n = chain_during(conditions, time), conditions.n
     energy = 0.0
     power = norm(load_during(conditions, time)) * norm(get(v, n))
     for i in range(conditions.first, conditions.last + 1):
         speed = norm(get(v, i))
-        energy += mass[i] * (0.5 * speed * speed + node_loads.specific_potential(chain, get(x, i), False))
+        energy += mass[i] * (0.5 * speed * speed + node_loads.specific_potential(chain, get(x, i), True))
     for s in range(n):
         x_p, x_q, v_p, v_q = get(x, s), get(x, s + 1), get(v, s), get(v, s + 1)
         length, e = segment.geometry(sub(x_q, x_p))
@@ -122,10 +122,19 @@ def expect(onward, known, w):
 
 @kernel
 def start_of_second(start, reached):
-    """Where the second stage starts of what the first one has led to from a start; and where the third one, see `go_on`."""
+    """Where the second stage starts of what the first one has led to from a start; and the third one, see `start_of_third`.
+
+    What has not moved stays exactly where it is: a drum at its stop.
+    """
     move = reached - start
-    second = start + TO_SECOND * move
-    return second, start + TO_THIRD * move - BESIDE * second
+    onward = TO_SECOND * move
+    return start + onward, start + TO_THIRD * move - BESIDE * onward
+
+
+@kernel
+def start_of_third(onward, start, reached):
+    """Where the third stage starts of what the second one has led to; start : of the step."""
+    return onward + BESIDE * (reached - start)
 
 
 @kernel
@@ -136,5 +145,5 @@ def go_on(i, x, v, w):
             x[k], w.x_onward[k] = start_of_second(w.x[k], x[k])
             v[k], w.v_onward[k] = start_of_second(w.v[k], v[k])
         else:
-            x[k] = w.x_onward[k] + BESIDE * x[k]
-            v[k] = w.v_onward[k] + BESIDE * v[k]
+            x[k] = start_of_third(w.x_onward[k], w.x[k], x[k])
+            v[k] = start_of_third(w.v_onward[k], w.v[k], v[k])

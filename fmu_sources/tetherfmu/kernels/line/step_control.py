@@ -1,11 +1,11 @@
 """Error of a Rosenbrock step, and the steps that it allows within a communication step.
 
 The error of a step is the largest of: its embedded estimate (`error_norm`), what segments that went over the taut-slack
-transition may have got wrong (`transition_error`), the error of the tension of the dampers (`damper_error`), and in a stiff
-tether that of its tension (`tension_errors`), each over what is allowed (`allowed_errors`). See docs/models/numerics.md,
-"Rosenbrock step".
+transition may have got wrong (`transition_error`), and the errors of tensions (`errors_of_segments`), each over what is
+allowed (`allowed_errors`). See docs/models/numerics.md, "Rosenbrock step".
 """
 
+from collections import namedtuple
 from math import ceil, inf, sqrt
 
 from tetherfmu.runtime import layout as at
@@ -30,13 +30,29 @@ STRONGEST_CUT = 0.2  # the same, downwards
 CUT_WITHOUT_ESTIMATE = 0.1  # where the matrix is singular or the error is no number
 WEAKEST_CUT = 0.9  # of a step that is rejected
 SMALLEST_STEP = 1e-10  # part of the communication step
-DAMPER = 0.01  # part of the largest tension; see `damper_error`
-SMALL_STRAIN = 1e-6  # see `is_stiff`
-TENSION = 0.01  # part of the largest tension; see `tension_errors`
-HARMLESS = 0.01  # part of the allowed error of a velocity that a wrong tension may cause in a step; see there
+# see `errors_of_segments`
+DAMPER = 0.01  # part of the largest tension
+TENSION, PER_TOLERANCE = 1e-3, 10.0  # parts of the largest tension: at most, and per relative_tolerance
+IN_STIFF, SMALL_STRAIN = 10.0, 1e-6
+FINEST = 5e-5  # part of the length of a segment, per relative_tolerance
+HARMLESS = 0.01  # part of the allowed error of a velocity that a wrong tension may cause in a step
 ROUNDING = 1e-15  # of positions, relative, as far as it shows in the error estimate; measured: 0.3e-15
 UNRESOLVED = 2.0  # in the place of the last error after a communication step that was given up
 TINY = 1e-200  # what keeps a quotient from 0/0
+
+SegmentErrors = namedtuple("SegmentErrors", "damper_velocity damper tension is_stiff has_crossed")
+SegmentErrors.__doc__ = """What the segments of a line say of the last step; see `errors_of_segments`.
+
+damper_velocity, damper : error estimate of a damper's tension as a velocity [m/s], and over the largest tension [-].
+tension : of any tension over what is allowed [-].  is_stiff : whether the line is.  has_crossed : whether a segment went
+over the taut-slack transition.
+"""
+DrumError = namedtuple("DrumError", "length growth mass")
+DrumError.__doc__ = """Error estimates of the drum of a line in the last step.
+
+length : of the length over gamma h [m/s].  growth : of the relative rate of the length, as dampers see it [1/s].
+mass : of the drum [kg], inf without one or without mass.
+"""
 
 
 @kernel
@@ -52,79 +68,63 @@ def error_norm(conditions, h, position_scale, velocity_scale, w):
 
 
 @kernel
-def damper_error(conditions, chain, w):
-    """Largest error estimate of a damper's tension in the last step as a velocity [m/s]: c |e.dv|/sqrt(k m).
+def errors_of_segments(conditions, chain, h, speed, drum, w):
+    """`SegmentErrors` of the last step, of h [s], with the allowed error of a velocity `speed` [m/s] and a `DrumError`.
 
-    dv is the difference of the error estimates of the two nodes, sqrt(k m) the impedance of the taut segment with the mass
-    of the lighter free node. A step in which it is more than the velocity error allowed is rejected if this tension is also
-    more than DAMPER times the largest one (`tension_errors`). Without it the velocities of a stiff damper are allowed
-    errors that, times c, are kilonewtons. `chain` is that at the end of the step.
+    The error of a tension is c e.du of a damper and k (e.dr - dl0) + c e.du in all, with the differences of the error
+    estimates of the two nodes in positions and velocities, and those of the drum. `chain` is that at the end of the step.
+
+    A damper: c |e.du|/sqrt(k m), with the impedance sqrt(k m) of the taut segment and the mass of the lighter free node. A
+    step in which it is more than the velocity error allowed is rejected if this tension is also more than DAMPER times the
+    largest one. Without it the velocities of a stiff damper are allowed errors that, times c, are kilonewtons.
+
+    Any tension: allowed is PER_TOLERANCE relative_tolerance, at most TENSION, times the largest one, and as much more as
+    comes of an error FINEST relative_tolerance of the length of a segment, or of rounding the positions, or as changes the
+    velocity of the lighter free node by HARMLESS times the allowed one within the step.
+
+    Stiff: if a segment has more than STIFF, and none of these is certainly stretched by more than SMALL_STRAIN, also if its
+    vector were shorter by its error estimate. Below, the errors of positions that the tolerance allows may be a multiple of
+    the stretch that the tension comes from; IN_STIFF times the error of the tension is then allowed.
     """
-    worst = 0.0  # squared
+    tolerance, reach, mass_of_drum = conditions.parameters[at.RELATIVE_TOLERANCE], GAMMA * h, drum.mass
+    ground, kite = get(w.x, 0), get(w.x, chain.n)
+    rounding = ROUNDING * sqrt(max(dot(ground, ground), dot(kite, kite)))
+    has_stiff = is_stretched = has_crossed = False
+    square, impedance, of_dampers, of_both, largest = 0.0, 1.0, 0.0, 0.0, TINY
     for s in range(chain.n):
-        r = sub(get(w.x, s + 1), get(w.x, s))
-        rest = rest_length(chain, s)
-        k, _ = segment.stiffness(chain, s, segment.TAUT, 1.0)  # times l0
-        _, c = segment.stiffness(chain, s, w.modes[s], 1.0)  # times l0
-        wrong = c * dot(r, sub(get(w.velocity_error, s + 1), get(w.velocity_error, s)))  # times l0 l
-        worst = max(worst, wrong * wrong / (k * rest * lighter_free_node(s, conditions, w) * dot(r, r) + TINY))
-    return sqrt(worst)
-
-
-@kernel
-def is_stiff(chain, h, w):
-    """Whether a segment has more than STIFF, and after the last step of h [s] none of these is certainly stretched much.
-
-    Certainly by more than SMALL_STRAIN: also if its vector r [m] were shorter by its error estimate. Below, the errors of
-    positions that the tolerance allows may be a multiple of the stretch that the tension comes from. `chain` is that at the
-    end of the step.
-    """
-    stiff = False
-    for s in range(chain.n):
+        length, e = segment.geometry(sub(get(w.x, s + 1), get(w.x, s)))
+        rest, mode = rest_length(chain, s), w.modes[s]
+        has_crossed = has_crossed or (length - rest) * mode < 0.0
+        k, c = segment.stiffness(chain, s, mode, rest)
+        taut, _ = segment.stiffness(chain, s, segment.TAUT, rest)
+        largest = max(largest, abs(segment.tension(chain, length, dot(e, sub(get(w.v, s + 1), get(w.v, s))), rest, k, c)))
+        wrong = reach * (dot(e, sub(get(w.q, s + 1), get(w.q, s))) - rest / chain.length * drum.length)
+        of_damper = c * (dot(e, sub(get(w.velocity_error, s + 1), get(w.velocity_error, s))) - length * drum.growth)
+        mass = lighter_free_node(s, conditions, w)
+        harmless = HARMLESS * min(mass, mass_of_drum) * speed / h
+        mass_of_drum = inf
+        finest = FINEST * tolerance * rest
         if property_of(chain, s, at.STIFFNESS) > STIFF:
-            stiff = True
-            r = sub(get(w.x, s + 1), get(w.x, s))
-            doubt = 2.0 * GAMMA * h * abs(dot(r, sub(get(w.q, s + 1), get(w.q, s))))
-            rest = rest_length(chain, s)
-            if dot(r, r) - doubt > rest * rest * (1.0 + 2.0 * SMALL_STRAIN):
-                return False
-    return stiff
+            has_stiff, finest = True, 0.0
+            is_stretched = is_stretched or length - abs(wrong) > rest * (1.0 + SMALL_STRAIN)
+        if of_damper * of_damper * impedance > square * taut * mass:  # a larger quotient
+            square, impedance = of_damper * of_damper, taut * mass
+        of_dampers = max(of_dampers, abs(of_damper))
+        of_both = max(of_both, abs(k * wrong + of_damper) - max(harmless, k * max(rounding, finest)))
+    is_stiff = has_stiff and not is_stretched
+    allowed = min(TENSION, PER_TOLERANCE * tolerance) * largest * (IN_STIFF if is_stiff else 1.0)
+    return SegmentErrors(sqrt(square / impedance), of_dampers / largest, of_both / allowed, is_stiff, has_crossed)
 
 
 @kernel
-def tension_errors(conditions, chain, h, speed, w):
-    """Error estimates of tensions in the last step, of h [s]: of a damper over the largest one, of all over what is allowed.
-
-    c e.du and k e.dr + c e.du, with the differences of the error estimates of the two nodes in positions and velocities.
-    Allowed is TENSION times the largest tension, and as much more as rounding of the positions makes in the spring, or as
-    changes the velocity of the lighter free node by HARMLESS times the allowed `speed` [m/s] within the step. `chain` is
-    that at the end of the step.
-    """
-    of_dampers, of_both, largest = 0.0, 0.0, TINY
-    for s in range(chain.n):
-        x_p, x_q = get(w.x, s), get(w.x, s + 1)
-        stretched, e = segment.geometry(sub(x_q, x_p))
-        rest = rest_length(chain, s)
-        k, c = segment.stiffness(chain, s, w.modes[s], rest)
-        rate = dot(e, sub(get(w.v, s + 1), get(w.v, s)))
-        largest = max(largest, abs(segment.tension(chain, stretched, rate, rest, k, c)))
-        by_position = k * GAMMA * h * dot(e, sub(get(w.q, s + 1), get(w.q, s)))
-        by_velocity = c * dot(e, sub(get(w.velocity_error, s + 1), get(w.velocity_error, s)))
-        rounding = ROUNDING * k * sqrt(max(dot(x_p, x_p), dot(x_q, x_q)))
-        harmless = max(rounding, HARMLESS * lighter_free_node(s, conditions, w) * speed / h)
-        of_dampers = max(of_dampers, abs(by_velocity))
-        of_both = max(of_both, abs(by_position + by_velocity) - harmless)
-    return of_dampers / largest, of_both / (TENSION * largest)
-
-
-@kernel
-def square_of_wind(conditions):
-    """Square of the wind at the reference height [m2/s2], or of the largest one that is given at a node."""
+def square_of_wind(conditions, velocity):
+    """Square of the wind at the reference height [m2/s2] relative to a velocity [m/s], or of the largest one at a node."""
     if not has_node_winds(conditions):
-        return dot(conditions.wind, conditions.wind)
+        wind = sub(conditions.wind, velocity)
+        return dot(wind, wind)
     square = 0.0
     for i in range(conditions.n + 1):
-        wind = node_wind(conditions, i, 0)
+        wind = sub(node_wind(conditions, i, 0), velocity)
         square = max(square, dot(wind, wind))
     return square
 
@@ -133,36 +133,38 @@ def square_of_wind(conditions):
 def allowed_errors(conditions, v):
     """Error that one step may make in a position [m] and in a velocity [m/s] at the tolerance in the parameters.
 
-    relative_tolerance times the mean segment length, and times the largest of: node speed, wind speed and the speed
-    after falling freely over one segment.
+    relative_tolerance times the mean segment length, and times the largest of: speed of a node and of the wind relative to
+    the first node, and the speed after falling freely over one segment.
     """
-    tolerance = conditions.parameters[at.RELATIVE_TOLERANCE]
+    tolerance, first = conditions.parameters[at.RELATIVE_TOLERANCE], get(v, 0)
     segment_length = conditions.reeling[0] / conditions.n
-    square = max(2.0 * conditions.parameters[at.GRAVITY] * segment_length, square_of_wind(conditions))
-    for i in range(conditions.n + 1):
-        square = max(square, dot(get(v, i), get(v, i)))
+    square = max(2.0 * conditions.parameters[at.GRAVITY] * segment_length, square_of_wind(conditions, first))
+    for i in range(1, conditions.n + 1):
+        velocity = sub(get(v, i), first)
+        square = max(square, dot(velocity, velocity))
     return tolerance * segment_length, tolerance * sqrt(square) + 1e-12
 
 
 @kernel
-def error_of_step(conditions, chain, h, v, w):
+def error_of_step(conditions, chain, h, v, drum, w):
     """Error of the step of h [s] that `system_step.step` has made from the velocities v [m/s] over what is allowed [-].
 
-    chain : at the end of the step. The result of the step, in w, is put right where segments went over the transition, see
-    `taut_slack.keep_energy`.
+    chain : at the end of the step.  drum : `DrumError`.  The result of the step, in w, is put right where segments went over
+    the transition, see `taut_slack.keep_energy`.
     """
     position_scale, velocity_scale = allowed_errors(conditions, v)
-    error = error_norm(conditions, h, position_scale, velocity_scale, w)
-    damper, stiff, tension = damper_error(conditions, chain, w) / velocity_scale, is_stiff(chain, h, w), 0.0
-    if damper > 1.0 or stiff:
-        of_dampers, tension = tension_errors(conditions, chain, h, velocity_scale, w)
-        if damper > 1.0:
-            damper = min(damper, of_dampers / DAMPER)
-    error = max(error, damper)
-    if stiff:
-        error = max(error, tension ** (2 / 3))  # it falls with h^6, the estimates of positions and velocities with h^4
-    transition = transition_error(conditions, chain, h, w) / velocity_scale
-    if transition > 0.0:
+    found = errors_of_segments(conditions, chain, h, velocity_scale, drum, w)
+    tension = found.tension
+    if found.is_stiff and tension > 0.0:
+        tension = tension ** (2 / 3)  # it falls with h^6, the other estimates with h^4
+    if not conditions.first <= conditions.last:
+        return tension
+    damper, transition = found.damper_velocity / velocity_scale, 0.0
+    if damper > 1.0:
+        damper = min(damper, found.damper / DAMPER)
+    error = max(error_norm(conditions, h, position_scale, velocity_scale, w), damper, tension)
+    if found.has_crossed:
+        transition = transition_error(conditions, chain, h, w) / velocity_scale
         keep_energy(conditions, chain, w)
     if has_ground(chain.parameters):
         transition = max(transition, contact.transition_error(conditions, chain, h, w) / velocity_scale)

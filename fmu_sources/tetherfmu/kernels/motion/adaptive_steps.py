@@ -39,7 +39,7 @@ from ..points.system_room import (
     turns,
 )
 from ..points.system_step import apply_changes, collect_changes, whole_masses
-from .pieces import MOST_IDLE, accept_drum, begin_drums, error_of_drum, part_to_event, project_drums, turn_drums
+from .pieces import MOST_IDLE, accept_drum, begin_drums, drum_error, error_of_drum, part_to_event, project_drums, turn_drums
 
 
 @kernel
@@ -56,9 +56,8 @@ def error_of_line(system, k, time, h):
     error = error_of_drum(system, k, h) if has_drum(system, k) else 0.0
     if error < inf:
         w, chain, (_, v) = integrator_of(system, k), chain_in_step(system, k, time), motion_of(system, k)
-        if has_free_nodes(system, k):
-            error = larger_error(error, error_of_step(conditions_of(system, k), chain, h, v, w))
-        elif turns(system, k):
+        error = larger_error(error, error_of_step(conditions_of(system, k), chain, h, v, drum_error(system, k), w))
+        if turns(system, k) and not has_free_nodes(system, k):
             numbers_of(system, k)[SPEED] = keep_energy_of_drum(drum_at(system, k), chain, w)
     return error
 

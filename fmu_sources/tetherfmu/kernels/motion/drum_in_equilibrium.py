@@ -3,10 +3,14 @@
     m du/dt = T(L, t) - W - c u - F sign(u),   dL/dt = u      (`equations/drum.py`)
 
 T is the tension at the ground of the tether between its ends, found anew for each L. L-stable diagonally implicit
-Runge-Kutta method of order 2 with gamma = 1 - 1/sqrt(2), whose second stage is the result; each stage is one equation for
-one length, in which T falls and the rest grows:
+Runge-Kutta method of order 3, whose third stage is the result; each stage is one equation for one length, in which T falls
+and the rest grows:
 
-    m (u - u*)/(gamma h) = T(L) - W - c u - F sign(u),   u = (L - L*)/(gamma h)
+    m (u - u*)/(g h) = T(L) - W - c u - F sign(u),   u = (L - L*)/(g h)
+    L*, u* = L0, u0 + h sum of b (dL/dt, du/dt) over the stages before;   after g h, c h, h
+
+The error of a piece is measured by the tension that it makes: see `error_of_piece`. With `fixed_step` pieces have that
+length, and no error; by backward Euler they are one stage over h.
 
 Without mass and damping nothing is left to integrate: T(L) = W + F sign(u) at the end of the step. Pieces end where the
 drum begins to turn, comes to rest or comes to a stop. See docs/models/numerics.md, "A drum in the same system".
@@ -17,19 +21,28 @@ from collections import namedtuple
 from math import inf, sqrt
 
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime.status import NO_LENGTH, OK, STEP_BUDGET_SPENT, STEP_TOO_SMALL
+from tetherfmu.runtime.status import FIXED_STEPS_TOO_MANY, NO_LENGTH, OK, STEP_BUDGET_SPENT, STEP_TOO_SMALL
 
 from ..compilation import kernel
 from ..equations.boundary import distance_of_ends, put_ends
 from ..equations.drum import HELD, INWARDS, OUTWARDS, balance, drum_of, force_at, is_at_stop
 from ..equations.end_motion import target
 from ..equations.properties import chain_of, property_of
+from ..line.backward_euler import count_of_steps, given_steps
 from ..line.drum_events import SHORTEST_PART, SMALLEST_PIECE, may_change, next_motion, part_of_piece, room_to_change
+from ..line.step_control import LARGEST_GROWTH, LEAST_ERROR, PER_TOLERANCE, SAFETY, TENSION, even_step
 from . import secant
 
 NOTHING, AT_END, WITHIN, AT_STOP, TURNED_BACK = range(5)  # events of a piece; the first two need no shorter one
-STAGE = 1.0 - 1.0 / sqrt(2.0)  # gamma
-TOLERANCE = 1e-5  # of the length: by how much the method of order 1 in a piece may differ
+GAMMA = 0.43586652150845906  # g: the root of g^3 - 3 g^2 + 3/2 g - 1/6 = 0 that makes it L-stable
+MIDDLE = 0.5 * (1.0 + GAMMA)  # c
+B1, B2 = -1.5 * GAMMA**2 + 4.0 * GAMMA - 0.25, 1.5 * GAMMA**2 - 5.0 * GAMMA + 1.25
+# weights of a method of order 2 in the first two stages, less those of the method
+_SECOND = (1.0 - 2.0 * GAMMA) / (1.0 - GAMMA)
+ERROR_1, ERROR_2, ERROR_3 = 1.0 - _SECOND - B1, _SECOND - B2, -GAMMA
+FROM_START = 1.0 / 6.0  # weight of the slope at the start beside that to which those of these stages lead back
+IN_DRUMS = 0.15  # nothing else takes the energy of a drum out that swings on its tether, and errors add up
+STRONGEST_CUT = 0.1  # of a piece over the one before
 MOST_PIECES = 100_000  # of a communication step
 SHARES = 4  # of the budget of iterations
 MOST_EVALUATIONS = 80  # of the tension for one length
@@ -41,11 +54,11 @@ LONGEST = 1e7  # [m], beyond which no length is sought for
 SHORTEST_ARRIVAL = 1e-4  # of the communication step: a piece that ends at a stop is no longer
 MOST_SHORT = 8  # pieces in a row that end before an event, until the next one is at least twice as long as the last
 
-Step = namedtuple("Step", "n parameters ground kite drum most")
+Step = namedtuple("Step", "n parameters ground kite drum most fixed")
 Step.__doc__ = """A communication step.
 
 n, parameters : number of segments and flat array.  ground, kite : prescribed motion of the ends, see `StepInputs`.
-drum : `Drum`.  most : iterations since the start, where the search for equilibria is given up.
+drum : `Drum`.  most : iterations since the start, where the search for equilibria is given up.  fixed : `FixedSteps`.
 """
 Instant = namedtuple("Instant", "time length speed pull")
 Instant.__doc__ = """The drum at a time [s] of the communication step: length L [m], speed u [m/s], tension T [N]."""
@@ -90,6 +103,42 @@ def speed_with(drum, stage, pull):
     """Speed [m/s] at a stage with this tension [N]: from the forces, as lengths in short pieces are rounded."""
     free = balance(drum, stage.direction, pull, 0.0, stage.time)
     return (drum.mass * stage.speed + stage.h * free) / (drum.mass + stage.h * drum.damping)
+
+
+@kernel
+def slope_error(h, first, slopes):
+    """Error estimate of what has these slopes in the stages of a piece of h [s], and the first one at its start.
+
+    The larger one of two: by a method of order 2 in the first two stages, and by how far the first slope is from where those
+    lead back, which sees a tether that goes slack or taut before the first stage.
+    """
+    one, two, three = slopes
+    by_order = ERROR_1 * one + ERROR_2 * two + ERROR_3 * three
+    by_start = FROM_START * (first - one + GAMMA / (MIDDLE - GAMMA) * (two - one))
+    return h * max(abs(by_order), abs(by_start))
+
+
+@kernel
+def error_of_piece(step, piece, speeds, rates, pull, stiffness):
+    """Error of the tension after a piece over what is allowed, with these speeds [m/s] and their rates [m/s2] in its stages.
+
+    Of a tether with the stiffness EA [N], under a tension [N] at its end. Allowed is the part IN_DRUMS of what chains are
+    allowed of the largest force, see `step_control.errors_of_segments`.
+    """
+    drum, start, h = step.drum, piece.start, piece.h
+    spring, tolerance = stiffness / start.length, step.parameters[at.RELATIVE_TOLERANCE]
+    free = balance(drum, piece.direction, start.pull, 0.0, start.time)
+    by_speed = 0.0
+    if drum.mass > 0.0:
+        at_start = (free - drum.damping * start.speed) / drum.mass
+        by_speed = sqrt(drum.mass * spring) * slope_error(h, at_start, rates)
+        first = start.speed
+    else:
+        first = free / drum.damping
+    by_length = spring * slope_error(h, first, speeds)
+    largest = max(start.pull, pull, abs(force_at(drum, start.time)) + drum.friction)
+    allowed = IN_DRUMS * min(TENSION, PER_TOLERANCE * tolerance) * largest + ROUNDING * stiffness
+    return max(by_length, by_speed) / allowed
 
 
 # --- events
@@ -226,23 +275,40 @@ def drum_at(settle, tension):
         return status, Instant(piece.end, length, (length - start.length) / h, pull), 0.0
 
     @kernel
-    def integrate(step, piece, state, work):
-        """The same of any other drum that turns, in two stages."""
-        drum, direction, start, part = step.drum, piece.direction, piece.start, STAGE * piece.h
-        stage = Stage(direction, start.time + part, part, start.length, start.speed)
+    def end_of_stage(step, direction, h, onward, guess, state, work):
+        """A stage of h [s] from an `Instant` that its start is the end of: a status, and the `Instant` at its end."""
+        stage = Stage(direction, onward.time + h, h, onward.length, onward.speed)
         place(step, stage.time, state)
-        _, pull, status = find(step, stage, start.length + part * start.speed, state, work)
+        length, pull, status = find(step, stage, guess, state, work)
+        return status, Instant(stage.time, length, speed_with(step.drum, stage, pull), pull)
+
+    @kernel
+    def integrate(step, piece, state, work):
+        """The same of any other drum that turns, in three stages; one with backward Euler."""
+        direction, start, h, part = piece.direction, piece.start, piece.h, GAMMA * piece.h
+        if step.fixed.size > 0.0 and step.fixed.method == at.BACKWARD_EULER:
+            status, end = end_of_stage(step, direction, h, start, start.length + h * start.speed, state, work)
+            return status, Instant(piece.end, end.length, end.speed, end.pull), 0.0
+        status, first = end_of_stage(step, direction, part, start, start.length + part * start.speed, state, work)
         if status != OK:
             return status, start, inf
-        first = speed_with(drum, stage, pull)
-        rest = (1.0 - STAGE) * piece.h
-        last_length, last_speed = start.length + rest * first, start.speed + rest * (first - start.speed) / part
-        stage = Stage(direction, start.time + piece.h, part, last_length, last_speed)
-        place(step, stage.time, state)
-        length, pull, status = find(step, stage, last_length + part * first, state, work)
-        speed = speed_with(drum, stage, pull)
-        error = part * abs(speed - first) / (TOLERANCE * start.length)
-        return status, Instant(piece.end, length, speed, pull), error
+        u1, a1 = first.speed, (first.speed - start.speed) / part
+        rest = (MIDDLE - GAMMA) * h
+        onward = Instant(start.time + rest, start.length + rest * u1, start.speed + rest * a1, 0.0)
+        status, second = end_of_stage(step, direction, part, onward, onward.length + part * u1, state, work)
+        if status != OK:
+            return status, start, inf
+        u2, a2 = second.speed, (second.speed - onward.speed) / part
+        onward = Instant(
+            start.time + h - part, start.length + h * (B1 * u1 + B2 * u2), start.speed + h * (B1 * a1 + B2 * a2), 0.0
+        )
+        status, third = end_of_stage(step, direction, part, onward, onward.length + part * u2, state, work)
+        u3, a3 = third.speed, (third.speed - onward.speed) / part
+        error = 0.0
+        if step.fixed.size == 0.0:
+            stiffness = property_of(chain_of(step.n, step.parameters, state), 0, at.STIFFNESS)
+            error = error_of_piece(step, piece, (u1, u2, u3), (a1, a2, a3), third.pull, stiffness)
+        return status, Instant(piece.end, third.length, third.speed, third.pull), error
 
     @kernel
     def attempt(step, piece, state, work):
@@ -260,7 +326,15 @@ def drum_at(settle, tension):
         """Move a state (modified) over a communication step with `StepInputs`; returns a status."""
         drum, duration, h, failures = drum_of(parameters, given.force, given.force_rate), given.step, given.step, 0
         most = state[at.ITERATIONS] + SHARES * at.ITERATION_BUDGET // n
-        step = Step(n, parameters, given.ground, given.kite, drum, most)
+        step = Step(n, parameters, given.ground, given.kite, drum, most, given_steps(parameters))
+        if step.fixed.size > 0.0:
+            count = count_of_steps(step.fixed, duration, MOST_PIECES)
+            if count == 0:
+                return FIXED_STEPS_TOO_MANY
+            h = duration / count
+        elif state[at.SOLVER_STEP] > 0.0:
+            h = state[at.SOLVER_STEP]
+        longest = h if step.fixed.size > 0.0 else LARGEST_GROWTH * duration
         now = Instant(0.0, state[at.LENGTH], state[at.REELING], tension(n, parameters, state))
         direction, start = turn(drum, now, False)
         search = search_from(0.0, 0.0, 0, 0.0)
@@ -268,7 +342,8 @@ def drum_at(settle, tension):
             if state[at.ITERATIONS] > most:
                 return STEP_BUDGET_SPENT
             rest = duration - start.time
-            h_now = min(h, search.h, rest)
+            h_even, _ = even_step(rest, h)
+            h_now = min(h_even, search.h)
             piece = Piece(direction, start, h_now, duration if h_now == rest else start.time + h_now)
             status, end, error = attempt(step, piece, state, work)
             if status != OK:
@@ -278,7 +353,8 @@ def drum_at(settle, tension):
                 h = 0.25 * h_now
                 continue
             if error > 1.0:
-                h = h_now * max(0.1, 0.9 / sqrt(error))
+                h = h_now * max(STRONGEST_CUT, SAFETY * error ** (-1.0 / 3.0))
+                state[at.REJECTIONS] += 1.0
                 if h < SMALLEST_PIECE * duration:
                     return STEP_TOO_SMALL
                 continue
@@ -290,12 +366,14 @@ def drum_at(settle, tension):
                 direction, start = turn(drum, start, True)
             else:
                 end, is_held = come_to_rest(drum, direction, end, event)
+                state[at.STEPS] += 1.0
+                proposal = h_now * min(LARGEST_GROWTH, SAFETY * max(error, LEAST_ERROR) ** (-1.0 / 3.0))
+                h = min(longest, proposal if h_now == h_even else max(h, proposal))
                 if end.time >= duration:
-                    state[at.LENGTH], state[at.REELING] = end.length, end.speed
+                    state[at.LENGTH], state[at.REELING], state[at.SOLVER_STEP] = end.length, end.speed, h
                     return OK
                 search = search_after(search, piece, event)
                 direction, start = turn(drum, end, is_held)
-                h = max(h, h_now * min(5.0, 0.9 / sqrt(max(error, 1e-4))))
         return STEP_BUDGET_SPENT
 
     return advance

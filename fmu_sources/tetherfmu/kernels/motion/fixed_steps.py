@@ -1,12 +1,14 @@
 """Fixed steps: three stages of all lines (`second_order.py`), or backward Euler (`backward_euler.py`).
 
-What makes a step of one line one of backward Euler (the ground, a stiffness, a stage that does not converge, energy that
-nobody put in) makes that of all lines one; the energy is that of all lines and points together.
+What makes a step of one line one of backward Euler (a drum that comes to rest, a stiffness, a stage that does not converge,
+energy that nobody put in) makes that of all lines one; the energy is that of all lines and points together. Such steps are
+counted, and where they are many it is noted why.
 """
 
-from math import inf
+from math import inf, pi, sqrt
 
 from tetherfmu.runtime import layout as at
+from tetherfmu.runtime import plausibility as limits
 from tetherfmu.runtime.limits import FINEST, LAST_ITERATIONS, MOST_ITERATIONS, STAGES, STIFF
 from tetherfmu.runtime.status import FIXED_STEPS_TOO_MANY, OK, STATE_NOT_FINITE
 
@@ -31,7 +33,17 @@ from ..line import backward_euler, second_order
 from ..line.backward_euler import EXPECTED, STAGE, WHOLE
 from ..line.second_order import ENDS, GAMMA, ROUNDING, TO_NEXT
 from ..linear_algebra.vectors import get, norm, sub
-from ..points.system_descent import STUCK, descend, holds, is_unconverged, unconverged_lines
+from ..points.system_descent import (
+    EARLY,
+    HELD,
+    LATE,
+    STUCK,
+    descend,
+    holds,
+    is_unconverged,
+    rests_on_ground,
+    unconverged_lines,
+)
 from ..points.system_fixed_drums import unconverged_drums
 from ..points.system_guess import begin_as_expected, guess, start
 from ..points.system_room import (
@@ -39,14 +51,25 @@ from ..points.system_room import (
     Step,
     any_drum,
     attempt_of,
+    drum_at,
     has_drum,
     moves,
     numbers_of,
     scratch_of,
     stages_of,
 )
+from ..step.plausibility import note
 from . import turning
 from .adaptive_steps import work_of
+
+# why a step is one of backward Euler; but for the first, after stages that were left
+ASKED, AT_STOP, ON_GROUND, HARD = 1, 2, 3, 4
+RESOLVED, WELL_RESOLVED = (
+    1.0,
+    0.35,
+)  # h times the frequency of a stiff line along itself: with stages; within 1 % of the force
+HELD_FROM = LAST_ITERATIONS - MOST_ITERATIONS  # of the iterations of the finest parts: so that they come to an end
+RECENT_STEPS = 1000.0  # of which it counts how many are of backward Euler, in a mean that forgets
 
 # --- backward Euler
 
@@ -86,13 +109,19 @@ def take_step(system, step, most, in_any_case):
         unconverged = unconverged_lines(system, taken) + unconverged_drums(system, step) if taken < inf else 1
     else:
         phi = guess(system, step)
-    while iterations < most and (unconverged > 0 or not holds(system, step)) and not (step.turns and taken == STUCK):
-        phi, taken = descend(system, step, phi, iterations >= MOST_ITERATIONS)
+    phase, rests = EARLY, True
+    while iterations < most and not (step.turns and taken == STUCK):
+        rests = phase == HELD or rests_on_ground(system, step)
+        if unconverged == 0 and rests and holds(system, step):
+            break
+        phase = (EARLY if iterations < MOST_ITERATIONS else LATE) if iterations < HELD_FROM else HELD
+        phi, taken = descend(system, step, phi, phase)
         iterations += 1
         if taken == inf:
             return False, -1
         unconverged = unconverged_lines(system, taken) + unconverged_drums(system, step)
-    if not (in_any_case or (unconverged == 0 and taken != STUCK)):
+    rests = rests or phase == HELD or rests_on_ground(system, step)
+    if not (in_any_case or (unconverged == 0 and rests and taken != STUCK)):
         return False, iterations
     note_unconverged(system, False, taken)
     take_all(system, step)
@@ -145,30 +174,65 @@ def subdivided_step(system, time, h):
 
 
 @kernel
-def is_any_on_ground(system):
-    """Whether a node that moves freely is on the ground or below it."""
+def nodes_on_ground(system, is_at_start):
+    """How many nodes that move freely are on the ground or below it; is_at_start : of the step, else now."""
+    count = 0
     for k in range(lines_of(system)):
         conditions, (x, _) = conditions_of(system, k), motion_of(system, k)
         if has_ground(conditions.parameters):
-            height = ground_of(conditions.parameters).height
+            height, place = ground_of(conditions.parameters).height, stages_of(system, k).x if is_at_start else x
             for i in range(conditions.first, conditions.last + 1):
-                if x[3 * i + 2] <= height:
-                    return True
-    return False
+                count += place[3 * i + 2] <= height
+    return count
 
 
 @kernel
-def is_any_stiff(system, time):
-    """Whether a segment is as stiff as `limits.STIFF` at a time [s] of the communication step."""
+def least_swing(system, k):
+    """Square of the lowest frequency [1/s2] with which line k swings along itself, at its stiffest; about, and not above it.
+
+    Its stiffness over the mass of its nodes and its free ends: less where it swings against one end that is driven, more
+    where between two.
+    """
+    conditions, mass, n = conditions_of(system, k), scratch_of(system, k).mass, segments_of(system, k)
+    moving, ends = 0.0, 0
+    for i in range(1, n):
+        moving += mass[i]
+    for end in range(2):
+        if conditions.first <= n * end <= conditions.last:
+            ends += 1
+            moving += points_of(system).mass[point_at(system, k, end)] if is_at_point(system, k, end) else mass[n * end]
+    if has_drum(system, k):
+        ends += 1
+        moving += drum_at(system, k).mass
+    chain = chain_during(conditions, 0.0)
+    factor = pi**2 if ends == 0 else (1.0 if ends == 1 else 4.0)
+    return factor * stiffest(chain) / (chain.length * moving) if moving > 0.0 else inf
+
+
+@kernel
+def stiff_swing(system, h):
+    """The same of the line that swings fastest of those that are as stiff as `limits.STIFF`; 0 without one.
+
+    h : of the fixed steps [s].  Masses stand in the scratch space afterwards.
+    """
+    is_stiff = False
     for k in range(lines_of(system)):
-        if moves(system, k) and stiffest(chain_during(conditions_of(system, k), time)) >= STIFF:
-            return True
-    return False
+        if moves(system, k) and stiffest(chain_during(conditions_of(system, k), 0.0)) >= STIFF:
+            is_stiff = True
+    if not is_stiff:
+        return 0.0
+    turning.attempt_whole_step(system, h)
+    start(system, Step(0.0, h, WHOLE, any_drum(system)))
+    fastest = 0.0
+    for k in range(lines_of(system)):
+        if moves(system, k) and stiffest(chain_during(conditions_of(system, k), 0.0)) >= STIFF:
+            fastest = max(fastest, least_swing(system, k))
+    return fastest
 
 
 @kernel
 def crosses(system, start, end):
-    """Whether a segment went slack or taut since the step was started; start, end : times [s]."""
+    """Whether a segment went slack or taut, or nodes to the ground, since the step was started; start, end : times [s]."""
     for k in range(lines_of(system)):
         if moves(system, k):
             old, (new, _), conditions = stages_of(system, k).x, motion_of(system, k), conditions_of(system, k)
@@ -177,7 +241,7 @@ def crosses(system, start, end):
                 beyond = segment.beyond_rest(sub(get(old, s + 1), get(old, s)), rest_length(before, s))
                 if beyond * segment.beyond_rest(sub(get(new, s + 1), get(new, s)), rest_length(after, s)) < 0.0:
                     return True
-    return False
+    return nodes_on_ground(system, True) != nodes_on_ground(system, False)
 
 
 # --- energy
@@ -264,8 +328,31 @@ def place_all_ends(system, time):
 
 
 @kernel
+def bounces(system, h):
+    """Whether a node that came to the ground in a step of h [s] by stages leaves it faster than the ground lets go of one.
+
+    The start of a stage continues the accelerations of those before, and so a strong impact: upwards.
+    """
+    for k in range(lines_of(system)):
+        conditions, (_, v), w = conditions_of(system, k), motion_of(system, k), stages_of(system, k)
+        if has_ground(conditions.parameters):
+            ground = ground_of(conditions.parameters)
+            for i in range(conditions.first, conditions.last + 1):
+                z = 3 * i + 2
+                if w.v[z] < 0.0 and w.x[z] + h * w.v[z] < ground.height and v[z] * ground.damping > 1.0:
+                    return True
+    return False
+
+
+@kernel
+def hard_at(system):
+    """Why a step is left whose iteration or energy is not as it should be."""
+    return ON_GROUND if nodes_on_ground(system, False) > 0 else HARD
+
+
+@kernel
 def stages(system, time, h, known):
-    """One step of h [s] of all lines (modified) at a time [s]; whether it is to be taken, and the number of iterations.
+    """One step of h [s] of all lines (modified) at a time [s]: why it is not to be taken, 0 if it is; its iterations.
 
     known : how many accelerations of stages before are known.
     """
@@ -276,35 +363,39 @@ def stages(system, time, h, known):
         own = Step(time + (ENDS[i] - GAMMA) * h, reach, EXPECTED if known > 0 else STAGE, any_drum(system))
         taken, more = take_step(system, own, MOST_ITERATIONS, False)
         iterations += max(more, 0)
-        if not taken or not turning.end_stage(system, time, own.time + reach - time, reach):
-            return False, iterations
+        if not taken:
+            return hard_at(system), iterations
+        if not turning.end_stage(system, time, own.time + reach - time, reach):
+            return AT_STOP, iterations
         if i < STAGES - 1:
             does_cross = does_cross or crosses(system, time, time + ENDS[i] * h)
         known += 1
-    if not turning.turn_smoothly(system) or is_any_on_ground(system):
-        return False, iterations
+    if not turning.turn_smoothly(system):
+        return AT_STOP, iterations
+    if bounces(system, h):
+        return ON_GROUND, iterations
     place_all_ends(system, time + h)
     does_cross = does_cross or crosses(system, time, time + h)
     is_smooth = not does_cross and iterations <= 2 * STAGES
-    return is_smooth or is_explained(system, time, h), iterations
+    return 0 if is_smooth or is_explained(system, time, h) else hard_at(system), iterations
 
 
 @kernel
 def step(system, method, time, h, known):
-    """One step of h [s] of all lines (modified) at a time [s]: its iterations, and the way it was done.
+    """One step of h [s] of all lines (modified) at a time [s]: its iterations, and why it is not one of three stages, or 0.
 
     method : of `backward_euler.FixedSteps`.  known : as for `stages`.
     At most `limits.WORST_WORK` iterations, each with one factorization, with drums WORST_WORK_WITH_DRUM; negative where a
-    matrix is singular. The way is 0 with three stages, 1 with backward Euler alone, 2 with that after stages that were left.
+    matrix is singular.
     """
-    if method == at.BACKWARD_EULER or is_any_on_ground(system) or is_any_stiff(system, time):
-        return subdivided_step(system, time, h), 1
-    taken, iterations = stages(system, time, h, known)
-    if taken:
+    if method == at.BACKWARD_EULER:
+        return subdivided_step(system, time, h), ASKED
+    why, iterations = stages(system, time, h, known)
+    if why == 0:
         return iterations, 0
     go_back(system)
     more = subdivided_step(system, time, h)
-    return more if more < 0 else iterations + more, 2
+    return more if more < 0 else iterations + more, why
 
 
 @kernel
@@ -315,6 +406,19 @@ def truncated_step(system, time, h):
     turning.end_whole_step(system, h)
     note_unconverged(system, True, 0.0)
     return iterations
+
+
+@kernel
+def count_fallback(memory, why):
+    """Count a step, done by backward Euler if there is a reason `why`, in the state (modified); note if they are many."""
+    fell_back = 0.0 if why == 0 else 1.0
+    memory[at.FALLBACKS] += fell_back
+    memory[at.RECENT_FALLBACKS] += (fell_back - memory[at.RECENT_FALLBACKS]) / RECENT_STEPS
+    part = memory[at.RECENT_FALLBACKS]
+    if why >= AT_STOP and part > limits.MOST_FALLBACKS:
+        kind = limits.FALLBACK_AT_STOP if why == AT_STOP else limits.FALLBACK_HARD
+        note(memory, limits.FALLBACK_ON_GROUND if why == ON_GROUND else kind, part * part, 0.0)
+    memory[at.REJECTIONS] += 1.0 if why >= AT_STOP else 0.0
 
 
 @kernel
@@ -334,22 +438,25 @@ def integrate(system, steps, duration):
     h = duration / count
     for k in range(lines_of(system)):
         numbers_of(system, k)[UNCONVERGED] = 0.0
-    spent, left, known = 0, 0, 0
+    memory, spent, known, method = state_of(system, 0), 0, 0, steps.method
+    if method != at.BACKWARD_EULER:
+        swing = h * sqrt(stiff_swing(system, h))
+        note(memory, limits.STIFF_STEP, h * h if swing > WELL_RESOLVED else 0.0, 0.0)
+        method = at.BACKWARD_EULER if swing > RESOLVED else method
     for i in range(count):
         if spent > STAGES * budget:
-            iterations, way = truncated_step(system, i * h, h), 1
+            iterations, why = truncated_step(system, i * h, h), HARD
         else:
-            iterations, way = step(system, steps.method, i * h, h, known)
+            iterations, why = step(system, method, i * h, h, known)
         if iterations < 0:
             return STATE_NOT_FINITE
-        status = turning.balance(system, i * h + h, GAMMA * h if way == 0 else h)
+        status = turning.balance(system, i * h + h, GAMMA * h if why == 0 else h)
         if status != OK:
             return status
-        known = 3 if way == 0 else 0
+        known = 3 if why == 0 else 0
         spent += iterations
-        left += 1 if way == 2 else 0
-    memory = state_of(system, 0)
+        if steps.method != at.BACKWARD_EULER:
+            count_fallback(memory, why)
     memory[at.STEPS] += count
-    memory[at.REJECTIONS] += left
     memory[at.ITERATIONS] += spent
     return OK

@@ -12,10 +12,11 @@ from ..equations.boundary import chain_with
 from ..equations.drum import HELD, INWARDS, OUTWARDS, is_at_stop, stop_ahead
 from ..equations.lines import conditions_of, lines_of, motion_of
 from ..equations.plan import note_line
+from ..equations.properties import sees_reeling
 from ..line.drum_events import next_motion, part_of_piece
 from ..line.moving_drum import NOTHING, Instant, first_event, project, room_left, tension_at_rest
 from ..line.rodas4p import GAMMA
-from ..line.step_control import allowed_errors
+from ..line.step_control import DrumError, allowed_errors
 from ..line.taut_slack import wrong_impulse
 from ..points.system_room import (
     DIRECTION,
@@ -83,6 +84,17 @@ def turn_drums(system, time, duration):
             note_line(system.plan, k)
             return False
     return True
+
+
+@view
+def drum_error(system, k):
+    """`DrumError` of line k."""
+    if not has_drum(system, k):
+        return DrumError(0.0, 0.0, inf)
+    numbers, mass = numbers_of(system, k), drum_at(system, k).mass
+    seen = sees_reeling(conditions_of(system, k).parameters)
+    growth = numbers[INCREMENT] / numbers[LENGTH] if seen else 0.0
+    return DrumError(numbers[SOLUTION], growth, mass if mass > 0.0 else inf)
 
 
 @kernel

@@ -19,7 +19,7 @@ from ..equations.lines import conditions_of, lines_of, motion_of, put_reeling
 from ..equations.plan import note_line
 from ..equations.properties import property_of
 from ..line.moving_drum import Instant, first_tension, project
-from ..line.second_order import BESIDE, TO_NEXT, start_of_second
+from ..line.second_order import TO_NEXT, start_of_second, start_of_third
 from ..linear_algebra.vectors import NEUTRAL, dot, get, sub
 from ..points.system_room import (
     BEFORE,
@@ -126,7 +126,8 @@ def begin_stage(system, i, reach, known):
                 length, numbers[ONWARD_LENGTH] = start_of_second(numbers[START_LENGTH], length)
                 speed, numbers[ONWARD_SPEED] = start_of_second(numbers[START_SPEED], speed)
             else:
-                length, speed = numbers[ONWARD_LENGTH] + BESIDE * length, numbers[ONWARD_SPEED] + BESIDE * speed
+                length = start_of_third(numbers[ONWARD_LENGTH], numbers[START_LENGTH], length)
+                speed = start_of_third(numbers[ONWARD_SPEED], numbers[START_SPEED], speed)
             put_length(system, k, length, speed)
             attempt(system, k, *limits_of(system, k, reach), guess)
 

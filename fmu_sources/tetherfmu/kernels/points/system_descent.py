@@ -16,7 +16,19 @@ from ..arrays import copy
 from ..compilation import kernel
 from ..equations import segment
 from ..equations.assembly import longest_part
-from ..equations.lines import add_at, clear, is_at_point, lines_of, point_at, points_of, rows_of, segments_of, size_of_blocks
+from ..equations.ground import has_ground
+from ..equations.lines import (
+    add_at,
+    clear,
+    is_at_point,
+    lines_of,
+    parameters_of,
+    point_at,
+    points_of,
+    rows_of,
+    segments_of,
+    size_of_blocks,
+)
 from ..equations.properties import rest_length
 from ..line import incremental_potential
 from ..line.backward_euler import MOST_HALVINGS
@@ -27,6 +39,12 @@ from . import system_fixed_drums
 from .at_points import add_column, place_matrix, take_ends
 from .system_room import CHANGE, GOAL, attempt_of, is_turning, moves, numbers_of, room_in_step, scratch_of
 
+EARLY, LATE, HELD = (
+    0,
+    1,
+    2,
+)  # phases of an iteration: from LATE on drums only change their speeds where the lines converge with
+# them, from HELD on the friction on the ground is that of the iteration before
 STUCK = -1.0  # instead of the part of a move that was taken: no part of it goes down
 
 # --- the potential and its minimum
@@ -46,10 +64,13 @@ def potential(system, step, is_trial):
 
 
 @kernel
-def condense_line(system, k, step):
-    """Matrix and forces of the iteration of line k, and of its drum, condensed to its points; False if it is singular."""
+def condense_line(system, k, step, phase):
+    """Matrix and forces of the iteration of line k, and of its drum, condensed to its points; False if it is singular.
+
+    phase : EARLY, LATE or HELD.
+    """
     w, room, rows = scratch_of(system, k), room_in_step(system, k), rows_of(system, k)
-    incremental_potential.linearize(attempt_of(system, k, step), w.x, w)
+    incremental_potential.linearize(attempt_of(system, k, step), w.x, phase == HELD, w)
     if not condensed.condense(rows, w.matrix, room.columns):
         return False
     condensed.reduce(rows, w.matrix, w.move)
@@ -159,16 +180,16 @@ def move_with_drums_held(system, step):
 
 
 @kernel
-def direction(system, step, is_late):
+def direction(system, step, phase):
     """Move of all nodes [m] by Newton's method into the scratch space; the part to try, 0 where a matrix is singular.
 
-    is_late : whether drums only change their speeds where the lines converge with them.
+    phase : EARLY, LATE or HELD.
     """
     for k in range(lines_of(system)):
-        if moves(system, k) and not condense_line(system, k, step):
+        if moves(system, k) and not condense_line(system, k, step, phase):
             return 0.0
     if step.turns:
-        if is_late:
+        if phase >= LATE:
             converges, taken = move_with_drums_held(system, step)
             if not converges:
                 return taken
@@ -177,16 +198,16 @@ def direction(system, step, is_late):
 
 
 @kernel
-def descend(system, step, before, is_late):
+def descend(system, step, before, phase):
     """One iteration of all lines (modified) from where Phi is `before` [J], inf if it is not known.
 
-    is_late : as for `direction`.  Returns Phi [J] and the part of the move that was taken: STUCK, or inf where a matrix is
+    phase : EARLY, LATE or HELD.  Returns Phi [J] and the part of the move that was taken: STUCK, or inf where a matrix is
     singular.
     """
-    taken = direction(system, step, is_late)
+    taken = direction(system, step, phase)
     if taken == 0.0:
         return before, inf
-    if step.turns or before == inf:
+    if step.turns or before == inf or has_ground(parameters_of(system, 0)):
         before, _ = potential(system, step, False)
     return go_along(system, step, taken, before)
 
@@ -252,4 +273,15 @@ def holds(system, step):
                 r, rest = sub(get(w.x, s + 1), get(w.x, s)), rest_length(chain, s)
                 if segment.beyond_rest(r, rest) * w.held[s] < 0.0:
                     return False
+    return True
+
+
+@kernel
+def rests_on_ground(system, step):
+    """Whether the ground carries and holds all nodes as in the last iteration."""
+    for k in range(lines_of(system)):
+        if moves(system, k) and has_ground(parameters_of(system, k)):
+            w = scratch_of(system, k)
+            if not incremental_potential.rests_on_ground(attempt_of(system, k, step), w.x, w):
+                return False
     return True

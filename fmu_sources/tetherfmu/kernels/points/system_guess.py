@@ -27,6 +27,7 @@ from ..linear_algebra.matrices import ZERO_MATRIX, add_to_diagonal
 from ..linear_algebra.vectors import ZERO_VECTOR, get, scale, sub
 from .at_points import add_block
 from .system_descent import (
+    EARLY,
     direction,
     go_along,
     potential,
@@ -150,7 +151,7 @@ def begin_as_expected(system, step):
             x, _ = motion_of(system, k)
             backward_euler.fly_as_expected(attempt_of(system, k, step), x, scratch_of(system, k))
     add_drag(system, step)
-    taken = direction(system, step, False)
+    taken = direction(system, step, EARLY)
     if taken > 0.0 and unconverged_lines(system, taken) == 0:
         try_part(system, taken)
         take_trial(system)

@@ -170,6 +170,7 @@ def complete(n, state, outputs):
     outputs[at.WINCH_SPEED] = state[at.REELING]
     outputs[at.SOLVER_STEPS] = min(state[at.STEPS], at.LARGEST_INTEGER)
     outputs[at.SOLVER_REJECTIONS] = min(state[at.REJECTIONS], at.LARGEST_INTEGER)
+    outputs[at.FALLBACK_STEPS] = min(state[at.FALLBACKS], at.LARGEST_INTEGER)
     outputs[at.SOLVER_ITERATIONS] = min(state[at.ITERATIONS], at.LARGEST_INTEGER)
     for k in range(len(outputs)):
         if not abs(outputs[k]) < inf:

@@ -1,4 +1,6 @@
-"""The catenary tether: weight plus the mean drag along its chord is one uniform load on an elastic line.
+"""The catenary tether: weight plus the mean drag on its shape is one uniform load on an elastic line.
+
+The shape is that under the mean drag along the chord: one pass, see `shape_load.py`.
 
 Source: docs/models/theory.md, "Elastic catenary" and "Catenary on the ground".
 """
@@ -12,13 +14,14 @@ from ..equations import node_loads, segment, winch
 from ..equations.boundary import move_ends
 from ..equations.ground import has_ground
 from ..equations.properties import property_of
-from ..linear_algebra.vectors import add, add_scaled, norm, put_at, scale, vector_at
+from ..linear_algebra.vectors import add, add_scaled, dot, norm, put_at, scale, sub, vector_at
 from ..motion.drum_in_equilibrium import drum_at
 from ..rest.elastic_catenary import hang, point_in_space
 from ..step.outputs import write_direction
 from ..step.plausibility import note
 from .chord import chord_load, chord_of, no_work_size, write_common
 from .curve import crossing_and_sag
+from .shape_load import end_forces, load_on_shape
 from .touchdown import lowest, rest_on_ground, write_lying
 
 LIGHTEST = 1e-12  # load over EA below which the catenary is a straight line
@@ -27,35 +30,58 @@ work_size = no_work_size
 
 
 @kernel
-def uniform_load(line, state):
+def load_on_chord(line, state):
     """Weight plus mean drag per unstretched length [N/m]; a slack tether catches the wind with all its length."""
     mean, _ = chord_load(line.parameters, state)
     return add(mean, node_loads.weight(line, property_of(line, 0, at.LINE_DENSITY)))
 
 
 @kernel
-def settle(n, parameters, state, work):
-    """Store the tension vector of the ground end in the state (modified); returns OK or NO_EQUILIBRIUM. n is 1.
+def hang_in_wind(line, ground, chord, state):
+    """Load per unstretched length [N/m], tension vector at the ground end [N], and the number of iterations (-1: none).
 
-    Where the tether lies on the ground, the force on the kite end and the length on the ground, too.
+    Of a catenary with the mean load on the shape that it has under that along its chord.
     """
-    line, _, chord, distance = chord_of(parameters, state)
     stiffness = property_of(line, 0, at.STIFFNESS)
-    load = uniform_load(line, state)
+    load = load_on_chord(line, state)
     if norm(load) * line.length <= LIGHTEST * stiffness:
-        _, e = segment.geometry(chord)
-        pull = scale(stiffness * max(distance / line.length - 1.0, 0.0), e)
-        put_at(state, at.GROUND_TENSION_VECTOR, add_scaled(pull, 0.5 * line.length, load))
-        state[at.LYING_LENGTH] = 0.0
-        return OK
+        distance, e = segment.geometry(chord)
+        pull = stiffness * max(distance / line.length - 1.0, 0.0)
+        return load, add_scaled(scale(0.5 * line.length, load), pull, e), 0
     tension, iterations = hang(chord, load, line.length, stiffness)
+    if iterations < 0:
+        return load, tension, iterations
+    on_shape, _ = load_on_shape(line, ground, state, tension, load)
+    change = sub(on_shape, load)
+    note(state, limits.LOAD_OFF_CHORD, dot(change, change) / dot(on_shape, on_shape), limits.MOST_OFF_CHORD)
+    tension, more = hang(chord, on_shape, line.length, stiffness)
+    return on_shape, tension, iterations + more if more >= 0 else more
+
+
+@kernel
+def settle(n, parameters, state, work):
+    """Store the tension vectors of the ends in the state (modified); returns OK or NO_EQUILIBRIUM. n is 1.
+
+    Where the tether lies on the ground, the length on the ground, too.
+    """
+    line, ground, chord, _ = chord_of(parameters, state)
+    load, tension, iterations = hang_in_wind(line, ground, chord, state)
     if iterations < 0:
         return NO_EQUILIBRIUM
     state[at.ITERATIONS] += iterations
     put_at(state, at.GROUND_TENSION_VECTOR, tension)
-    if has_ground(parameters):
+    put_at(state, at.KITE_TENSION_VECTOR, add_scaled(scale(-1.0, tension), line.length, load))
+    state[at.LYING_LENGTH] = 0.0
+    if has_ground(parameters) and iterations > 0:
         rest_on_ground(line, load, state)
     return OK
+
+
+@kernel
+def load_of(line, state):
+    """Load per unstretched length [N/m] of a catenary that lies nowhere, from the tension vectors in a state."""
+    both = add(vector_at(state, at.GROUND_TENSION_VECTOR), vector_at(state, at.KITE_TENSION_VECTOR))
+    return scale(1.0 / line.length, both)
 
 
 @kernel
@@ -67,7 +93,7 @@ def note_depth(parameters, state):
         tension = vector_at(state, at.GROUND_TENSION_VECTOR)
         if tension[2] < 0.0 and min(ground[2], ground[2] + chord[2]) >= plane:
             stiffness = property_of(line, 0, at.STIFFNESS)
-            point, _ = lowest(ground, tension, uniform_load(line, state), line.length, stiffness)
+            point, _ = lowest(ground, tension, load_of(line, state), line.length, stiffness)
             depth = max(0.0, plane - point[2])
             note(state, limits.GROUND_IGNORED, depth * depth, limits.SHALLOW * line.length)
 
@@ -81,9 +107,21 @@ def initialize(n, parameters, inputs, state, work):
 
 
 @kernel
+def forces_of(line, ground, chord, state):
+    """Forces of the tether on its ends [N] of a state in equilibrium; tension vector of its shape [N] and load [N/m]."""
+    tension, load = vector_at(state, at.GROUND_TENSION_VECTOR), load_of(line, state)
+    if has_ground(line.parameters) or norm(load) == 0.0:
+        return tension, vector_at(state, at.KITE_TENSION_VECTOR), tension, load
+    mean, moment = load_on_shape(line, ground, state, tension, load)
+    return *end_forces(line, chord, tension, load, mean, moment), tension, load
+
+
+@kernel
 def ground_tension(n, parameters, state):
     """Tension at the ground [N] of a state in equilibrium. n is 1."""
-    return norm(vector_at(state, at.GROUND_TENSION_VECTOR))
+    line, ground, chord, _ = chord_of(parameters, state)
+    force, _, _, _ = forces_of(line, ground, chord, state)
+    return norm(force)
 
 
 advance_drum = drum_at(settle, ground_tension)
@@ -105,21 +143,17 @@ def advance(n, parameters, given, before, state, work):
 def outputs_of(n, parameters, state, shape_points, outputs, work):
     """Write all outputs (modified) that belong to a state. n is 1."""
     line, ground, chord, distance = chord_of(parameters, state)
-    load = uniform_load(line, state)
-    tension = vector_at(state, at.GROUND_TENSION_VECTOR)
-    lies = has_ground(parameters) and state[at.LYING_LENGTH] > 0.0
-    kite_force = add_scaled(scale(-1.0, tension), line.length, load)
-    if lies:
-        kite_force = vector_at(state, at.KITE_TENSION_VECTOR)
-    write_common(line, distance, tension, kite_force, outputs)
-    outputs[at.GROUND_TENSION] = norm(tension)
+    ground_force, kite_force, tension, load = forces_of(line, ground, chord, state)
+    write_common(line, distance, ground_force, kite_force, outputs)
+    outputs[at.GROUND_TENSION] = norm(ground_force)
     outputs[at.KITE_TENSION] = norm(kite_force)
-    outputs[at.MAX_TENSION] = max(norm(tension), norm(kite_force))
+    outputs[at.MAX_TENSION] = max(norm(ground_force), norm(kite_force))
     outputs[at.KITE_END_MASS] = 0.0
-    if lies:
+    if has_ground(parameters) and state[at.LYING_LENGTH] > 0.0:
+        load, _, _ = hang_in_wind(line, ground, chord, state)
         write_lying(line, chord, load, state, shape_points, outputs)
         return
-    write_direction(tension, outputs)
+    write_direction(ground_force, outputs)
     outputs[at.WAVE_TIME], outputs[at.SAG] = crossing_and_sag(line, ground, line.length, ground, chord, tension, load)
     for k in range(shape_points):
         arc = line.length * k / max(1, shape_points - 1)

@@ -13,7 +13,7 @@ from tetherfmu.runtime import layout as at
 from ..arrays import positions_and_velocities
 from ..compilation import kernel, view
 from ..equations.properties import property_of
-from ..linear_algebra.vectors import ZERO_VECTOR, add_scaled, get, norm, put_at, sub, vector_at
+from ..linear_algebra.vectors import add_scaled, get, norm, put_at, sub, vector_at
 from ..rest.elastic_catenary import point_in_space
 from ..rest.grounded_catenary import hang_on_ground, lying_span, parts_with, scene_of
 from ..step.outputs import away_from_chord, wave_time, write_direction
@@ -54,8 +54,6 @@ def rest_on_ground(line, load, state):
     ground, kite = get(x, 0), get(x, 1)
     stiffness, friction = property_of(line, 0, at.STIFFNESS), line.parameters[at.GROUND_FRICTION]
     plane = plane_of(line.parameters, ground, kite)
-    state[at.LYING_LENGTH] = 0.0
-    put_at(state, at.KITE_TENSION_VECTOR, ZERO_VECTOR)
     point, tension = lowest(ground, vector_at(state, at.GROUND_TENSION_VECTOR), load, line.length, stiffness)
     if point[2] >= plane:
         return

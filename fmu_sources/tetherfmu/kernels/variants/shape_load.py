@@ -1,0 +1,79 @@
+"""The load on the shape of a catenary: the wind meets the tether where it is and as it points there, not as its chord does.
+
+On the catenary of a uniform load q, with the tension vector t(s) = t0 - s q at the unstretched length s from the ground end
+and the place r(s) from there, in units of weight and drag per unstretched length
+
+    f(s) = m g + (1 + |t|/EA) 1/2 rho cd d |w| w,   w across t/|t|, in the air and with the velocity at r(s)
+
+Its mean F and M, the mean of r x (f - q), are found at `PLACES`. The tether hangs with F in the place of q. That f is not
+the same all along it shifts the forces on the ends, as on a beam, across the chord c by -L c x M/c^2; along it each end
+has half of L (F - q).
+
+Source: docs/models/theory.md, "Elastic catenary".
+"""
+
+import numpy as np
+
+from tetherfmu.runtime import layout as at
+
+from ..compilation import kernel
+from ..equations import node_loads, segment, wind_points
+from ..equations.properties import property_of
+from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, cross, dot, norm, scale, sub
+from ..rest.elastic_catenary import LEAST, point_in_space
+from .chord import motion_along
+
+# Gauss-Legendre points and weights on 0 .. 1
+PLACES = np.array(
+    (
+        *(0.019855071751231856, 0.101666761293186630, 0.237233795041835507, 0.408282678752175098),
+        *(0.591717321247824902, 0.762766204958164493, 0.898333238706813370, 0.980144928248768144),
+    )
+)
+WEIGHTS = np.array(
+    (
+        *(0.050614268145188130, 0.111190517226687235, 0.156853322938943644, 0.181341891689180991),
+        *(0.181341891689180991, 0.156853322938943644, 0.111190517226687235, 0.050614268145188130),
+    )
+)
+SHORTEST_CHORD = 0.1  # of the length: the shift of forces across a shorter chord is not extrapolated
+
+
+@kernel
+def load_at(line, height, state, part, tension):
+    """f [N/m] at a part of the unstretched length and a height [m], where the tension vector is `tension` [N]."""
+    start, more = motion_along(state)
+    wind, density, _, _ = segment.air_of(line, 0, height)
+    if wind_points.count_of(line.parameters) > 0:
+        wind = wind_points.wind_between(1, line.parameters, state, part, 0.0)
+    size = norm(tension)
+    e = scale(1.0 / max(size, LEAST), tension)
+    half = segment.half_drag_in(line, 0, 1.0, e, wind, density, add_scaled(start, part, more))
+    weight = node_loads.weight(line, property_of(line, 0, at.LINE_DENSITY))
+    return add_scaled(weight, 2.0 * (1.0 + size / property_of(line, 0, at.STIFFNESS)), half)
+
+
+@kernel
+def load_on_shape(line, ground, state, tension, load):
+    """F [N/m] and M [N] on the catenary from the ground end [m] with the tension vector t0 [N] and the load q [N/m]."""
+    stiffness = property_of(line, 0, at.STIFFNESS)
+    mean = moment = ZERO_VECTOR
+    for i in range(len(PLACES)):
+        arc = PLACES[i] * line.length
+        r = point_in_space(ZERO_VECTOR, tension, load, arc, stiffness)
+        f = load_at(line, ground[2] + r[2], state, PLACES[i], add_scaled(tension, -arc, load))
+        mean = add_scaled(mean, WEIGHTS[i], f)
+        moment = add_scaled(moment, WEIGHTS[i], cross(r, sub(f, load)))
+    return mean, moment
+
+
+@kernel
+def end_forces(line, chord, tension, load, mean, moment):
+    """Forces of the tether on its ends [N], on the catenary with t0 [N] and q [N/m], with F [N/m] and M [N] on it."""
+    square = dot(chord, chord)
+    change = sub(mean, load)
+    kite_force = add_scaled(scale(-1.0, tension), line.length, load)
+    across = scale(-line.length / max(square, (SHORTEST_CHORD * line.length) ** 2), cross(chord, moment))
+    along = scale(0.5 * line.length * dot(change, chord) / max(square, LEAST), chord)
+    kite_force = add(kite_force, add(across, along))
+    return sub(scale(line.length, mean), kite_force), kite_force
