@@ -15,7 +15,7 @@ from tetherfmu.libraries.examples import EXAMPLES
 from tetherfmu.runtime import layout as at
 from tetherfmu.study.advice.advise import FAST_BUDGET, advise
 from tetherfmu.study.measuring import runs as measuring
-from tetherfmu.study.replay import comparison, facts, figures, log, page, runs, scene
+from tetherfmu.study.replay import comparison, figures, log, page, runs, scene
 from tetherfmu.study.replay import replay as command
 from tetherfmu.study.replay.flight import prepare
 from tetherfmu.study.scenes.files import load
@@ -135,8 +135,8 @@ def test_shape_is_wanted_of_a_slack_tether(made):
     table = made.flown["dynamic"].table
     slack = runs.Flown(table.assign(tether_length=2.0 * table.tether_length), made.flown["dynamic"].shapes, (), 0.0)
     hanging = replace(made, flown={"dynamic": slack})
-    assert facts.slack_share(made) == 0.0
-    assert facts.slack_share(hanging) == 1.0
+    assert made.is_slack.mean() == 0.0
+    assert hanging.is_slack.mean() == 1.0
     assert 'outputs = ["shape"]' in scene.toml(hanging, "slack")
     assert figures.draw_sag in figures.panels(hanging)
     assert figures.draw_sag not in figures.panels(made)
@@ -276,7 +276,7 @@ def test_view_from_the_side():
 
 
 def test_tables_for_people():
-    table = facts.rounded(
+    table = comparison.rounded(
         pd.DataFrame({"tether": ["a"], "length: mean m": [-0.0012], "rms N": [13346.2], "mean N": [1.149]})
     )
     assert table.to_dict("records") == [{"tether": "a", "length: mean m": 0.0, "rms N": 13300.0, "mean N": 1.1}]

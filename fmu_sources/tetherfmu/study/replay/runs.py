@@ -47,6 +47,11 @@ def finest(names):
     return min(names, key=list(TETHERS).index)
 
 
+def words(name):
+    """Name of a tether for people."""
+    return name.replace("_", "-")
+
+
 def first_length(flight, rows, lead):
     """Unstretched length [m] at the start: logged, or that with which the tether has the measured tension."""
     start = by_name(rows[0])
