@@ -8,7 +8,8 @@ powers do not explain appeared from nowhere; `EnergyAudit` follows that residual
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
+from inspect import cleandoc
 from typing import Any, Protocol
 
 import numpy as np
@@ -22,45 +23,20 @@ from tetherfmu.runtime.instance import address
 WITH_POWER = ("reel_out_speed", "wind_velocity", "kite_load", "winch_force")
 
 
+def _of(unit):
+    """Function that declares a field of `Energy` with this unit by its meaning."""
+    return lambda meaning: field(metadata={"about": f"{meaning} [{unit}]"})
+
+
+_energy, _power = _of("J"), _of("W")
+
+
 @dataclass(frozen=True)
 class Energy:
     """Energies [J] of a tether and the powers [W] that change them, in the order of `kernels.step.power_balance`.
 
-    Attributes
-    ----------
-    kinetic : float
-        Of the nodes that move freely; the half particle at a driven end belongs to what drives it.
-    elastic : float
-        Of the springs.
-    potential : float
-        Weight times height over z = 0, with both half particles; and what the ground stores under free nodes.
-    ground_power : float
-        What the holder of the end puts into the tether, - end force . end velocity.
-    kite_power : float
-        The same at the kite; at a free kite end: load . velocity.
-    winch_power : float
-        Work against the tension where the tether gets shorter or longer, - sum T (l/l0) dl0/dt.
-    material_power : float
-        Kinetic, elastic and potential energy that new material brings; negative while reeling in.
-    wind_power : float
-        Drag force . wind velocity.
-    damping_loss : float
-        Heat in the dampers; at least 0 with the strain-rate law.
-    drag_loss : float
-        Heat in the air, drag force . (wind - tether velocity); at least 0.
-    drum : float
-        Kinetic energy of a drum that is controlled by force. This and the following are no part of `total` and `power`,
-        and 0 of any other winch.
-    drum_power : float
-        What the tension of the first segment puts into the drum, tension . speed.
-    motor_power : float
-        What the motor puts into the drum, - winch_force . speed.
-    friction_loss : float
-        Heat of the friction of the drum; at least 0.
-    contact_loss : float
-        Heat in the ground where nodes sink into it or leave it; its elastic energy is part of `potential`.
-    sliding_loss : float
-        Heat of the friction on the ground; at least 0.
+    Those of the drum of a winch (`drum`, `drum_power`, `motor_power`, `friction_loss`) are no part of `total` and `power`,
+    and 0 where it is not controlled by force.
 
     Examples
     --------
@@ -71,22 +47,28 @@ class Energy:
     True
     """
 
-    kinetic: float
-    elastic: float
-    potential: float
-    ground_power: float
-    kite_power: float
-    winch_power: float
-    material_power: float
-    wind_power: float
-    damping_loss: float
-    drag_loss: float
-    drum: float
-    drum_power: float
-    motor_power: float
-    friction_loss: float
-    contact_loss: float
-    sliding_loss: float
+    kinetic: float = _energy("of the nodes that move freely; the half particle at a driven end belongs to what drives it")
+    elastic: float = _energy("of the springs")
+    potential: float = _energy(
+        "weight times height over z = 0, with both half particles; and what the ground stores under free nodes"
+    )
+    ground_power: float = _power("what the holder of the end puts into the tether, - end force . end velocity")
+    kite_power: float = _power("the same at the kite; at a free kite end: load . velocity")
+    winch_power: float = _power("work against the tension where the tether gets shorter or longer, - sum T (l/l0) dl0/dt")
+    material_power: float = _power(
+        "kinetic, elastic and potential energy that new material brings; negative while reeling in"
+    )
+    wind_power: float = _power("drag force . wind velocity")
+    damping_loss: float = _power("heat in the dampers; at least 0 with the strain-rate law")
+    drag_loss: float = _power("heat in the air, drag force . (wind - tether velocity); at least 0")
+    drum: float = _energy("kinetic energy of a drum that is controlled by force")
+    drum_power: float = _power("what the tension of the first segment puts into the drum, tension . speed")
+    motor_power: float = _power("what the motor puts into the drum, - winch_force . speed")
+    friction_loss: float = _power("heat of the friction of the drum; at least 0")
+    contact_loss: float = _power(
+        "heat in the ground where nodes sink into it or leave it; its elastic energy is part of `potential`"
+    )
+    sliding_loss: float = _power("heat of the friction on the ground; at least 0")
 
     @property
     def total(self) -> float:
@@ -100,6 +82,8 @@ class Energy:
         return gains - self.damping_loss - self.drag_loss - self.contact_loss - self.sliding_loss
 
 
+_DECLARED = [f"{each.name} : float\n    {each.metadata['about']}" for each in fields(Energy)]
+Energy.__doc__ = "\n".join([cleandoc(Energy.__doc__), "", "Attributes", "----------", *_DECLARED])
 POWERS = tuple(field.name for field in fields(Energy) if field.name.endswith(("_power", "_loss")))
 
 

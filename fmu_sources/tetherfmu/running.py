@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import contextmanager
 from copy import deepcopy
 from pickle import PicklingError
 from warnings import warn
@@ -75,6 +76,22 @@ class Running:
             return 0
         has_drum = any(each[at.WINCH_CONTROL] == at.WINCH_BY_FORCE for each in numbers)
         return most_of_a_step(numbers[0][at.FIXED_STEP_METHOD] == at.BACKWARD_EULER, has_drum)
+
+    @contextmanager
+    def _all_or_nothing(self):
+        """Inputs and parameters are as they were before where what is done with them is refused."""
+        instance = self._instance
+        before = instance.values[: instance.outputs_at], instance.parameters[:]
+        try:
+            yield
+        except ValueError:
+            instance.values[: instance.outputs_at], instance.parameters[:] = before
+            raise
+
+    def _refuse(self, problem):
+        """StepRefused if there is a problem with a start or a step."""
+        if problem:
+            raise StepRefused(problem, self._instance.status)
 
     def _check_started(self):
         """StepRefused before `initialize`."""

@@ -1,14 +1,11 @@
 """Assemble the FMU of a system of tethers from its file: one library serves all systems, so that nothing is compiled."""
 
-from functools import partial
 from html import escape
 from pathlib import Path
 from xml.etree import ElementTree
 
 from tetherfmu.fmi.resources import DEFAULT_OPTIONS
-from tetherfmu.fmi.system_maps import lines_of
 from tetherfmu.fmi.system_variables import OF_THE_SYSTEM, Line, Point, Structure, structure_of, table_of
-from tetherfmu.libraries import ready
 from tetherfmu.runtime.inputs import ZERO
 from tetherfmu.runtime.kernel_library import SYSTEM
 from tetherfmu.runtime.layout import START_AT_REST, START_GIVEN
@@ -21,11 +18,8 @@ from tetherfmu.systems.tether_system import TetherSystem
 from . import evidence, osp
 from .archive import DESCRIPTION, SLAVES, packed_with_kernels, seal, write
 from .documents import about, files_beside, page
-from .native import host_header
-from .native import sources as native_sources
+from .native import fmus
 from .native import system as native_system
-from .native.fmus import HEADERS, TERMINALS, complete, kernels_of, widths_of, writer_of
-from .native.tables import header, room_of
 from .texts import filled
 
 SLAVE = TetherSystem.__name__
@@ -43,20 +37,19 @@ def build(path, folder, platforms, shape_points=None, native=None, with_header=F
     path : of the file, docs/use/systems.md has its keys.  folder : where the FMU goes, made if missing; the groups of
     variables for the Open Simulation Platform are written beside it.  platforms : as in `BuildOptions`.  shape_points : of
     each line, 0 for none; None for one at each node.  native : version of FMI (2 or 3) of an FMU without Python; None for
-    PythonFMU's.  with_header, with_sources : of a native one, see `native.build`.  wind_points : of each line, 0 for none.
+    PythonFMU's.  with_header, with_sources : of a native one, see `fmus.written`.  wind_points : of each line, 0 for none.
     """
     found, positions = read(path)
     structure, folder = structure_from(found, positions, shape_points, wind_points), Path(folder)
-    folder.mkdir(parents=True, exist_ok=True)
     points, lines, free = len(structure.points), len(structure.lines), len(structure.free)
     words = f"{structure.name}: {lines} line{'s' * (lines > 1)} between {points} points, of which {free} free."
     sets = _evidence_of(found, native == 3, wind_points)
     if native:
-        files, token = _native(structure, words, platforms, sets, native, with_sources)
-        fmu, table = write(files, folder, structure.name, None), table_of(structure)
-        if with_header:
-            host_header.write(fmu, structure.name, table, native_system.places_of(structure, table), native, token)
-        return fmu
+        wiring = native_system.wiring_of(structure, table_of(structure))
+        model = fmus.Model(structure.name, f"{ABOUT} {words}", wiring, native_system.terminals(structure), TIMES)
+        files = documents(structure, model.about, platforms, sets, native)
+        return fmus.written(files, model, folder, platforms, native, with_header, with_sources)
+    folder.mkdir(parents=True, exist_ok=True)
     options = {"system": structure.as_dict(), "about": words}
     facts = {"module": "system_slave", "kind": "SystemSlave", "variant": None, "description": ABOUT}
     made = packed_with_kernels(SLAVE, facts, SYSTEM, platforms, options)
@@ -72,24 +65,6 @@ def _evidence_of(found, arrays, wind_points):
         return evidence.files(found.name, [evidence.of_system(found, wind_points)], arrays, **words)
     except ValueError:
         return {}
-
-
-def _native(structure, words, platforms, sets, fmi, with_sources):
-    """Files of a native FMU, dict of path in the archive to bytes; and its token."""
-    table = table_of(structure)
-    places = native_system.places_of(structure, table)
-    description = f"{ABOUT} {words}"
-    made = documents(structure, description, platforms, sets, fmi)
-    if fmi == 3:
-        made[TERMINALS] = native_system.terminals(structure).encode("utf-8")
-    listed = (native_sources.FILE,) if with_sources else ()
-    describe = partial(writer_of(fmi).text, structure.name, description, table, places, TIMES, sources=listed)
-    tabulate = partial(header, native_system.wiring_of(structure, table), widths_of(table, places, fmi))
-    token = complete(made, structure.name, kernels_of(SYSTEM, platforms), (describe, tabulate), fmi)
-    if with_sources:
-        room = room_of(ready.kernels(SYSTEM), lines_of(structure), structure.free, structure.band)
-        made |= native_sources.sources(structure.name, SYSTEM, tabulate(token), room, fmi, HEADERS)
-    return made, token
 
 
 def read(path):

@@ -129,7 +129,7 @@ class TetherSystem(Running):
         loads: Vectors | None = None,
         **inputs: Unpack[SystemInputs],
     ) -> SystemOutputs:
-        """Start with the points where their records say, each line with the `initial_shape` between its two points.
+        """Start with the points where their records say, each line with the `initial_shape` between them: `SystemOutputs`.
 
         Free points without a position start where they are in equilibrium with all lines at rest.
 
@@ -145,11 +145,6 @@ class TetherSystem(Running):
         **inputs
             The other ones of `SystemInputs`; where they are not given, reel-out speeds of the records of the lines, and 0.
 
-        Returns
-        -------
-        SystemOutputs
-            Those of the start.
-
         Raises
         ------
         StepRefused
@@ -162,20 +157,14 @@ class TetherSystem(Running):
         wanted = [name for name, position in positions.items() if position is None]
         if not set(wanted) <= set(self._instance.free):
             raise ValueError(f"{next(iter(set(wanted) - set(self._instance.free)))} is no free point: give its position")
-        before = self._arrays.inputs.copy(), self._instance.parameters[:]
-        try:
+        with self._all_or_nothing():
             moving = {"velocities": {each.name: each.velocity for each in self.points}}
             moving |= starts(self.lines, self._instance.free, self.wind_points)
             given = completed({"wind_velocity": wind_velocity, "velocities": velocities, "loads": loads, **inputs}, moving)
             given["positions"] = {name: position for name, position in positions.items() if position is not None}
             put(given, self._arrays, self.points, self.lines, at_start=True)
             self._arrays.seek(wanted)
-            problem = self._instance.start()
-            if problem:
-                raise StepRefused(problem, self._instance.status)
-        except ValueError:
-            self._arrays.inputs[:], self._instance.parameters[:] = before
-            raise
+            self._refuse(self._instance.start())
         self._runs = True
         self._warn()
         return self._present()
@@ -188,7 +177,9 @@ class TetherSystem(Running):
         loads: Vectors | None = None,
         **inputs: Unpack[SystemInputs],
     ) -> SystemOutputs:
-        """Advance by a communication step with the inputs at its start; an input that is not given stays as it is.
+        """Advance by a communication step with the inputs at its start, to the `SystemOutputs` at its end.
+
+        An input that is not given stays as it is.
 
         Parameters
         ----------
@@ -201,11 +192,6 @@ class TetherSystem(Running):
         **inputs
             The other ones of `SystemInputs`.
 
-        Returns
-        -------
-        SystemOutputs
-            Those at the end of the step.
-
         Raises
         ------
         StepRefused
@@ -214,16 +200,10 @@ class TetherSystem(Running):
             If a name does not exist or a value has another shape; nothing is changed.
         """
         self._check_started()
-        before = self._arrays.inputs.copy(), self._instance.parameters[:]
-        try:
+        with self._all_or_nothing():
             given = {"positions": positions, "velocities": velocities, "loads": loads, **inputs}
             put(given, self._arrays, self.points, self.lines)
-            problem = self._instance.advance(arguments.number("step", step, "s"))
-            if problem:
-                raise StepRefused(problem, self._instance.status)
-        except ValueError:
-            self._arrays.inputs[:], self._instance.parameters[:] = before
-            raise
+            self._refuse(self._instance.advance(arguments.number("step", step, "s")))
         self._warn()
         return self._present()
 
@@ -239,7 +219,7 @@ class TetherSystem(Running):
         on_refusal: str = "raise",
         **inputs: Unpack[SystemInputs],
     ) -> SystemFlown:
-        """Advance by many communication steps in compiled code; equals a loop of `step`, bit for bit.
+        """Advance by many communication steps in compiled code, a `SystemFlown`; equals a loop of `step`, bit for bit.
 
         Parameters
         ----------
@@ -253,10 +233,6 @@ class TetherSystem(Running):
             A row is kept after every so many steps; 0 for none.
         on_refusal : "raise", "stop" or "skip"
             What to do when a step cannot be done, see `TetherModel.fly`.
-
-        Returns
-        -------
-        SystemFlown
 
         Raises
         ------

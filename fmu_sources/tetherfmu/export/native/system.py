@@ -6,21 +6,16 @@ from tetherfmu.runtime.inputs import WIND_AT, components
 from tetherfmu.runtime.kernel_library import SYSTEM
 from tetherfmu.runtime.variables import INPUT, PARAMETER
 
-from .arrays import Places
+from .arrays import COMPONENTS
 from .description_fmi3 import TERMINALS, WIND, buses
 from .tables import Wiring, given_plan
 
 
-def places_of(structure, table):
-    """`Places` of the variables of a system: the value reference of a variable is its place in the table."""
-    sizes = {f"{line.name}.shape": (line.shape_points, 3) for line in structure.lines}
-    sizes |= {f"{line.name}.{WIND_AT.name}": (line.wind_points, 3) for line in structure.lines}
-    return Places([each.place for each in table], sizes, len(table))
-
-
 def wiring_of(structure, table):
-    """`tables.Wiring` of a system."""
+    """`tables.Wiring` of a system: the value reference of a variable is its place in the table."""
     own = {each.name: each.place for each in table}
+    sizes = {f"{line.name}.shape": (line.shape_points, COMPONENTS) for line in structure.lines}
+    sizes |= {f"{line.name}.{WIND_AT.name}": (line.wind_points, COMPONENTS) for line in structure.lines}
     lines, names = system_maps.lines_of(structure), [line.name for line in structure.lines]
     given, fixed = (sum(each.causality == kind for each in table) for kind in (INPUT, PARAMETER))
     quantities = [system_maps.quantities_of_line(line, own) for line in structure.lines]
@@ -38,6 +33,7 @@ def wiring_of(structure, table):
         [[(name, -1 if at is None else at, default) for name, at, default in row] for row in quantities],
         {table_in_c: [own[f"{name}.{what}"] for name in names] for table_in_c, what in of_lines.items()},
         [own[name] for name in _forces(structure)],
+        sizes,
         system_maps.inputs_of(structure, own),
         [(reference, place) for reference, those in system_maps.outputs_of(structure, own) for place in those],
         system_maps.free_ends(structure, own),
