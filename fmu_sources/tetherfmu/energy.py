@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, fields
 from inspect import cleandoc
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
@@ -108,26 +108,16 @@ def account(instance, line=0, **given):
     return Energy(*energies.tolist()), tensions, velocities.reshape(-1, 3)
 
 
-class Audited(Protocol):
-    """What can be audited: it knows its `Energy`, and its step takes inputs by name."""
-
-    def step(self, step: float, **inputs) -> Any:
-        """Advance by `step` [s]."""
-
-    def energy(self, **inputs) -> Energy:
-        """Energies and powers of the present state, with other values of inputs in `WITH_POWER` where they are given."""
-
-
 class EnergyAudit:
-    """Steps what is `Audited`, such as a tether, and integrates its powers, so that energy from nowhere is seen.
+    """Steps a tether, and integrates its powers, so that energy from nowhere is seen.
 
     The trapezoidal rule over the communication steps: its error falls with the square of the step, so take steps that are
     short against the shortest vibration of interest. The run itself is the same as without the audit.
 
     Parameters
     ----------
-    model : Audited
-        Such as an initialized `TetherDynamic`. Do not step it elsewhere while the audit runs.
+    model : TetherModel
+        Initialized, with nodes; or what has `step` and `energy` as it has. Do not step it elsewhere while the audit runs.
 
     Attributes
     ----------
@@ -147,7 +137,7 @@ class EnergyAudit:
     True
     """
 
-    def __init__(self, model: Audited):
+    def __init__(self, model: Any):
         self._model = model
         self.start = self.now = model.energy()
         self.work = dict.fromkeys(POWERS, 0.0)

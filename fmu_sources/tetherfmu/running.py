@@ -114,7 +114,9 @@ class Running:
 
     def _fly(self, inputs, step, every, when, on_refusal, flown_of, winds=None):
         """What `fly` does; flown_of : function that makes its result of what `compiled_flight.fly` gives."""
-        arguments.one_of("on_refusal", on_refusal, compiled_flight.ON_REFUSAL)
+        if on_refusal not in compiled_flight.ON_REFUSAL:
+            names = ", ".join(map(repr, compiled_flight.ON_REFUSAL))
+            raise ValueError(f"on_refusal is {on_refusal!r}; it must be one of {names}")
         every = arguments.whole("every", every)
         found = compiled_flight.fly(self._instance, inputs, step, every, when, on_refusal == "skip", winds)
         flown, refusals = flown_of(*found), found[-1]

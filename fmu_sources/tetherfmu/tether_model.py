@@ -291,7 +291,7 @@ class TetherModel(Running):
             If a step cannot be done; the message says which, and the tether keeps the state and inputs of the step before.
         """
         self._check_started()
-        inputs = given_inputs.rows(self._receiver, arguments.input_rows(inputs), wind_at)
+        inputs = given_inputs.rows(self._receiver, inputs, wind_at)
         step = arguments.steps("step", step, len(inputs)) if np.ndim(step) else arguments.number("step", step, "s")
         winds = given_inputs.node_winds(self._receiver, node_winds, len(inputs))
         when = (at.ALWAYS if peaks else at.AT_ROWS) if outputs else at.NEVER

@@ -5,11 +5,10 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 from tetherfmu.fmi.resources import DEFAULT_OPTIONS
-from tetherfmu.fmi.system_variables import OF_THE_SYSTEM, Line, Point, Structure, structure_of, table_of
+from tetherfmu.fmi.system_variables import Line, Point, Structure, structure_of, table_of
 from tetherfmu.runtime.inputs import ZERO
 from tetherfmu.runtime.kernel_library import SYSTEM
 from tetherfmu.runtime.layout import START_AT_REST, START_GIVEN
-from tetherfmu.runtime.parameters import Tether, Winch
 from tetherfmu.runtime.quantities import quantities
 from tetherfmu.systems import files
 from tetherfmu.systems.ordering import ordered
@@ -90,31 +89,22 @@ def read(path):
 
 def structure_from(found, positions, shape_points=None, wind_points=0):
     """`Structure` of a `SystemFile` whose points start at these positions [m]; shape_points, wind_points : as in `build`."""
-    points = tuple(_point(each, positions[each.name]) for each in found.points)
-    lines = tuple(_line(each, shape_points, wind_points) for each in found.lines)
     free, band = ordered([point.name for point in found.points if not point.is_driven], found.lines)
-    records = (found.environment, found.solver, found.ground)
-    starts = {
-        name: getattr(record, name)
-        for kind, record in zip(OF_THE_SYSTEM, records, strict=True)
-        for name, _ in quantities(kind)
-    }
-    return structure_of(Structure(found.name, points, lines, tuple(free), band, starts).as_dict())
+    points, lines = [], []
+    for each in found.points:
+        start = START_GIVEN if each.position else START_AT_REST  # where it is sought
+        points.append(Point(each.name, each.mass, positions[each.name], each.velocity, start))
+    for each in found.lines:
+        starts = values_of(each.tether, each.winch) | {"reel_out_speed": each.reel_out_speed}
+        shown = each.tether.segments + 1 if shape_points is None else shape_points
+        lines.append(Line(each.name, each.start, each.end, starts, shown, wind_points))
+    starts = values_of(found.environment, found.solver, found.ground)
+    return structure_of(Structure(found.name, tuple(points), tuple(lines), tuple(free), band, starts).as_dict())
 
 
-def _point(point, position):
-    """`system_variables.Point` of a point of a file at a position [m]; it is sought if the file has none."""
-    start = START_GIVEN if point.position else START_AT_REST
-    return Point(point.name, point.mass, position, point.velocity, start)
-
-
-def _line(line, shape_points, wind_points):
-    """`system_variables.Line` of a line of a file."""
-    starts = {name: getattr(line.tether, name) for name, _ in quantities(Tether)}
-    starts |= {name: getattr(line.winch, name) for name, _ in quantities(Winch)}
-    starts["reel_out_speed"] = line.reel_out_speed
-    points = line.tether.segments + 1 if shape_points is None else shape_points
-    return Line(line.name, line.start, line.end, starts, points, wind_points)
+def values_of(*records):
+    """Values of all quantities of records, dict by name."""
+    return {name: getattr(record, name) for record in records for name, _ in quantities(record)}
 
 
 def documents(structure, description, platforms, sets, native=None):
@@ -126,16 +116,12 @@ def documents(structure, description, platforms, sets, native=None):
     body = filled(
         "system.html",
         name=structure.name,
-        points="\n".join(map(_point_row, structure.points)),
+        points="\n".join(_row(point.name, "free" if point.is_free else "driven") for point in structure.points),
         lines="\n".join(_row(line.name, line.start, line.end) for line in structure.lines),
         **about(description, native),
     )
     groups = osp.model_description_of_system(structure, table)
     return files_beside(structure.name, page(structure.name, body, table), sets, platforms, groups, native)
-
-
-def _point_row(point):
-    return _row(point.name, "free" if point.is_free else "driven")
 
 
 def _row(*cells):

@@ -55,8 +55,16 @@ def _forces(structure):
 
 def terminals(structure):
     """Text of terminalsAndIcons.xml: points, each a bus of position, velocity and force or load; winches of lines; wind."""
-    winds = [_bus_of_wind_points(line) for line in structure.lines if line.wind_points] or [_bus_of_wind()]
-    return buses((*map(_bus_of_point, structure.points), *map(_bus_of_winch, structure.lines), *winds))
+    # the wind at its points along each line, or that which all lines share
+    member = WIND_AT.terminal.partition(".")[2]
+    winds = [
+        (f"{line.name}.{WIND}", f"the wind along {line.name}", [(member, f"{line.name}.{WIND_AT.name}")])
+        for line in structure.lines
+        if line.wind_points
+    ]
+    shared = [inputs.BY_NAME[each] for each in system_variables.GIVEN_TO_ALL]
+    shared = (WIND, TERMINALS[WIND], [(each.terminal.partition(".")[2], each.name) for each in shared])
+    return buses((*map(_bus_of_point, structure.points), *map(_bus_of_winch, structure.lines), *(winds or [shared])))
 
 
 def _bus_of_point(point):
@@ -72,15 +80,3 @@ def _bus_of_winch(line):
     declared += [(own, outputs.BY_NAME[each].terminal) for each, own in system_variables.OF_A_LINE.items()]
     members = [(terminal.partition(".")[2], f"{line.name}.{own}") for own, terminal in declared if terminal]
     return line.name, f"the winch of {line.name} at {line.start}", members
-
-
-def _bus_of_wind_points(line):
-    """The same of the wind along a line, at its wind points."""
-    member = WIND_AT.terminal.partition(".")[2]
-    return f"{line.name}.{WIND}", f"the wind along {line.name}", [(member, f"{line.name}.{WIND_AT.name}")]
-
-
-def _bus_of_wind():
-    """The same of the wind, which all lines share."""
-    listed = [inputs.BY_NAME[each] for each in system_variables.GIVEN_TO_ALL]
-    return WIND, TERMINALS[WIND], [(each.terminal.partition(".")[2], each.name) for each in listed]

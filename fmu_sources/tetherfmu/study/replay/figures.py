@@ -30,13 +30,6 @@ LOGGED = {"color": REFERENCE, "linewidth": 3.0, "alpha": 0.8}  # looks of a meas
 LEADING = {"tension": "tension", "length": "length", "speed": "reel-out speed"}
 
 
-def tensions(made):
-    """Measured tension and that of each tether [N], as means over 1 s: an array (times,), and a dict of them."""
-    measured = made.flight.measured("ground_tension", made.flight.times)
-    means = {name: each.table.mean_tension.to_numpy() for name, each in made.flown.items()}
-    return smooth(measured), {name: smooth(values) for name, values in means.items()}
-
-
 def smooth(values):
     """Mean over 1 s; a gap stays a gap."""
     return np.where(np.isnan(values), np.nan, averaged(values))
@@ -67,8 +60,9 @@ def limits(times, measured, others, with_zero=False):
 
 def draw_tension(axes, made):
     """Tension at the ground: measured, and of each tether."""
-    measured, tethers = tensions(made)
     times = made.flight.times
+    measured = smooth(made.flight.measured("ground_tension", times))
+    tethers = {name: smooth(each.table.mean_tension.to_numpy()) for name, each in made.flown.items()}
     low, high = limits(times, [measured], tethers.values(), with_zero=True)
     factor, unit = (1e-3, "kN") if high > NEWTONS else (1.0, "N")
     axes.plot(times, factor * measured, **LOGGED)

@@ -227,13 +227,8 @@ def usable(table, found, report):
             f"{', '.join(found.columns_of(name))}, their units{' and the origin' if name == 'kite_position' else ''}"
         )
         if name not in found.optional:
-            raise ValueError(f"{text} ({'; '.join(reasons(report, (name, *found.columns_of(name))))})")
+            left_out = tuple(f"left out of {each}{end}" for each in (name, *found.columns_of(name)) for end in (":", "["))
+            raise ValueError(f"{text} ({'; '.join(line for line in report.lines if line.startswith(left_out))})")
         report.doubt(f"{text}; the flight has no {name}")
         table, found = table.drop(columns=places), found.without(name)
     return table, found
-
-
-def reasons(report, names):
-    """Lines of a report on what was left out of some columns."""
-    left_out = tuple(f"left out of {name}{end}" for name in names for end in (":", "["))
-    return [line for line in report.lines if line.startswith(left_out)]

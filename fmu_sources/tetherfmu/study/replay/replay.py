@@ -128,11 +128,6 @@ def text(made, table):
     return "\n".join([*lines, *(f"doubt: {each}" for each in made.doubts)])
 
 
-def whole(errors):
-    """The rows of a table of errors on the whole flight."""
-    return errors[errors.part == comparison.ALL].drop(columns="part")
-
-
 def wanted_fits(flight, named):
     """What is fitted, a tuple: what is named (a list), or the offset if the log has what it needs; else its report says so.
 
@@ -173,7 +168,7 @@ def run(options):
     place = options.out or own_folder(options.log)
     fit_part = part_of_fit(flight, options.fit_from, options.fit_to) if wanted else None
     made = replay(flight, lead, options.tether or tuple(runs.TETHERS), wanted, fit_part, options.segments)
-    print(text(made, whole(made.errors)))
+    print(text(made, made.errors[made.errors.part == comparison.ALL].drop(columns="part")))  # of the whole flight
     now("drawing")
     for path in write(made, place, Path(options.log).stem, options.html):
         print(path)

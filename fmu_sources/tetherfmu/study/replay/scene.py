@@ -49,11 +49,6 @@ def series(made):
     return known, len(table) - len(known)
 
 
-def first_length(made):
-    """Unstretched length of the tether at the start [m]."""
-    return float(made.finest[1].table.tether_length.iloc[0])
-
-
 def toml(made, name):
     """Text of the scene file of a `Replay`; name : of its log."""
     (table, left_out), (outputs, allowed, why) = series(made), SLACK if made.is_slack.mean() > MOST else TAUT
@@ -69,7 +64,7 @@ def toml(made, name):
     lines += ["[flight]", 'kind = "series"', f"file = {quoted(SERIES)}", ""]
     lines += section("tether", found.tether, FROM_SERIES)
     if made.lead == "speed":
-        lines.insert(-1, f"initial_length = {first_length(made)!r} # m")
+        lines.insert(-1, f"initial_length = {float(made.finest[1].table.tether_length.iloc[0])!r} # m")
     lines += section("environment", found.environment)
     if found.ground.ground_contact == at.FLAT:
         lines += section("ground", found.ground)
