@@ -88,7 +88,7 @@ def _refusal(instance, inputs, step, place):
 
 
 def _in_pieces(instance, inputs, step, winds, every, outputs, skip):
-    """Rows, and a tuple of the `Refusal` of each refused step: where they are left out, steps [s] differ, or nodes have winds.
+    """Rows, and a tuple of the `Refusal` of each refused step; refused ones left out, steps [s] that differ, winds at nodes.
 
     A piece goes to the next refused step; it is one step if that or the winds differ.
     """
