@@ -28,6 +28,9 @@ from .running import Running
 class TetherModel(Running):
     """What all tethers share. Use one of the classes in `models`.
 
+    TypeError if a record is something else, or a quantity does not exist.  ValueError names a parameter that is out of
+    range, its value and what is allowed.  RuntimeError if the kernels of this installation have to be compiled and cannot.
+
     Parameters
     ----------
     tether : Tether
@@ -48,15 +51,6 @@ class TetherModel(Running):
     **quantities
         Any quantity of `Tether`, `Environment`, `Solver`, `Winch` and `Ground` by its name replaces that of the record, as
         in ``TetherDynamic(initial_length=525.0, segments=30, wind_profile="power_law")``.
-
-    Raises
-    ------
-    TypeError
-        If `tether`, `environment`, `solver`, `winch` or `ground` is something else, or a quantity does not exist.
-    ValueError
-        If a parameter is out of range; the message names it, its value and what is allowed.
-    RuntimeError
-        If the kernels of this installation have to be compiled and cannot.
     """
 
     variant: str = ""
@@ -134,6 +128,9 @@ class TetherModel(Running):
     ) -> Outputs:
         """Start between two ends, the dynamic tether with its `initial_shape`; returns the `Outputs` of the start.
 
+        StepRefused if an input is not finite or no equilibrium is found, ValueError if an argument has another shape or is
+        out of range; the tether is then as it was before.
+
         Parameters
         ----------
         kite_position, ground_position : (3,) array
@@ -148,13 +145,6 @@ class TetherModel(Running):
             The first and the last node are the ends, whose inputs are then not given.
         **inputs
             The other ones of `Inputs`; 0 if not given.
-
-        Raises
-        ------
-        StepRefused
-            If an input is not finite or no equilibrium is found; the tether is as it was before.
-        ValueError
-            If an argument has another shape or is out of range.
         """
         if positions is not None and not self._variant.has_waves:
             raise ValueError(f"{type(self).__name__} is always in equilibrium: it takes no positions of nodes")
@@ -194,7 +184,8 @@ class TetherModel(Running):
     ) -> Outputs:
         """Advance by a communication step with the inputs at its start, to the `Outputs` at its end.
 
-        An input that is not given stays as it is.
+        An input that is not given stays as it is.  StepRefused if the step cannot be done, ValueError if an argument has
+        another shape; the tether then keeps the state and the inputs of before.
 
         Parameters
         ----------
@@ -207,13 +198,6 @@ class TetherModel(Running):
             dynamic one). `reel_out_speed` still says how fast material moves along the tether.
         **inputs
             The other ones of `Inputs`.
-
-        Raises
-        ------
-        StepRefused
-            If the step cannot be done; the tether keeps the state and the inputs of before.
-        ValueError
-            If an argument has another shape; nothing is changed.
         """
         ends = {"kite_position": kite_position, "kite_velocity": kite_velocity}
         ends |= {"ground_position": ground_position, "ground_velocity": ground_velocity}
@@ -258,6 +242,9 @@ class TetherModel(Running):
     ) -> Flown:
         """Advance by many communication steps in compiled code, a `Flown`; equals a loop of `step`, bit for bit.
 
+        ValueError if `inputs` has another shape, `every` is not a whole number of at least 0, or `on_refusal` is something
+        else.  StepRefused says which step cannot be done; the tether keeps the state and the inputs of the step before.
+
         Parameters
         ----------
         inputs : (steps, INPUTS) array
@@ -282,13 +269,6 @@ class TetherModel(Running):
         wind_at : (steps, wind_points, 3) array or None
             Wind [m/s] at the wind points of a tether that has them, which then ignores the wind in `inputs`; None: that of
             before in all steps.
-
-        Raises
-        ------
-        ValueError
-            If `inputs` has another shape, `every` is not a whole number of at least 0, or `on_refusal` is something else.
-        StepRefused
-            If a step cannot be done; the message says which, and the tether keeps the state and inputs of the step before.
         """
         self._check_started()
         inputs = given_inputs.rows(self._receiver, inputs, wind_at)
