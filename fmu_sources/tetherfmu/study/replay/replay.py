@@ -61,8 +61,8 @@ class Replay:
                 "force from positions; let the tension lead"
             )
         for name, each in self.flown.items():
-            if each.refused:
-                yield f"{name} refused {each.refused} communication steps; the first: {each.reason}"
+            if each.refusals:
+                yield f"{name} refused {len(each.refusals)} communication steps; the first: {each.refusals[0].reason}"
 
 
 def default_lead(read):
