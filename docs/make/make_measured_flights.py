@@ -102,7 +102,7 @@ def of_drop(flight, variant="dynamic", longer=0.0, **options):
         "mean tension after 11 s N": tension[since > LYING].mean(),
         "on the ground at the end m": flown.table.grounded_length.iloc[-1],
         "lowest inner node m": f"{lowest.min():.2f}",
-        "steps refused": flown.refused,
+        "steps refused": len(flown.refusals),
     }
     return row, pd.DataFrame({"time": since, "tension": tension, "measured": table.measured, "lowest": lowest})
 

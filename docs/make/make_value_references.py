@@ -5,7 +5,7 @@ from pathlib import Path
 from make_interface import table
 from tetherfmu.export.native.arrays import arrays
 from tetherfmu.export.native.host_header import TYPES, c_name
-from tetherfmu.export.native.tables import count_of_values
+from tetherfmu.export.native.tables import wiring_of
 from tetherfmu.fmi.resources import DEFAULT_OPTIONS
 from tetherfmu.runtime.variables import INPUT, LOCAL, OUTPUT, PARAMETER, variables
 
@@ -49,9 +49,9 @@ In FMI 3 the time has the value reference {time} ({free_time} in `TetherDynamicF
 """
 
 
-def listed(variant):
-    """Arrays and scalars of a tether."""
-    return arrays(variables(variant, POINTS), POINTS)
+def wiring(variant):
+    """Where the variables of a tether stand."""
+    return wiring_of(variant, variables(variant, POINTS), POINTS)
 
 
 def rows(found):
@@ -72,7 +72,8 @@ def rows(found):
 
 def page():
     """Text of docs/reference/value_references.md."""
-    driven, free = listed("dynamic"), listed("dynamic_free")
+    wirings = wiring("dynamic"), wiring("dynamic_free")
+    driven, free = map(arrays, wirings)
     known = {(each.name, each.reference) for each in driven}
     kinds = INPUT, OUTPUT, LOCAL, PARAMETER
     of = {each: [array for array in driven if array.variables[0].causality == each] for each in kinds}
@@ -83,8 +84,8 @@ def page():
         local=rows(of[LOCAL]),
         parameters=rows(of[PARAMETER]),
         free=rows([each for each in free if (each.name, each.reference) not in known]),
-        time=count_of_values(variables("dynamic", POINTS), POINTS),
-        free_time=count_of_values(variables("dynamic_free", POINTS), POINTS),
+        time=wirings[0].ends[2],
+        free_time=wirings[1].ends[2],
     )
 
 

@@ -29,7 +29,7 @@ def main(arguments=None):
         return 0
     if name not in SUBCOMMANDS:
         raise WrongUse(f"tetherfmu: there is no command {name!r}; choose from {', '.join(SUBCOMMANDS)}")
-    return import_module(SUBCOMMANDS[name].module).main(rest, prog=f"tetherfmu {name}")
+    return import_module(SUBCOMMANDS[name].module or f"tetherfmu.commands.{name}").main(rest, prog=f"tetherfmu {name}")
 
 
 if __name__ == "__main__":

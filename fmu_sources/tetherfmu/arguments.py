@@ -122,14 +122,6 @@ def numbers_at(given):
     return found
 
 
-def input_rows(given):
-    """Inputs of many steps, contiguous array (steps, INPUTS); ValueError for another shape."""
-    found = np.ascontiguousarray(given, dtype=float)
-    if found.ndim != 2 or found.shape[1] != at.INPUTS:
-        raise ValueError(f"inputs has the shape {found.shape}; it must be (steps, {at.INPUTS})")
-    return found
-
-
 def number(name, value, unit):
     """A number; ValueError for anything else."""
     try:
@@ -156,12 +148,6 @@ def steps(name, value, count):
     if found.shape != (count,):
         raise ValueError(f"{name} has the shape {found.shape}; it must be a number or {(count,)}")
     return found
-
-
-def one_of(name, value, names):
-    """ValueError unless a value is one of some names."""
-    if value not in names:
-        raise ValueError(f"{name} is {value!r}; it must be one of {', '.join(map(repr, names))}")
 
 
 def wind_points(value):

@@ -13,7 +13,7 @@ from tetherfmu.runtime.status import code
 from .results import Refusal
 
 ON_REFUSAL = ("raise", "stop", "skip")
-SPAN = 1000  # steps, about, whose rows are all kept at a time where refused steps are skipped
+SPAN = 1000  # steps, about, whose rows are all kept at a time
 
 
 class Rows(NamedTuple):
@@ -38,11 +38,11 @@ def fly(instance, inputs, step, every, outputs, skip=False, winds=None):
     """
     before = instance.values[: instance.outputs_at]
     began = perf_counter()
-    if np.ndim(step) or winds is not None:
-        steps = np.broadcast_to(step, len(inputs))
-        rows, refusals = _row_by_row(instance, inputs, steps, winds, every, outputs, skip)
+    if np.ndim(step) or winds is not None or skip:
+        rows, refusals = _in_pieces(instance, inputs, step, winds, every, outputs, skip)
     else:
-        rows, refusals = (_skipping if skip else _until_refused)(instance, inputs, step, every, outputs)
+        done, rows = _run(instance, inputs, step, every, outputs)
+        refusals = (_refusal(instance, inputs, step, done),) if done < len(inputs) else ()
     seconds = perf_counter() - began
     skipped = {refusal.step for refusal in refusals}
     end = min(skipped) if skipped and not skip else len(inputs)
@@ -56,16 +56,6 @@ def _places(instance, outputs):
     size, lines = instance.parameters_at - instance.outputs_at, len(instance.lines)
     peaks, motion = (size, size + lines) if outputs != at.NEVER else (0, 0)
     return peaks, [*np.cumsum([motion, *(6 * (segments + 1) for segments in instance.counts)]).tolist()]
-
-
-def _width(instance, outputs):
-    """Numbers of a row."""
-    return _places(instance, outputs)[1][-1]
-
-
-def _unflown(instance, count, outputs):
-    """So many rows of NaN."""
-    return np.full((count, _width(instance, outputs)), np.nan)
 
 
 def _cut(instance, rows, outputs):
@@ -83,7 +73,7 @@ def _cut(instance, rows, outputs):
 def _run(instance, inputs, step, every, outputs):
     """How many steps were done until one was refused, and the rows until then, array (rows, numbers)."""
     count = len(inputs) // every if every else 0
-    rows = np.zeros((count + 1, _width(instance, outputs)))  # the last one for scratch
+    rows = np.zeros((count + 1, _places(instance, outputs)[1][-1]))  # the last one for scratch
     arrays = instance.plan, instance.parameters, instance.state, instance.before, instance.work
     plan, parameters, state, before, work = map(address, arrays)
     flight = inputs.ctypes.data, len(inputs), step, every, outputs
@@ -97,46 +87,32 @@ def _refusal(instance, inputs, step, place):
     return Refusal(place, instance.advance(step), code(instance.status))
 
 
-def _until_refused(instance, inputs, step, every, outputs):
-    """Rows, and a tuple of the `Refusal` that ended the flight, or none."""
-    done, rows = _run(instance, inputs, step, every, outputs)
-    return rows, (_refusal(instance, inputs, step, done),) if done < len(inputs) else ()
+def _in_pieces(instance, inputs, step, winds, every, outputs, skip):
+    """Rows, and a tuple of the `Refusal` of each refused step; refused ones left out, steps [s] that differ, winds at nodes.
 
-
-def _skipping(instance, inputs, step, every, outputs):
-    """Rows, and a tuple of the `Refusal` of each step that was left out."""
-    span, refusals = max(every, SPAN - SPAN % every) if every else len(inputs), []
-    kept = [_unflown(instance, 0, outputs)]
-    for first in range(0, len(inputs), max(1, span)):
-        part = inputs[first : first + span]
-        rows, k = _unflown(instance, len(part) if every else 0, outputs), 0
-        while k < len(part):
-            done, flown = _run(instance, part[k:], step, 1 if every else 0, outputs)
+    A piece goes to the next refused step; it is one step if that or the winds differ.
+    """
+    steps, longest = np.broadcast_to(step, len(inputs)), 1 if np.ndim(step) or winds is not None else len(inputs)
+    span, refusals = max(every, SPAN - SPAN % every) if every else max(1, len(inputs)), []
+    kept = [np.zeros((0, _places(instance, outputs)[1][-1]))]
+    for first in range(0, len(inputs), span):
+        count, k = min(span, len(inputs) - first), 0
+        rows = np.full((count if every else 0, kept[0].shape[1]), np.nan)
+        while k < count:
+            parameters, piece = instance.parameters[:], inputs[first + k : first + min(k + longest, count)]
+            if winds is not None:
+                put_node_winds(instance, winds[first + k])
+            done, flown = _run(instance, piece, float(steps[first + k]), 1 if every else 0, outputs)
             rows[k : k + len(flown)] = flown
-            k += done + 1
-            if k <= len(part):
-                refusals.append(_refusal(instance, inputs, step, first + k - 1))
+            k += done
+            if done < len(piece):
+                refusals.append(_refusal(instance, inputs, float(steps[first + k]), first + k))
+                instance.parameters[:] = parameters  # the winds of before
+                if not skip:
+                    return np.concatenate([*kept, _every(instance, rows[:k], every, outputs)]), tuple(refusals)
+                k += 1
         kept.append(_every(instance, rows, every, outputs))
     return np.concatenate(kept), tuple(refusals)
-
-
-def _row_by_row(instance, inputs, steps, winds, every, outputs, skip):
-    """Rows, and a tuple of the `Refusal` of each refused step, of steps [s] that differ or with winds at the nodes."""
-    rows, refusals = _unflown(instance, len(inputs) if every else 0, outputs), []
-    for k in range(len(inputs)):
-        parameters = instance.parameters[:]
-        if winds is not None:
-            put_node_winds(instance, winds[k])
-        done, flown = _run(instance, inputs[k : k + 1], float(steps[k]), 1 if every else 0, outputs)
-        if done:
-            rows[k : k + len(flown)] = flown
-        else:
-            refusals.append(_refusal(instance, inputs, float(steps[k]), k))
-            instance.parameters[:] = parameters  # the winds of before
-            if not skip:
-                rows = rows[:k]
-                break
-    return _every(instance, rows, every, outputs), tuple(refusals)
 
 
 def put_node_winds(instance, winds, line=0):

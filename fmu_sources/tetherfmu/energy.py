@@ -8,8 +8,9 @@ powers do not explain appeared from nowhere; `EnergyAudit` follows that residual
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
-from typing import Any, Protocol
+from dataclasses import dataclass, field, fields
+from inspect import cleandoc
+from typing import Any
 
 import numpy as np
 
@@ -22,45 +23,20 @@ from tetherfmu.runtime.instance import address
 WITH_POWER = ("reel_out_speed", "wind_velocity", "kite_load", "winch_force")
 
 
+def _of(unit):
+    """Function that declares a field of `Energy` with this unit by its meaning."""
+    return lambda meaning: field(metadata={"about": f"{meaning} [{unit}]"})
+
+
+_energy, _power = _of("J"), _of("W")
+
+
 @dataclass(frozen=True)
 class Energy:
     """Energies [J] of a tether and the powers [W] that change them, in the order of `kernels.step.power_balance`.
 
-    Attributes
-    ----------
-    kinetic : float
-        Of the nodes that move freely; the half particle at a driven end belongs to what drives it.
-    elastic : float
-        Of the springs.
-    potential : float
-        Weight times height over z = 0, with both half particles; and what the ground stores under free nodes.
-    ground_power : float
-        What the holder of the end puts into the tether, - end force . end velocity.
-    kite_power : float
-        The same at the kite; at a free kite end: load . velocity.
-    winch_power : float
-        Work against the tension where the tether gets shorter or longer, - sum T (l/l0) dl0/dt.
-    material_power : float
-        Kinetic, elastic and potential energy that new material brings; negative while reeling in.
-    wind_power : float
-        Drag force . wind velocity.
-    damping_loss : float
-        Heat in the dampers; at least 0 with the strain-rate law.
-    drag_loss : float
-        Heat in the air, drag force . (wind - tether velocity); at least 0.
-    drum : float
-        Kinetic energy of a drum that is controlled by force. This and the following are no part of `total` and `power`,
-        and 0 of any other winch.
-    drum_power : float
-        What the tension of the first segment puts into the drum, tension . speed.
-    motor_power : float
-        What the motor puts into the drum, - winch_force . speed.
-    friction_loss : float
-        Heat of the friction of the drum; at least 0.
-    contact_loss : float
-        Heat in the ground where nodes sink into it or leave it; its elastic energy is part of `potential`.
-    sliding_loss : float
-        Heat of the friction on the ground; at least 0.
+    Those of the drum of a winch (`drum`, `drum_power`, `motor_power`, `friction_loss`) are no part of `total` and `power`,
+    and 0 where it is not controlled by force.
 
     Examples
     --------
@@ -71,22 +47,28 @@ class Energy:
     True
     """
 
-    kinetic: float
-    elastic: float
-    potential: float
-    ground_power: float
-    kite_power: float
-    winch_power: float
-    material_power: float
-    wind_power: float
-    damping_loss: float
-    drag_loss: float
-    drum: float
-    drum_power: float
-    motor_power: float
-    friction_loss: float
-    contact_loss: float
-    sliding_loss: float
+    kinetic: float = _energy("of the nodes that move freely; the half particle at a driven end belongs to what drives it")
+    elastic: float = _energy("of the springs")
+    potential: float = _energy(
+        "weight times height over z = 0, with both half particles; and what the ground stores under free nodes"
+    )
+    ground_power: float = _power("what the holder of the end puts into the tether, - end force . end velocity")
+    kite_power: float = _power("the same at the kite; at a free kite end: load . velocity")
+    winch_power: float = _power("work against the tension where the tether gets shorter or longer, - sum T (l/l0) dl0/dt")
+    material_power: float = _power(
+        "kinetic, elastic and potential energy that new material brings; negative while reeling in"
+    )
+    wind_power: float = _power("drag force . wind velocity")
+    damping_loss: float = _power("heat in the dampers; at least 0 with the strain-rate law")
+    drag_loss: float = _power("heat in the air, drag force . (wind - tether velocity); at least 0")
+    drum: float = _energy("kinetic energy of a drum that is controlled by force")
+    drum_power: float = _power("what the tension of the first segment puts into the drum, tension . speed")
+    motor_power: float = _power("what the motor puts into the drum, - winch_force . speed")
+    friction_loss: float = _power("heat of the friction of the drum; at least 0")
+    contact_loss: float = _power(
+        "heat in the ground where nodes sink into it or leave it; its elastic energy is part of `potential`"
+    )
+    sliding_loss: float = _power("heat of the friction on the ground; at least 0")
 
     @property
     def total(self) -> float:
@@ -100,6 +82,8 @@ class Energy:
         return gains - self.damping_loss - self.drag_loss - self.contact_loss - self.sliding_loss
 
 
+_DECLARED = [f"{each.name} : float\n    {each.metadata['about']}" for each in fields(Energy)]
+Energy.__doc__ = "\n".join([cleandoc(Energy.__doc__), "", "Attributes", "----------", *_DECLARED])
 POWERS = tuple(field.name for field in fields(Energy) if field.name.endswith(("_power", "_loss")))
 
 
@@ -124,26 +108,16 @@ def account(instance, line=0, **given):
     return Energy(*energies.tolist()), tensions, velocities.reshape(-1, 3)
 
 
-class Audited(Protocol):
-    """What can be audited: it knows its `Energy`, and its step takes inputs by name."""
-
-    def step(self, step: float, **inputs) -> Any:
-        """Advance by `step` [s]."""
-
-    def energy(self, **inputs) -> Energy:
-        """Energies and powers of the present state, with other values of inputs in `WITH_POWER` where they are given."""
-
-
 class EnergyAudit:
-    """Steps what is `Audited`, such as a tether, and integrates its powers, so that energy from nowhere is seen.
+    """Steps a tether, and integrates its powers, so that energy from nowhere is seen.
 
     The trapezoidal rule over the communication steps: its error falls with the square of the step, so take steps that are
     short against the shortest vibration of interest. The run itself is the same as without the audit.
 
     Parameters
     ----------
-    model : Audited
-        Such as an initialized `TetherDynamic`. Do not step it elsewhere while the audit runs.
+    model : TetherModel
+        Initialized, with nodes; or what has `step` and `energy` as it has. Do not step it elsewhere while the audit runs.
 
     Attributes
     ----------
@@ -163,7 +137,7 @@ class EnergyAudit:
     True
     """
 
-    def __init__(self, model: Audited):
+    def __init__(self, model: Any):
         self._model = model
         self.start = self.now = model.energy()
         self.work = dict.fromkeys(POWERS, 0.0)

@@ -104,8 +104,12 @@ def wind_at_points(to, wind, before):
 def rows(to, inputs, wind_at):
     """Inputs of many steps with the wind at the wind points, as `compiled_flight.fly` takes them.
 
-    inputs : array (steps, INPUTS).  wind_at : [m/s], (steps, wind_points, 3); None for that of before in all steps.
+    inputs : (steps, INPUTS).  wind_at : [m/s], (steps, wind_points, 3); None for that of before in all steps.  ValueError
+    for another shape.
     """
+    inputs = np.ascontiguousarray(inputs, dtype=float)
+    if inputs.ndim != 2 or inputs.shape[1] != at.INPUTS:
+        raise ValueError(f"inputs has the shape {inputs.shape}; it must be (steps, {at.INPUTS})")
     if wind_at is not None:
         winds = wind_at_points(to, wind_at, (len(inputs),)).reshape(len(inputs), -1)
     elif to.wind_points:

@@ -55,6 +55,20 @@ def tables_of(path):
         raise ValueError("cannot be used (its tables or lists are nested too deeply)") from None
 
 
+def vector_in(unit, limit):
+    """Function that reads three numbers of this unit, or texts with units, none beyond a limit, from a value of a file."""
+
+    def read_vector(value):
+        if not isinstance(value, list) or len(value) != 3:
+            raise ValueError(f"it must be three numbers [x, y, z] in {unit}")
+        numbers = tuple(float(in_si(each, unit)) for each in value)
+        if not all(abs(each) <= limit for each in numbers):  # NaN is not
+            raise ValueError(f"each must be a finite number of at most {limit:g} {unit} in magnitude")
+        return numbers
+
+    return read_vector
+
+
 def ground_of(table, environment):
     """The `Ground` of a table of a file; ValueError if it does not go with the environment."""
     ground = Ground(**{GROUND + name: value for name, value in vars(table).items()})

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import contextmanager
 from copy import deepcopy
 from pickle import PicklingError
 from warnings import warn
@@ -76,6 +77,22 @@ class Running:
         has_drum = any(each[at.WINCH_CONTROL] == at.WINCH_BY_FORCE for each in numbers)
         return most_of_a_step(numbers[0][at.FIXED_STEP_METHOD] == at.BACKWARD_EULER, has_drum)
 
+    @contextmanager
+    def _all_or_nothing(self):
+        """Inputs and parameters are as they were before where what is done with them is refused."""
+        instance = self._instance
+        before = instance.values[: instance.outputs_at], instance.parameters[:]
+        try:
+            yield
+        except ValueError:
+            instance.values[: instance.outputs_at], instance.parameters[:] = before
+            raise
+
+    def _refuse(self, problem):
+        """StepRefused if there is a problem with a start or a step."""
+        if problem:
+            raise StepRefused(problem, self._instance.status)
+
     def _check_started(self):
         """StepRefused before `initialize`."""
         if not self._runs:
@@ -97,7 +114,9 @@ class Running:
 
     def _fly(self, inputs, step, every, when, on_refusal, flown_of, winds=None):
         """What `fly` does; flown_of : function that makes its result of what `compiled_flight.fly` gives."""
-        arguments.one_of("on_refusal", on_refusal, compiled_flight.ON_REFUSAL)
+        if on_refusal not in compiled_flight.ON_REFUSAL:
+            names = ", ".join(map(repr, compiled_flight.ON_REFUSAL))
+            raise ValueError(f"on_refusal is {on_refusal!r}; it must be one of {names}")
         every = arguments.whole("every", every)
         found = compiled_flight.fly(self._instance, inputs, step, every, when, on_refusal == "skip", winds)
         flown, refusals = flown_of(*found), found[-1]

@@ -21,12 +21,15 @@ from tetherfmu.runtime.variants import BY_NAME, library_of
 
 from . import arguments, energy, given_inputs, states
 from .given_inputs import Inputs
-from .results import Flown, Outputs, PlausibilityWarning, StepRefused, flown_of, outputs_of
+from .results import Flown, Outputs, PlausibilityWarning, flown_of, outputs_of
 from .running import Running
 
 
 class TetherModel(Running):
     """What all tethers share. Use one of the classes in `models`.
+
+    TypeError if a record is something else, or a quantity does not exist.  ValueError names a parameter that is out of
+    range, its value and what is allowed.  RuntimeError if the kernels of this installation have to be compiled and cannot.
 
     Parameters
     ----------
@@ -48,15 +51,6 @@ class TetherModel(Running):
     **quantities
         Any quantity of `Tether`, `Environment`, `Solver`, `Winch` and `Ground` by its name replaces that of the record, as
         in ``TetherDynamic(initial_length=525.0, segments=30, wind_profile="power_law")``.
-
-    Raises
-    ------
-    TypeError
-        If `tether`, `environment`, `solver`, `winch` or `ground` is something else, or a quantity does not exist.
-    ValueError
-        If a parameter is out of range; the message names it, its value and what is allowed.
-    RuntimeError
-        If the kernels of this installation have to be compiled and cannot.
     """
 
     variant: str = ""
@@ -132,7 +126,10 @@ class TetherModel(Running):
         velocities: ArrayLike | None = None,
         **inputs: Unpack[Inputs],
     ) -> Outputs:
-        """Start between two ends, the dynamic tether with its `initial_shape`.
+        """Start between two ends, the dynamic tether with its `initial_shape`; returns the `Outputs` of the start.
+
+        StepRefused if an input is not finite or no equilibrium is found, ValueError if an argument has another shape or is
+        out of range; the tether is then as it was before.
 
         Parameters
         ----------
@@ -148,26 +145,14 @@ class TetherModel(Running):
             The first and the last node are the ends, whose inputs are then not given.
         **inputs
             The other ones of `Inputs`; 0 if not given.
-
-        Returns
-        -------
-        Outputs
-            Those of the start.
-
-        Raises
-        ------
-        StepRefused
-            If an input is not finite or no equilibrium is found; the tether is as it was before.
-        ValueError
-            If an argument has another shape or is out of range.
         """
         if positions is not None and not self._variant.has_waves:
             raise ValueError(f"{type(self).__name__} is always in equilibrium: it takes no positions of nodes")
         nodes = arguments.motion_of_nodes(positions, velocities, self.segments)
         if nodes is not None:
             (ground_position, *_, kite_position), (ground_velocity, *_, kite_velocity) = nodes
-        before, parameters = self._inputs.copy(), self._parameters.copy()
-        try:
+        parameters = self._parameters.copy()
+        with self._all_or_nothing():
             ends = {"kite_position": kite_position, "kite_velocity": kite_velocity}
             ends |= {"ground_position": ground_position, "ground_velocity": ground_velocity}
             given_inputs.put(self._receiver, given_inputs.starts(self.wind_points) | ends | inputs, at_start=True)
@@ -176,12 +161,7 @@ class TetherModel(Running):
                 self._parameters[at.INITIAL_LENGTH] = arguments.length_with(slack, chord, self.segments)
             if nodes is not None:
                 self._parameters[at.INITIAL_SHAPE], self._parameters[at.KITE_START] = at.STRAIGHT, at.START_GIVEN
-            problem = self._instance.start()
-            if problem:
-                raise StepRefused(problem, self._instance.status)
-        except ValueError:
-            self._inputs[:], self._parameters[:] = before, parameters
-            raise
+            self._refuse(self._instance.start())
         for place in (at.INITIAL_LENGTH, at.INITIAL_SHAPE, at.KITE_START):
             self._parameters[place] = parameters[place]
         self._runs = True
@@ -202,7 +182,10 @@ class TetherModel(Running):
         tether_length: float | None = None,
         **inputs: Unpack[Inputs],
     ) -> Outputs:
-        """Advance by a communication step with the inputs at its start; an input that is not given stays as it is.
+        """Advance by a communication step with the inputs at its start, to the `Outputs` at its end.
+
+        An input that is not given stays as it is.  StepRefused if the step cannot be done, ValueError if an argument has
+        another shape; the tether then keeps the state and the inputs of before.
 
         Parameters
         ----------
@@ -215,18 +198,6 @@ class TetherModel(Running):
             dynamic one). `reel_out_speed` still says how fast material moves along the tether.
         **inputs
             The other ones of `Inputs`.
-
-        Returns
-        -------
-        Outputs
-            Those at the end of the step.
-
-        Raises
-        ------
-        StepRefused
-            If the step cannot be done; the tether keeps the state and the inputs of before.
-        ValueError
-            If an argument has another shape; nothing is changed.
         """
         ends = {"kite_position": kite_position, "kite_velocity": kite_velocity}
         ends |= {"ground_position": ground_position, "ground_velocity": ground_velocity}
@@ -235,12 +206,13 @@ class TetherModel(Running):
     def _step(self, step, tether_length, given):
         """What `step` does; given : inputs by name."""
         self._check_started()
-        before = self._inputs.copy(), self._parameters.copy(), self._state[at.LENGTH]
+        length = self._state[at.LENGTH]
         try:
-            given_inputs.put(self._receiver, given)
-            self._advance(arguments.number("step", step, "s"), tether_length)
+            with self._all_or_nothing():
+                given_inputs.put(self._receiver, given)
+                self._advance(arguments.number("step", step, "s"), tether_length)
         except ValueError:
-            self._inputs[:], self._parameters[:], self._state[at.LENGTH] = before
+            self._state[at.LENGTH] = length
             raise
         self._warn(deeper=1)
         return self._present()
@@ -253,9 +225,7 @@ class TetherModel(Running):
             length = arguments.tether_length(tether_length, self._variant.has_waves, by_speed)
             self._state[at.LENGTH] = length - self._inputs[at.REEL_OUT_SPEED] * step
             self._parameters[at.INPUT_CONTINUATION] = at.HELD
-        problem = self._instance.advance(step)
-        if problem:
-            raise StepRefused(problem, self._instance.status)
+        self._refuse(self._instance.advance(step))
         self._parameters[at.INPUT_CONTINUATION] = continuation
 
     def fly(
@@ -270,7 +240,10 @@ class TetherModel(Running):
         node_winds: ArrayLike | None = None,
         wind_at: ArrayLike | None = None,
     ) -> Flown:
-        """Advance by many communication steps in compiled code; equals a loop of `step`, bit for bit.
+        """Advance by many communication steps in compiled code, a `Flown`; equals a loop of `step`, bit for bit.
+
+        ValueError if `inputs` has another shape, `every` is not a whole number of at least 0, or `on_refusal` is something
+        else.  StepRefused says which step cannot be done; the tether keeps the state and the inputs of the step before.
 
         Parameters
         ----------
@@ -296,20 +269,9 @@ class TetherModel(Running):
         wind_at : (steps, wind_points, 3) array or None
             Wind [m/s] at the wind points of a tether that has them, which then ignores the wind in `inputs`; None: that of
             before in all steps.
-
-        Returns
-        -------
-        Flown
-
-        Raises
-        ------
-        ValueError
-            If `inputs` has another shape, `every` is not a whole number of at least 0, or `on_refusal` is something else.
-        StepRefused
-            If a step cannot be done; the message says which, and the tether keeps the state and inputs of the step before.
         """
         self._check_started()
-        inputs = given_inputs.rows(self._receiver, arguments.input_rows(inputs), wind_at)
+        inputs = given_inputs.rows(self._receiver, inputs, wind_at)
         step = arguments.steps("step", step, len(inputs)) if np.ndim(step) else arguments.number("step", step, "s")
         winds = given_inputs.node_winds(self._receiver, node_winds, len(inputs))
         when = (at.ALWAYS if peaks else at.AT_ROWS) if outputs else at.NEVER

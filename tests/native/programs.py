@@ -3,7 +3,6 @@
 import shutil
 import subprocess
 
-from tetherfmu.export.native.arrays import arrays
 from tetherfmu.export.native.fmus import HEADERS
 from tetherfmu.export.native.tables import header, wiring_of
 from tetherfmu.libraries import ready
@@ -28,8 +27,7 @@ def compiled(folder, variant, fmi, source, options, segments=3, shape_points=5, 
     shell : whether the shell and the kernels are in the program.
     """
     table = table_of(variant, {"segments": segments, "shape_points": shape_points})
-    widths = {each.reference: len(each.variables) for each in arrays(table, shape_points)} if fmi == 3 else None
-    (folder / "tables.h").write_text(header(wiring_of(variant, table, shape_points), widths, "{token}"))
+    (folder / "tables.h").write_text(header(wiring_of(variant, table, shape_points), fmi, "{token}"))
     (folder / "unit.c").write_text(f'{unit(fmi) if shell else ""}#include "{source}"\n')
     library = library_of(variant)
     kernels = ready.folders([library], [this_platform()])[library] / object_name(this_platform())

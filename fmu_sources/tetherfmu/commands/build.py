@@ -43,18 +43,15 @@ def platforms(text):
     return names
 
 
-def shape_points(text):
-    """Type of the number of points of the shape."""
-    if not text.isdecimal() or int(text) not in (0, *range(2, MAX_SHAPE_POINTS + 1)):
-        raise argparse.ArgumentTypeError(f"{text!r} is not possible; it must be 0, or from 2 to {MAX_SHAPE_POINTS}")
-    return int(text)
+def points(most):
+    """Type of a number of points: none, or from 2 to so many."""
 
+    def converted(text):
+        if not text.isdecimal() or int(text) not in (0, *range(2, most + 1)):
+            raise argparse.ArgumentTypeError(f"{text!r} is not possible; it must be 0, or from 2 to {most}")
+        return int(text)
 
-def wind_points(text):
-    """Type of the number of points of the wind."""
-    if not text.isdecimal() or int(text) not in (0, *range(2, MAX_WIND_POINTS + 1)):
-        raise argparse.ArgumentTypeError(f"{text!r} is not possible; it must be 0, or from 2 to {MAX_WIND_POINTS}")
-    return int(text)
+    return converted
 
 
 def starts_of(diameter, material):
@@ -110,13 +107,13 @@ def _add_points(option):
     """Declare the points of the shape and of the wind; see `_add_start_values`."""
     option(
         "--shape-points",
-        type=shape_points,
+        type=points(MAX_SHAPE_POINTS),
         metavar="K",
         help=f"points of the output shape, 0 for none (default: {BuildOptions.shape_points}; of a system, one at each node)",
     )
     option(
         "--wind-points",
-        type=wind_points,
+        type=points(MAX_WIND_POINTS),
         default=BuildOptions.wind_points,
         metavar="K",
         help="points of the input wind_at, which replaces wind_velocity and the profile; 0 for none (default: 0)",

@@ -31,31 +31,17 @@ def parse(arguments, prog):
     option("log", metavar="LOG", help="the log (CSV)")
     about = "what its columns are: a map of this package, or a file (TOML) (default: kitepower)"
     option("--as", dest="map", metavar="MAP", help=about)
-    option(
-        "--set",
-        type=constant,
-        action="append",
-        metavar="NAME=VALUE",
-        help="change a constant of the map, such as tether.diameter=0.014",
-    )
-    leads = ("tension", "length", "speed")
-    option(
-        "--lead",
-        choices=leads,
-        help="what the winch follows: tension, length or speed (default: the first of them in the log)",
-    )
+    about = "change a constant of the map, such as tether.diameter=0.014"
+    option("--set", type=constant, action="append", metavar="NAME=VALUE", help=about)
+    about = "what the winch follows: tension, length or speed (default: the first of them in the log)"
+    option("--lead", choices=("tension", "length", "speed"), help=about)
     tethers = tuple(reversed(VARIANTS))
     option("--tether", choices=tethers, nargs="+", metavar="NAME", help=f"tethers: {', '.join(tethers)} (default: all)")
     whole, about = number(1, MAX_SEGMENTS, whole=True), f"segments of tethers with nodes (default: {Tether.segments})"
     option("--segments", type=whole, default=Tether.segments, metavar="N", help=about)
-    option(
-        "--from",
-        dest="start",
-        type=number(unit="s"),
-        metavar="T",
-        help="start of the flight, in s of the log (default: its first)",
-    )
-    option("--to", dest="end", type=number(unit="s"), metavar="T", help="end of the flight (default: that of the log)")
+    time, about = number(unit="s"), "start of the flight, in s of the log (default: its first)"
+    option("--from", dest="start", type=time, metavar="T", help=about)
+    option("--to", dest="end", type=time, metavar="T", help="end of the flight (default: that of the log)")
     fits = ("offset", "origin", "delay", "nothing")
     about = (
         "what is fitted so that length and positions agree: offset, origin, delay, or nothing (default: offset, if possible)"
@@ -64,8 +50,8 @@ def parse(arguments, prog):
     about = (
         "start of the part used for the fit (default: what is before the flight; its first half if that is less than 20 s)"
     )
-    option("--fit-from", type=number(unit="s"), metavar="T", help=about)
-    option("--fit-to", type=number(unit="s"), metavar="T", help="end of that part")
+    option("--fit-from", type=time, metavar="T", help=about)
+    option("--fit-to", type=time, metavar="T", help="end of that part")
     option("--out", type=folder, metavar="DIR", help="folder of the results (default: flights/NAME)")
     option("--html", action="store_true", help="also write a page with the tether in space (needs plotly)")
     about = "also build the FMU that is advised for this flight, with its values as start values"

@@ -60,11 +60,6 @@ def parse(arguments, prog):
     return given
 
 
-def question(path):
-    """What a lesson asks: the first line of its docstring."""
-    return ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))).partition("\n")[0]
-
-
 def copy(place, overwrite):
     """Copy all examples; WrongUse names a file that would be replaced against the user's will."""
     origin = EXAMPLES
@@ -105,6 +100,8 @@ def main(arguments=None, prog="tetherfmu tutorial"):
         return run(given)
     known = lessons()
     width = max(map(len, known))
-    print("\n".join(f"{name:<{width}}  {question(path)}" for name, path in known.items()))
+    for name, path in known.items():  # with what it asks
+        about = ast.get_docstring(ast.parse(path.read_text(encoding="utf-8")))
+        print(f"{name:<{width}}  {about.splitlines()[0]}")
     print('tetherfmu tutorial LESSON runs one (pip install "tetherfmu[examples]"), tetherfmu tutorial --copy DIR copies all')
     return 0

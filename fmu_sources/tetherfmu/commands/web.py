@@ -56,12 +56,8 @@ def main(arguments=None, prog="tetherfmu web"):
     option = parser.add_argument
     option("--out", default="web", type=folder, metavar="DIR", help="folder of the page (default: web)")
     option("--serve", action="store_true", help="also serve it on this machine, until Ctrl-C; a browser needs a server")
-    option(
-        "--port",
-        type=number(1, 65535, whole=True),
-        metavar="P",
-        help="with --serve: port of the server (default: a free one)",
-    )
+    about = "with --serve: port of the server (default: a free one)"
+    option("--port", type=number(1, 65535, whole=True), metavar="P", help=about)
     given = parser.parse_args(arguments)
     if given.port and not given.serve:
         parser.error("--port goes with --serve")

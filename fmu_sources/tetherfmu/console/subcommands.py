@@ -6,49 +6,42 @@ from typing import NamedTuple
 class Subcommand(NamedTuple):
     """One of `SUBCOMMANDS`."""
 
-    module: str  # whose function `main` does it
     about: str
     example: str  # that can be typed
+    module: str = ""  # whose function `main` does it; "" for that of its name in `commands`
 
 
 SUBCOMMANDS = {
     "build": Subcommand(
-        "tetherfmu.commands.build",
         "build FMUs: all, or those that are named",
         "tetherfmu build dynamic --segments 20 --native",
     ),
     "fly": Subcommand(
-        "tetherfmu.commands.fly",
         "fly a kite on a circle, or the flight of a CSV file, with tether FMUs",
         "tetherfmu fly --tether all --wind 8 0 0",
     ),
     "check": Subcommand(
-        "tetherfmu.check.__main__",
         "check FMUs on this machine",
         "tetherfmu check dist/TetherDynamic.fmu",
+        "tetherfmu.check.__main__",
     ),
     "replay": Subcommand(
-        "tetherfmu.commands.replay",
         "fly a measured flight with the tethers, and compare them with its log",
         "tetherfmu replay examples/flights/kitepower_20191008_0012.csv --as kitepower_2019",
     ),
     "advise": Subcommand(
-        "tetherfmu.commands.advise",
         "say which FMU, segments, tolerance and communication step a scene needs",
         "tetherfmu advise examples/scenes/circle.toml --fast",
     ),
     "tradeoff": Subcommand(
-        "tetherfmu.commands.tradeoff",
         "measure error and cost of every configuration in a scene",
         "tetherfmu tradeoff examples/scenes/circle.toml",
     ),
     "tutorial": Subcommand(
-        "tetherfmu.commands.tutorial",
         "list, run and copy the lessons of the tutorial",
         "tetherfmu tutorial 06 --out plots",
     ),
     "web": Subcommand(
-        "tetherfmu.commands.web",
         "write a page in which one flies a tether in the browser",
         "tetherfmu web --serve",
     ),

@@ -161,18 +161,13 @@ def pack(resources, shipped, folder):
     path = list(sys.path)
     beside = [each for each in resources.iterdir() if each != script]
     try:
-        return _unpacked(FmuBuilder.build_FMU(script, dest=folder, project_files=beside))
+        with zipfile.ZipFile(FmuBuilder.build_FMU(script, dest=folder, project_files=beside)) as made:
+            names = [name for name in made.namelist() if not name.endswith("/") and "__pycache__" not in name]
+            return {name: made.read(name) for name in names}
     finally:
         sys.path[:] = path
         for module in [name for name in sys.modules if name.split(".")[0] in (script.stem, package.name)]:
             del sys.modules[module]
-
-
-def _unpacked(archive):
-    """Files of an archive: dict of path to bytes."""
-    with zipfile.ZipFile(archive) as opened:
-        names = [name for name in opened.namelist() if not name.endswith("/") and "__pycache__" not in name]
-        return {name: opened.read(name) for name in names}
 
 
 def _replace_attribute(description, name, value):

@@ -8,58 +8,27 @@ from tetherfmu.runtime.kernel_library import this_platform
 
 @dataclass(frozen=True)
 class Purpose:
-    """What an FMU for one purpose, a scene or a system, has of its own.
+    """What an FMU for one purpose, a scene or a system, has of its own."""
 
-    Attributes
-    ----------
-    name : str
-        It is added to the file name of the FMU.
-    left_out : tuple of str
-        Inputs and outputs that the FMU goes without; such inputs stay 0.
-    about : str
-        Sentence that is added to the description of the FMU.
-    step : float
-        Communication step of the default experiment [s].
-    stop : float
-        Stop time of the default experiment [s].
-    page : str
-        What its documentation page says before the tables of variables, HTML.
-    """
-
-    name: str
-    left_out: tuple
-    about: str
-    step: float
-    stop: float
-    page: str
+    name: str  # is added to the file name of the FMU
+    left_out: tuple  # names of inputs and outputs that the FMU goes without; such inputs stay 0
+    about: str  # sentence that is added to the description of the FMU
+    step: float  # communication step of the default experiment [s]
+    stop: float  # stop time of the default experiment [s]
+    page: str  # what its documentation page says before the tables of variables, HTML
 
 
 @dataclass(frozen=True)
 class BuildOptions:
-    """What can be chosen when an FMU of a tether is built; equal options give equal bytes.
+    """What can be chosen when an FMU of a tether is built; equal options give equal bytes."""
 
-    Attributes
-    ----------
-    segments : int
-        Start value of the parameter `segments`.
-    shape_points : int
-        Points of the output `shape`; 0 leaves it out.
-    platforms : tuple of str
-        Names in `ahead_of_time.TARGETS` for which kernels are put in; the default is that of this machine.
-    starts : tuple of pairs
-        (Input or parameter, start value), where it is not the default; without a purpose parameters of `Tether` only.
-    purpose : Purpose, optional
-        Of an FMU that is for one scene or one system; None for all others, which have an evidence set.
-    wind_points : int
-        Points of the input `wind_at`, at least 2; 0 leaves it out.
-    """
-
-    segments: int = DEFAULT_OPTIONS["segments"]
-    shape_points: int = DEFAULT_OPTIONS["shape_points"]
-    platforms: tuple = field(default_factory=lambda: (this_platform(),))
+    segments: int = DEFAULT_OPTIONS["segments"]  # start value of the parameter `segments`
+    shape_points: int = DEFAULT_OPTIONS["shape_points"]  # points of the output `shape`; 0 leaves it out
+    platforms: tuple = field(default_factory=lambda: (this_platform(),))  # of `ahead_of_time.TARGETS`, with kernels for them
+    # pairs (input or parameter, start value), where it is not the default; without a purpose parameters of `Tether` only
     starts: tuple = ()
-    purpose: Purpose | None = None
-    wind_points: int = DEFAULT_OPTIONS["wind_points"]
+    purpose: Purpose | None = None  # of an FMU for one scene or one system; all others have an evidence set
+    wind_points: int = DEFAULT_OPTIONS["wind_points"]  # points of the input `wind_at`, at least 2; 0 leaves it out
 
     def as_dict(self):
         """What the FMU itself must know, without defaults, as `fmi.resources.options_in` reads it."""

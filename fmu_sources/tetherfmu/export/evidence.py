@@ -256,7 +256,9 @@ def winch_set(kind, model, tether):
         numbers = _MASS * weight / Environment().gravity, _FRICTION * weight, _STOP * tether.initial_length
         mass, friction, stop = rounded(numbers)
         winch = Winch(winch_control=kind, winch_mass=mass, winch_friction=friction, longest_length=stop)
-    load = {"kite_load": _load_on(weight)} if is_free else {}
+    x, y, z = (_OUTWARDS * weight * part / hypot(*KITE_AT_START) for part in KITE_AT_START)
+    carried = FreeKite().kite_mass * Environment().gravity
+    load = {"kite_load": rounded((x, y, z + carried))} if is_free else {}
     at = partial(pull_at, weight=weight) if kind == "force" else partial(length_at, first=tether.initial_length)
     default = vars(Winch())
     return EvidenceSet(
@@ -288,12 +290,6 @@ def length_at(time, first):
     """Length that the winch should have paid out at a time [s], of a tether of a first length [m]."""
     back, out = rise(time, _REEL_IN)[0], rise(time - _OUT_BEGINS, _OUT)[0]
     return first * (1.0 - _REELED_IN * back + _REELED_OUT * out)
-
-
-def _load_on(weight):
-    """Load that pulls a free kite outwards and carries it [N]."""
-    x, y, z = (_OUTWARDS * weight * part / hypot(*KITE_AT_START) for part in KITE_AT_START)
-    return rounded((x, y, z + FreeKite().kite_mass * Environment().gravity))
 
 
 # --- a system

@@ -55,7 +55,7 @@ def model_description_of_system(structure, table):
     root, groups = _root()
     for point in structure.points:
         _port(groups, point.name, units, f"{point.name}.", "load" if point.is_free else "force")
-    if not any(line.wind_points for line in structure.lines):
+    if not structure.has_wind_points:
         _vector(groups, "LinearVelocity", "wind", units, "wind_velocity")
     for line in structure.lines:
         _winch(groups, units, f"{line.name}_", f"{line.name}.")

@@ -1,18 +1,14 @@
 """Assemble the FMU of a system of tethers from its file: one library serves all systems, so that nothing is compiled."""
 
-from functools import partial
 from html import escape
 from pathlib import Path
 from xml.etree import ElementTree
 
 from tetherfmu.fmi.resources import DEFAULT_OPTIONS
-from tetherfmu.fmi.system_maps import lines_of
-from tetherfmu.fmi.system_variables import OF_THE_SYSTEM, Line, Point, Structure, structure_of, table_of
-from tetherfmu.libraries import ready
+from tetherfmu.fmi.system_variables import Line, Point, Structure, structure_of, table_of
 from tetherfmu.runtime.inputs import ZERO
 from tetherfmu.runtime.kernel_library import SYSTEM
 from tetherfmu.runtime.layout import START_AT_REST, START_GIVEN
-from tetherfmu.runtime.parameters import Tether, Winch
 from tetherfmu.runtime.quantities import quantities
 from tetherfmu.systems import files
 from tetherfmu.systems.ordering import ordered
@@ -21,11 +17,8 @@ from tetherfmu.systems.tether_system import TetherSystem
 from . import evidence, osp
 from .archive import DESCRIPTION, SLAVES, packed_with_kernels, seal, write
 from .documents import about, files_beside, page
-from .native import host_header
-from .native import sources as native_sources
+from .native import fmus
 from .native import system as native_system
-from .native.fmus import HEADERS, TERMINALS, complete, kernels_of, widths_of, writer_of
-from .native.tables import header, room_of
 from .texts import filled
 
 SLAVE = TetherSystem.__name__
@@ -43,20 +36,19 @@ def build(path, folder, platforms, shape_points=None, native=None, with_header=F
     path : of the file, docs/use/systems.md has its keys.  folder : where the FMU goes, made if missing; the groups of
     variables for the Open Simulation Platform are written beside it.  platforms : as in `BuildOptions`.  shape_points : of
     each line, 0 for none; None for one at each node.  native : version of FMI (2 or 3) of an FMU without Python; None for
-    PythonFMU's.  with_header, with_sources : of a native one, see `native.build`.  wind_points : of each line, 0 for none.
+    PythonFMU's.  with_header, with_sources : of a native one, see `fmus.written`.  wind_points : of each line, 0 for none.
     """
     found, positions = read(path)
     structure, folder = structure_from(found, positions, shape_points, wind_points), Path(folder)
-    folder.mkdir(parents=True, exist_ok=True)
     points, lines, free = len(structure.points), len(structure.lines), len(structure.free)
     words = f"{structure.name}: {lines} line{'s' * (lines > 1)} between {points} points, of which {free} free."
     sets = _evidence_of(found, native == 3, wind_points)
     if native:
-        files, token = _native(structure, words, platforms, sets, native, with_sources)
-        fmu, table = write(files, folder, structure.name, None), table_of(structure)
-        if with_header:
-            host_header.write(fmu, structure.name, table, native_system.places_of(structure, table), native, token)
-        return fmu
+        wiring = native_system.wiring_of(structure, table_of(structure))
+        model = fmus.Model(structure.name, f"{ABOUT} {words}", wiring, native_system.terminals(structure), TIMES)
+        files = documents(structure, model.about, platforms, sets, native)
+        return fmus.written(files, model, folder, platforms, native, with_header, with_sources)
+    folder.mkdir(parents=True, exist_ok=True)
     options = {"system": structure.as_dict(), "about": words}
     facts = {"module": "system_slave", "kind": "SystemSlave", "variant": None, "description": ABOUT}
     made = packed_with_kernels(SLAVE, facts, SYSTEM, platforms, options)
@@ -72,24 +64,6 @@ def _evidence_of(found, arrays, wind_points):
         return evidence.files(found.name, [evidence.of_system(found, wind_points)], arrays, **words)
     except ValueError:
         return {}
-
-
-def _native(structure, words, platforms, sets, fmi, with_sources):
-    """Files of a native FMU, dict of path in the archive to bytes; and its token."""
-    table = table_of(structure)
-    places = native_system.places_of(structure, table)
-    description = f"{ABOUT} {words}"
-    made = documents(structure, description, platforms, sets, fmi)
-    if fmi == 3:
-        made[TERMINALS] = native_system.terminals(structure).encode("utf-8")
-    listed = (native_sources.FILE,) if with_sources else ()
-    describe = partial(writer_of(fmi).text, structure.name, description, table, places, TIMES, sources=listed)
-    tabulate = partial(header, native_system.wiring_of(structure, table), widths_of(table, places, fmi))
-    token = complete(made, structure.name, kernels_of(SYSTEM, platforms), (describe, tabulate), fmi)
-    if with_sources:
-        room = room_of(ready.kernels(SYSTEM), lines_of(structure), structure.free, structure.band)
-        made |= native_sources.sources(structure.name, SYSTEM, tabulate(token), room, fmi, HEADERS)
-    return made, token
 
 
 def read(path):
@@ -115,31 +89,22 @@ def read(path):
 
 def structure_from(found, positions, shape_points=None, wind_points=0):
     """`Structure` of a `SystemFile` whose points start at these positions [m]; shape_points, wind_points : as in `build`."""
-    points = tuple(_point(each, positions[each.name]) for each in found.points)
-    lines = tuple(_line(each, shape_points, wind_points) for each in found.lines)
     free, band = ordered([point.name for point in found.points if not point.is_driven], found.lines)
-    records = (found.environment, found.solver, found.ground)
-    starts = {
-        name: getattr(record, name)
-        for kind, record in zip(OF_THE_SYSTEM, records, strict=True)
-        for name, _ in quantities(kind)
-    }
-    return structure_of(Structure(found.name, points, lines, tuple(free), band, starts).as_dict())
+    points, lines = [], []
+    for each in found.points:
+        start = START_GIVEN if each.position else START_AT_REST  # where it is sought
+        points.append(Point(each.name, each.mass, positions[each.name], each.velocity, start))
+    for each in found.lines:
+        starts = values_of(each.tether, each.winch) | {"reel_out_speed": each.reel_out_speed}
+        shown = each.tether.segments + 1 if shape_points is None else shape_points
+        lines.append(Line(each.name, each.start, each.end, starts, shown, wind_points))
+    starts = values_of(found.environment, found.solver, found.ground)
+    return structure_of(Structure(found.name, tuple(points), tuple(lines), tuple(free), band, starts).as_dict())
 
 
-def _point(point, position):
-    """`system_variables.Point` of a point of a file at a position [m]; it is sought if the file has none."""
-    start = START_GIVEN if point.position else START_AT_REST
-    return Point(point.name, point.mass, position, point.velocity, start)
-
-
-def _line(line, shape_points, wind_points):
-    """`system_variables.Line` of a line of a file."""
-    starts = {name: getattr(line.tether, name) for name, _ in quantities(Tether)}
-    starts |= {name: getattr(line.winch, name) for name, _ in quantities(Winch)}
-    starts["reel_out_speed"] = line.reel_out_speed
-    points = line.tether.segments + 1 if shape_points is None else shape_points
-    return Line(line.name, line.start, line.end, starts, points, wind_points)
+def values_of(*records):
+    """Values of all quantities of records, dict by name."""
+    return {name: getattr(record, name) for record in records for name, _ in quantities(record)}
 
 
 def documents(structure, description, platforms, sets, native=None):
@@ -151,16 +116,12 @@ def documents(structure, description, platforms, sets, native=None):
     body = filled(
         "system.html",
         name=structure.name,
-        points="\n".join(map(_point_row, structure.points)),
+        points="\n".join(_row(point.name, "free" if point.is_free else "driven") for point in structure.points),
         lines="\n".join(_row(line.name, line.start, line.end) for line in structure.lines),
         **about(description, native),
     )
     groups = osp.model_description_of_system(structure, table)
     return files_beside(structure.name, page(structure.name, body, table), sets, platforms, groups, native)
-
-
-def _point_row(point):
-    return _row(point.name, "free" if point.is_free else "driven")
 
 
 def _row(*cells):

@@ -26,8 +26,11 @@ WARNING, DISCARD, ERROR = Fmi2Status.warning, Fmi2Status.discard, Fmi2Status.err
 class BaseSlave(Fmi2Slave):
     """A PythonFMU slave with a table of variables and one array of all their values.
 
-    A subclass calls `declare` when it is made, and has `start`, `advance` and `warnings`, `state_to_bytes` and
-    `state_from_bytes`.
+    A subclass calls `declare` when it is made, and has
+    start() : check the parameters, compute the first outputs; returns what is wrong, or None.
+    advance(step) : one communication step [s]; returns what is wrong, with nothing changed, or None.
+    state_to_bytes(), state_from_bytes(blob) : the whole state, bit for bit, and back; ValueError, with nothing changed, if
+    the bytes are none.
     """
 
     author = "TetherFMU developers"
@@ -64,27 +67,9 @@ class BaseSlave(Fmi2Slave):
     def _all(self, chosen):
         return frozenset(reference for reference, variable in self._by_reference.items() if chosen(variable))
 
-    # --- what a subclass has
-
-    def start(self):
-        """Check the parameters and compute the first outputs. Returns what is wrong, or None."""
-        raise NotImplementedError
-
-    def advance(self, step):
-        """One communication step [s]. Returns what is wrong, with nothing changed, or None."""
-        raise NotImplementedError
-
     def warnings(self):
         """Sentences on what is implausible, each once since the start."""
         return ()
-
-    def state_to_bytes(self):
-        """The whole state, bit for bit."""
-        raise NotImplementedError
-
-    def state_from_bytes(self, blob):
-        """Go back to a state; ValueError, with nothing changed, if the bytes are none."""
-        raise NotImplementedError
 
     # --- model description
 

@@ -92,11 +92,16 @@ class Structure:
     starts: dict
 
     @property
+    def has_wind_points(self):
+        """Whether the wind is given at points of lines, which then feel no other."""
+        return any(line.wind_points for line in self.lines)
+
+    @property
     def hash(self):
         """Text of 15 letters that tells systems apart which cannot have the same state."""
         facts = [[(point.name, point.is_free) for point in self.points], list(self.free), self.band]
         facts.append([(line.name, line.start, line.end, line.shape_points) for line in self.lines])
-        if any(line.wind_points for line in self.lines):
+        if self.has_wind_points:
             facts.append([line.wind_points for line in self.lines])
         return f"system_{hashlib.sha256(json.dumps(facts).encode()).hexdigest()[:HASH_DIGITS]}"
 
@@ -158,7 +163,7 @@ def _inputs(structure):
             )
     for each in (inputs.BY_NAME[name] for name in GIVEN_TO_ALL):
         for variable in _vector(each.name, INPUT, Quantity(each.unit, each.meaning), each.start):
-            yield without_effect(variable, has_wind_points(structure), each.name)
+            yield without_effect(variable, structure.has_wind_points, each.name)
     for line in structure.lines:
         for k in range(1, line.wind_points + 1):
             meaning = (
@@ -167,11 +172,6 @@ def _inputs(structure):
             for i, axis in enumerate("xyz", start=1):
                 declared = Quantity(inputs.WIND_AT.unit, f"{meaning}, {axis}")
                 yield Variable(f"{line.name}.{inputs.WIND_AT.name}[{k},{i}]", INPUT, "Real", declared, 0, 0.0)
-
-
-def has_wind_points(structure):
-    """Whether the wind is given at points of lines, which then feel no other."""
-    return any(line.wind_points for line in structure.lines)
 
 
 _LOAD = "external force on {}: aerodynamics, control; not its weight"
@@ -185,7 +185,7 @@ _STARTS = {
 def _parameters(structure):
     """Parameters: of the whole system, of free points, of lines."""
     for each in parameters_of(OF_THE_SYSTEM, structure.starts):
-        yield without_effect(each, has_wind_points(structure))
+        yield without_effect(each, structure.has_wind_points)
     mass, kind_of_start = (dict(quantities(FreeKite))[name] for name in ("kite_mass", "kite_start"))
     units = {"position": "m", "velocity": "m/s"}
     for point in structure.points:

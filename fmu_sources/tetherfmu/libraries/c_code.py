@@ -27,14 +27,10 @@ def text(content, names):
     numbers = range(first, first + len(file.functions))
     declared = {k: _declaration(file, k, needs[k], names.get(k, f"f{k}")) for k in numbers}
     definitions = [_definition(file, k, needs, names, declared[k]) for k in numbers]
-    helpers = [each for each in HELPERS if any(f"{_name_of(each)}(" in text for text in definitions)]
+    named = {re.search(r"(\w+)\(", each.partition("static")[2])[1]: each for each in HELPERS}
+    helpers = [each for name, each in named.items() if any(f"{name}(" in text for text in definitions)]
     parts = [HEAD, _memory(file), *helpers, "\n".join(f"{line};" for line in declared.values()), ""]
     return "\n".join([*parts, *definitions])
-
-
-def _name_of(helper):
-    """Name of a function of `HELPERS`."""
-    return re.search(r"(\w+)\(", helper.partition("static")[2])[1]
 
 
 def _memory(file):

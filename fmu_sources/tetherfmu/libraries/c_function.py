@@ -7,34 +7,7 @@ that it reads changes. Blocks become labels.
 import re
 from typing import NamedTuple
 
-from .c_operations import (
-    BLOCK,
-    BRANCH,
-    BRANCH_IF,
-    BRANCHES,
-    C_TYPES,
-    CALL,
-    CONSTANTS,
-    COPY,
-    DROP,
-    ELSE,
-    END,
-    FILL,
-    GET,
-    GET_STACK,
-    IF,
-    LOADS,
-    LOOP,
-    OPERATIONS,
-    RETURN,
-    SELECT,
-    SET,
-    SET_STACK,
-    STORES,
-    TEE,
-    UNREACHABLE,
-    number,
-)
+from . import c_operations as wasm
 
 LONGEST = 140  # characters of an expression; a longer one is given a name
 
@@ -80,7 +53,7 @@ class Writer:
         """Give a value of the stack a name, so that nothing can change it."""
         value = self.stack[place]
         name = self.fresh("t")
-        self.lines.append(f"const {C_TYPES[value.kind]} {name} = {value.text};")
+        self.lines.append(f"const {wasm.C_TYPES[value.kind]} {name} = {value.text};")
         self.stack[place] = Value(name, value.kind)
 
     def keep(self, wanted):
@@ -131,11 +104,11 @@ class Writer:
         skipping = False
         for code, operand in self.function.body:
             if skipping:
-                if code in (BLOCK, LOOP, IF):
+                if code in (wasm.BLOCK, wasm.LOOP, wasm.IF):
                     dead += 1
                     continue
-                if dead or code not in (ELSE, END):
-                    dead -= code == END
+                if dead or code not in (wasm.ELSE, wasm.END):
+                    dead -= code == wasm.END
                     continue
                 skipping = False
             skipping = self.instruction(code, operand)
@@ -145,35 +118,35 @@ class Writer:
 
     def instruction(self, code, operand):
         """Write one instruction; whether what follows is never reached."""
-        if code in OPERATIONS:
-            kind, template = OPERATIONS[code]
+        if code in wasm.OPERATIONS:
+            kind, template = wasm.OPERATIONS[code]
             texts, variables, reads = self.pop(2 if "{1}" in template else 1)
             self.push(template.format(*texts), kind, variables, reads)
-        elif code in CONSTANTS:
-            self.push(number(CONSTANTS[code], operand), CONSTANTS[code])
-        elif code in (GET, SET, TEE):
+        elif code in wasm.CONSTANTS:
+            self.push(wasm.number(wasm.CONSTANTS[code], operand), wasm.CONSTANTS[code])
+        elif code in (wasm.GET, wasm.SET, wasm.TEE):
             self.variable(code, f"l{operand}", self.kinds[operand])
-        elif code in (GET_STACK, SET_STACK):
+        elif code in (wasm.GET_STACK, wasm.SET_STACK):
             assert operand == 0, "a second global"
-            self.variable(GET if code == GET_STACK else SET, "s", "i32")
-        elif code in LOADS:
+            self.variable(wasm.GET if code == wasm.GET_STACK else wasm.SET, "s", "i32")
+        elif code in wasm.LOADS:
             (text,), variables, _ = self.pop(1)
-            function, kind, size = LOADS[code]
+            function, kind, size = wasm.LOADS[code]
             self.push(f"{function}({self.place(text, operand, size)})", kind, variables, True)
-        elif code in STORES:
+        elif code in wasm.STORES:
             (address, value), *_ = self.pop(2)
             self.keep(lambda value: value.reads_memory)
-            function, size = STORES[code]
+            function, size = wasm.STORES[code]
             self.lines.append(f"{function}({self.place(address, operand, size)}, {value});")
-        elif code in (COPY, FILL):
+        elif code in (wasm.COPY, wasm.FILL):
             self.bulk(code)
-        elif code == SELECT:
+        elif code == wasm.SELECT:
             kind = self.stack[-2].kind
             (a, b, condition), variables, reads = self.pop(3)
             self.push(f"({condition} ? {a} : {b})", kind, variables, reads)
-        elif code == CALL:
+        elif code == wasm.CALL:
             self.call(operand)
-        elif code == DROP:
+        elif code == wasm.DROP:
             self.stack.pop()
         else:
             return self.control(code, operand)
@@ -181,20 +154,20 @@ class Writer:
 
     def variable(self, code, name, kind):
         """Write an instruction on a variable."""
-        if code == GET:
+        if code == wasm.GET:
             self.used.add(name)
             self.push(name, kind, frozenset({name}))
             return
         (text,), *_ = self.pop(1)
         self.set(name, text)
-        if code == TEE:
+        if code == wasm.TEE:
             self.push(name, kind, frozenset({name}))
 
     def bulk(self, code):
         """Write an instruction on many bytes."""
         (target, source, count), *_ = self.pop(3)
         self.keep(lambda value: value.reads_memory)
-        if code == FILL:
+        if code == wasm.FILL:
             self.lines.append(f"memset(m + {target}, (int){source}, {count});")
         else:
             self.lines.append(f"memmove(m + {target}, m + {source}, {count});")
@@ -215,43 +188,43 @@ class Writer:
             self.lines.append(f"{text};")
             return
         name = self.fresh("t")
-        self.lines.append(f"const {C_TYPES[signature.results[0]]} {name} = {text};")
+        self.lines.append(f"const {wasm.C_TYPES[signature.results[0]]} {name} = {text};")
         self.push(name, signature.results[0])
 
     def control(self, code, operand):
         """As `instruction`, of those that lead elsewhere."""
-        if code in (BLOCK, LOOP, IF):
+        if code in (wasm.BLOCK, wasm.LOOP, wasm.IF):
             self.open(code, operand)
-        elif code == ELSE:
+        elif code == wasm.ELSE:
             self.lines.append("} else {")
-        elif code == END:
+        elif code == wasm.END:
             self.close()
-        elif code == BRANCH_IF:
+        elif code == wasm.BRANCH_IF:
             (condition,), *_ = self.pop(1)
             self.lines.append(f"if ({condition}) {self.goto(operand)}")
-        elif code == BRANCHES:
+        elif code == wasm.BRANCHES:
             (chosen,), *_ = self.pop(1)
             *cases, default = map(self.goto, operand)
             self.lines += [f"switch ({chosen}) {{", *(f"case {place}: {case}" for place, case in enumerate(cases))]
             self.lines += [f"default: {default}", "}"]
-        elif code in (BRANCH, RETURN):
-            self.lines.append(self.goto(operand) if code == BRANCH else self.leave())
-        elif code == UNREACHABLE:
+        elif code in (wasm.BRANCH, wasm.RETURN):
+            self.lines.append(self.goto(operand) if code == wasm.BRANCH else self.leave())
+        elif code == wasm.UNREACHABLE:
             self.lines.append("return 0;" if self.function.signature.results else "return;")
         else:
             raise ValueError(f"WebAssembly's instruction {code} is not known")
-        return code in (BRANCH, BRANCHES, RETURN, UNREACHABLE)
+        return code in (wasm.BRANCH, wasm.BRANCHES, wasm.RETURN, wasm.UNREACHABLE)
 
     def open(self, code, kind):
         """Begin a block."""
         assert kind is None, "a block with a result"
-        condition = self.pop(1)[0][0] if code == IF else ""
+        condition = self.pop(1)[0][0] if code == wasm.IF else ""
         self.keep_all()
         label = Label(self.fresh("L"), code, len(self.stack))
         self.labels.append(label)
-        if code == LOOP:
+        if code == wasm.LOOP:
             self.lines.append(f"{label.name}:;")
-        if code == IF:
+        if code == wasm.IF:
             self.lines.append(f"if ({condition}) {{")
 
     def close(self):
@@ -262,7 +235,7 @@ class Writer:
             return
         label = self.labels.pop()
         del self.stack[label.height :]
-        if label.code == IF:
+        if label.code == wasm.IF:
             self.lines.append("}")
-        if label.code != LOOP:
+        if label.code != wasm.LOOP:
             self.lines.append(f"{label.name}:;")

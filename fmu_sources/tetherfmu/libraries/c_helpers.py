@@ -1,105 +1,56 @@
 """What a C file of kernels begins with, and the small functions that it may need."""
 
-_HELPERS = """\
+_LOAD = """
+static inline {kind} load_{name}(const unsigned char *at)
+{{
+#if defined(__GNUC__)
+    return *(const any_{name} *)(const void *)at;
+#else
+    {kind} number;
+    memcpy(&number, at, sizeof number);
+    return number;
+#endif
+}}
+"""
+_STORE = """
+static inline void store_{name}(unsigned char *at, {given} given)
+{{
+#if defined(__GNUC__)
+    *(any_{name} *)(void *)at = ({kind})given;
+#else
+    const {kind} number = ({kind})given;
+    memcpy(at, &number, sizeof number);
+#endif
+}}
+"""
+_SHIFTED = """
+static inline uint{bits}_t shifted_{bits}(uint{bits}_t number, uint{bits}_t by)
+{{
+    by &= {most}u;
+    return number >> by | (number >> {most} && by ? ~(uint{bits}_t)0 << ({bits}u - by) : 0u);
+}}
+"""
+_SAME_BITS = """
+static inline {after} {name}({before} {given})
+{{
+    {after} {found};
+    memcpy(&{found}, &{given}, sizeof {found});
+    return {found};
+}}
+"""
+_LOAD_8 = """\
 static inline uint32_t load_8(const unsigned char *at)
 {
     return *at;
 }
-
-static inline uint32_t load_32(const unsigned char *at)
-{
-#if defined(__GNUC__)
-    return *(const any_32 *)(const void *)at;
-#else
-    uint32_t number;
-    memcpy(&number, at, sizeof number);
-    return number;
-#endif
-}
-
-static inline uint64_t load_64(const unsigned char *at)
-{
-#if defined(__GNUC__)
-    return *(const any_64 *)(const void *)at;
-#else
-    uint64_t number;
-    memcpy(&number, at, sizeof number);
-    return number;
-#endif
-}
-
-static inline double load_f64(const unsigned char *at)
-{
-#if defined(__GNUC__)
-    return *(const any_f64 *)(const void *)at;
-#else
-    double number;
-    memcpy(&number, at, sizeof number);
-    return number;
-#endif
-}
-
+"""
+_STORE_8 = """
 static inline void store_8(unsigned char *at, uint64_t given)
 {
     *at = (unsigned char)given;
 }
-
-static inline void store_32(unsigned char *at, uint64_t given)
-{
-#if defined(__GNUC__)
-    *(any_32 *)(void *)at = (uint32_t)given;
-#else
-    const uint32_t number = (uint32_t)given;
-    memcpy(at, &number, sizeof number);
-#endif
-}
-
-static inline void store_64(unsigned char *at, uint64_t given)
-{
-#if defined(__GNUC__)
-    *(any_64 *)(void *)at = (uint64_t)given;
-#else
-    const uint64_t number = (uint64_t)given;
-    memcpy(at, &number, sizeof number);
-#endif
-}
-
-static inline void store_f64(unsigned char *at, double given)
-{
-#if defined(__GNUC__)
-    *(any_f64 *)(void *)at = (double)given;
-#else
-    const double number = (double)given;
-    memcpy(at, &number, sizeof number);
-#endif
-}
-
-static inline uint32_t shifted_32(uint32_t number, uint32_t by)
-{
-    by &= 31u;
-    return number >> by | (number >> 31 && by ? ~(uint32_t)0 << (32u - by) : 0u);
-}
-
-static inline uint64_t shifted_64(uint64_t number, uint64_t by)
-{
-    by &= 63u;
-    return number >> by | (number >> 63 && by ? ~(uint64_t)0 << (64u - by) : 0u);
-}
-
-static inline uint64_t bits_of(double number)
-{
-    uint64_t bits;
-    memcpy(&bits, &number, sizeof bits);
-    return bits;
-}
-
-static inline double number_of(uint64_t bits)
-{
-    double number;
-    memcpy(&number, &bits, sizeof number);
-    return number;
-}
-
+"""
+_TRUNCATED = """
 /* Towards zero, and to the nearest limit where it is beyond them. */
 static inline uint64_t truncated(double number)
 {
@@ -109,7 +60,17 @@ static inline uint64_t truncated(double number)
     return (uint64_t)(int64_t)number;
 }
 """
-HELPERS = [f"{each}\n}}\n" for each in _HELPERS.split("\n}\n")[:-1]]
+_TYPES = {"32": "uint32_t", "64": "uint64_t", "f64": "double"}
+HELPERS = [
+    _LOAD_8,
+    *(_LOAD.format(name=name, kind=kind) for name, kind in _TYPES.items()),
+    _STORE_8,
+    *(_STORE.format(name=name, kind=kind, given=kind if name == "f64" else "uint64_t") for name, kind in _TYPES.items()),
+    *(_SHIFTED.format(bits=bits, most=bits - 1) for bits in (32, 64)),
+    _SAME_BITS.format(name="bits_of", after="uint64_t", before="double", found="bits", given="number"),
+    _SAME_BITS.format(name="number_of", after="double", before="uint64_t", found="number", given="bits"),
+    _TRUNCATED,
+]
 HEAD = """\
 /* The kernels as C99: made of WebAssembly by libraries/c_code.py. `m` is the memory of an instance, `s` the top of its
 stack; an address is a place in the memory. */

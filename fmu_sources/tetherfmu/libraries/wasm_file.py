@@ -114,7 +114,7 @@ def read(content):
     imports = [(name, signatures[kind]) for name, kind in map(_import, _items(sections[2])) if kind is not None]
     kinds = [each.whole() for each in _items(sections[3])]
     first = [_global(each) for each in _items(sections[6])]
-    listed = [_export(each) for each in _items(sections[7])]
+    listed = [(each.name(), each.byte(), each.whole()) for each in _items(sections[7])]
     functions = [_function(each, signatures[kind]) for each, kind in zip(_items(sections[10]), kinds, strict=True)]
     return File(
         imports,
@@ -155,10 +155,6 @@ def _global(reader):
     assert TYPES[reader.byte()] == "i32"
     reader.byte()
     return reader.constant()
-
-
-def _export(reader):
-    return reader.name(), reader.byte(), reader.whole()
 
 
 def _data(reader):

@@ -39,30 +39,15 @@ class Line(NamedTuple):
 class Instance:
     """Lines that are set up, started, and advanced step by step; a refused start or step keeps states and outputs.
 
-    Parameters
-    ----------
-    kernels : kernel_library.Kernels
-    lines : tuple of Line
-    free : tuple of str
-        Names of the free points.
-    band : int
-        Of their matrix, see `systems/ordering.py`.
-    room : int
-        Places for the caller behind inputs and outputs in `values`.
+    kernels : `kernel_library.Kernels`.  lines : tuple of `Line`.  free : names of the free points, a tuple.  band : of their
+    matrix, see `systems/ordering.py`.  room : places for the caller behind inputs and outputs in `values`.
 
-    Attributes
-    ----------
-    values : array
-        Inputs, outputs (from `outputs_at` on) and `room` places (from `parameters_at` on), at the same address for life. The
-        caller sets the inputs.
-    plan, parameters, state, before, work : array
-        `before` has the states of before the last start or step. A `set_up` for other numbers of segments makes new arrays.
-    counts : tuple of int
-        Segments of each line; empty before they are set up.
-    segments : int
-        Of all lines together, 0 before they are set up.
-    status : int
-        Status of the last start or step, see `status.py`.
+    values : array of inputs, outputs (from `outputs_at` on) and `room` places (from `parameters_at` on), at the same address
+    for life. The caller sets the inputs.
+    plan, parameters, state, before, work : arrays; `before` has the states of before the last start or step. A `set_up` for
+    other numbers of segments makes new ones.
+    counts, segments : those of each line, a tuple, and of all together; empty and 0 before they are set up.
+    status : of the last start or step, see `status.py`.
     """
 
     def __init__(self, kernels, lines, free=(), band=0, room=0):

@@ -11,16 +11,9 @@ from sys import float_info
 from typing import NamedTuple
 
 from . import layout as at
+from . import refusals
 from .parameters import DEFAULT_TOLERANCE
 from .plausibility import bits
-from .refusals import (
-    NO_STATE,
-    STATE_DAMAGED,
-    STATE_IMPOSSIBLE,
-    STATE_OF_ANOTHER,
-    STATE_WRONG_TIME,
-    STATE_WRONG_TOLERANCE,
-)
 
 MAGIC = b"tether13"  # with the version
 HEADER = struct.Struct("<8sII")  # magic, length and checksum of what follows
@@ -69,18 +62,18 @@ def from_bytes(blob, variant, count, state_size=at.state_size):
     """
     smallest = HEADER.size + FACTS.size
     if not isinstance(blob, bytes) or len(blob) < smallest or not blob.startswith(MAGIC):
-        raise ValueError(NO_STATE)
+        raise ValueError(refusals.NO_STATE)
     _, length, checksum = HEADER.unpack_from(blob)
     if length != len(blob) - HEADER.size or zlib.crc32(blob[HEADER.size :]) != checksum:
-        raise ValueError(STATE_DAMAGED)
+        raise ValueError(refusals.STATE_DAMAGED)
     name, phase, segments, tolerance, time = FACTS.unpack_from(blob, HEADER.size)
     numbers = count + (state_size(segments) if phase >= STEPPING else 0)
     if name.rstrip(b"\0") != variant.encode() or phase > TERMINATED or len(blob) != smallest + 8 * numbers:
-        raise ValueError(STATE_OF_ANOTHER)
+        raise ValueError(refusals.STATE_OF_ANOTHER)
     if not 0.0 <= tolerance <= DEFAULT_TOLERANCE:
-        raise ValueError(STATE_WRONG_TOLERANCE.format(tolerance=tolerance, largest=DEFAULT_TOLERANCE))
+        raise ValueError(refusals.STATE_WRONG_TOLERANCE.format(tolerance=tolerance, largest=DEFAULT_TOLERANCE))
     if isinf(time):
-        raise ValueError(STATE_WRONG_TIME.format(time=time))
+        raise ValueError(refusals.STATE_WRONG_TIME.format(time=time))
     doubles = array("d", blob[smallest:])
     return SavedState(variant, phase, segments, tolerance, time, doubles[:count], doubles[count:])
 
@@ -89,6 +82,6 @@ def check_state(state):
     """ValueError if a state array has numbers that no tether has."""
     possible = all(map(isfinite, state))
     if not (possible and all(lowest <= state[place] <= highest for place, (lowest, highest) in STATE_RANGES.items())):
-        raise ValueError(STATE_IMPOSSIBLE)
+        raise ValueError(refusals.STATE_IMPOSSIBLE)
     bits(state[at.WARNINGS], at.WARNING_KINDS)
     bits(state[at.GIVEN_DERIVATIVES], at.INPUTS)

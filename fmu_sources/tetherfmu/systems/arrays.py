@@ -43,13 +43,7 @@ def instance_of(points, lines, environment, solver, ground, wind_points=0):
 
 
 class Arrays:
-    """Views of the arrays of an `Instance` of lines between points.
-
-    Attributes
-    ----------
-    inputs, state : array
-        As `plan_layout.py` has them.
-    """
+    """Views of the arrays of an `Instance` of lines between points: `inputs` and `state`, as `plan_layout.py` has them."""
 
     def __init__(self, instance, lines, wind_profile):
         self.instance, self.lines, self._profile = instance, lines, wind_profile

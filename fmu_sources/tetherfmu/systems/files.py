@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, fields
 from pathlib import Path
 
-from tetherfmu.input_files import TABLE_OF_GROUND, ground_of, in_si, record, require, tables_of, value_of
+from tetherfmu.input_files import TABLE_OF_GROUND, ground_of, record, require, tables_of, value_of, vector_in
 from tetherfmu.materials import MATERIALS, tether_of
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.inputs import INPUT_TABLE
@@ -22,26 +22,12 @@ TAKEN = {"time", "wind", *(each.name for each in (*INPUT_TABLE, *OUTPUT_TABLE))}
 }
 
 
-def vector_in(unit):
-    """Function that reads three numbers of this unit, or texts with units, from a value of a file."""
-
-    def read_vector(value):
-        if not isinstance(value, list) or len(value) != 3:
-            raise ValueError(f"it must be three numbers [x, y, z] in {unit}")
-        numbers = tuple(float(in_si(each, unit)) for each in value)
-        if not all(abs(each) <= at.LARGEST_INPUT for each in numbers):  # NaN is not
-            raise ValueError(f"each must be a finite number of at most {at.LARGEST_INPUT:g} {unit} in magnitude")
-        return numbers
-
-    return read_vector
-
-
 @dataclass(frozen=True)
 class TableOfPoint:
     """What a file says of a point."""
 
-    position: tuple | None = field(default=None, metadata={"read": vector_in("m")})
-    velocity: tuple = field(default=(0.0, 0.0, 0.0), metadata={"read": vector_in("m/s")})
+    position: tuple | None = field(default=None, metadata={"read": vector_in("m", at.LARGEST_INPUT)})
+    velocity: tuple = field(default=(0.0, 0.0, 0.0), metadata={"read": vector_in("m/s", at.LARGEST_INPUT)})
     mass: float | None = field(default=None, metadata={"quantity": dict(quantities(FreeKite))["kite_mass"]})
 
 

@@ -32,6 +32,9 @@ class TetherSystem(Running):
     and solver. Points are driven by inputs as the ends of a `TetherDynamic`, or free: a mass, moved by its lines, its weight
     and a load, as the kite of a `TetherDynamicFree`.
 
+    TypeError or ValueError, in words, if a record is something else or they do not fit together.  RuntimeError if the
+    kernels of this installation have to be compiled and cannot.
+
     Parameters
     ----------
     points : sequence of Point
@@ -42,13 +45,6 @@ class TetherSystem(Running):
     wind_points : int
         Points of each line at which the wind is given (`wind_at`), at least 2, at equal unstretched lengths from its start
         to its end; in between it is linear. `wind_velocity` and the wind profile are then not used. 0: none.
-
-    Raises
-    ------
-    TypeError, ValueError
-        In words, if a record is something else or they do not fit together.
-    RuntimeError
-        If the kernels of this installation have to be compiled and cannot.
 
     Examples
     --------
@@ -129,9 +125,11 @@ class TetherSystem(Running):
         loads: Vectors | None = None,
         **inputs: Unpack[SystemInputs],
     ) -> SystemOutputs:
-        """Start with the points where their records say, each line with the `initial_shape` between its two points.
+        """Start with the points where their records say, each line with the `initial_shape` between them: `SystemOutputs`.
 
-        Free points without a position start where they are in equilibrium with all lines at rest.
+        Free points without a position start where they are in equilibrium with all lines at rest.  StepRefused if an input
+        is not finite or no equilibrium of a line, or of the free points, is found, ValueError if a name does not exist, or
+        a value has another shape; the system is then as it was before.
 
         Parameters
         ----------
@@ -144,38 +142,19 @@ class TetherSystem(Running):
             External force [N] on free points; 0 where none is given.
         **inputs
             The other ones of `SystemInputs`; where they are not given, reel-out speeds of the records of the lines, and 0.
-
-        Returns
-        -------
-        SystemOutputs
-            Those of the start.
-
-        Raises
-        ------
-        StepRefused
-            If an input is not finite or no equilibrium of a line, or of the free points, is found; the system is as it was
-            before.
-        ValueError
-            If a name does not exist, or a value has another shape.
         """
         positions = {**{each.name: each.position for each in self.points}, **(positions or {})}
         wanted = [name for name, position in positions.items() if position is None]
         if not set(wanted) <= set(self._instance.free):
             raise ValueError(f"{next(iter(set(wanted) - set(self._instance.free)))} is no free point: give its position")
-        before = self._arrays.inputs.copy(), self._instance.parameters[:]
-        try:
+        with self._all_or_nothing():
             moving = {"velocities": {each.name: each.velocity for each in self.points}}
             moving |= starts(self.lines, self._instance.free, self.wind_points)
             given = completed({"wind_velocity": wind_velocity, "velocities": velocities, "loads": loads, **inputs}, moving)
             given["positions"] = {name: position for name, position in positions.items() if position is not None}
             put(given, self._arrays, self.points, self.lines, at_start=True)
             self._arrays.seek(wanted)
-            problem = self._instance.start()
-            if problem:
-                raise StepRefused(problem, self._instance.status)
-        except ValueError:
-            self._arrays.inputs[:], self._instance.parameters[:] = before
-            raise
+            self._refuse(self._instance.start())
         self._runs = True
         self._warn()
         return self._present()
@@ -188,7 +167,10 @@ class TetherSystem(Running):
         loads: Vectors | None = None,
         **inputs: Unpack[SystemInputs],
     ) -> SystemOutputs:
-        """Advance by a communication step with the inputs at its start; an input that is not given stays as it is.
+        """Advance by a communication step with the inputs at its start, to the `SystemOutputs` at its end.
+
+        An input that is not given stays as it is.  StepRefused if the step cannot be done, ValueError if a name does not
+        exist or a value has another shape; the system then keeps the state and the inputs of before.
 
         Parameters
         ----------
@@ -200,30 +182,12 @@ class TetherSystem(Running):
             External force on free points [N] at the start of the step, which continues as a `kite_load` does.
         **inputs
             The other ones of `SystemInputs`.
-
-        Returns
-        -------
-        SystemOutputs
-            Those at the end of the step.
-
-        Raises
-        ------
-        StepRefused
-            If the step cannot be done; the system keeps the state and the inputs of before.
-        ValueError
-            If a name does not exist or a value has another shape; nothing is changed.
         """
         self._check_started()
-        before = self._arrays.inputs.copy(), self._instance.parameters[:]
-        try:
+        with self._all_or_nothing():
             given = {"positions": positions, "velocities": velocities, "loads": loads, **inputs}
             put(given, self._arrays, self.points, self.lines)
-            problem = self._instance.advance(arguments.number("step", step, "s"))
-            if problem:
-                raise StepRefused(problem, self._instance.status)
-        except ValueError:
-            self._arrays.inputs[:], self._instance.parameters[:] = before
-            raise
+            self._refuse(self._instance.advance(arguments.number("step", step, "s")))
         self._warn()
         return self._present()
 
@@ -239,7 +203,10 @@ class TetherSystem(Running):
         on_refusal: str = "raise",
         **inputs: Unpack[SystemInputs],
     ) -> SystemFlown:
-        """Advance by many communication steps in compiled code; equals a loop of `step`, bit for bit.
+        """Advance by many communication steps in compiled code, a `SystemFlown`; equals a loop of `step`, bit for bit.
+
+        StepRefused says which step cannot be done, and its `flown` has the rows before; the system is in the state before
+        that step.  ValueError if a name does not exist or a value has another shape; nothing is changed.
 
         Parameters
         ----------
@@ -253,18 +220,6 @@ class TetherSystem(Running):
             A row is kept after every so many steps; 0 for none.
         on_refusal : "raise", "stop" or "skip"
             What to do when a step cannot be done, see `TetherModel.fly`.
-
-        Returns
-        -------
-        SystemFlown
-
-        Raises
-        ------
-        StepRefused
-            If a step cannot be done; the message says which, `flown` has the rows before, and the system is in the state
-            before that step.
-        ValueError
-            If a name does not exist or a value has another shape; nothing is changed.
         """
         self._check_started()
         steps, every = arguments.whole("steps", steps), arguments.whole("every", every)

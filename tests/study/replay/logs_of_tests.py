@@ -11,13 +11,21 @@ from tetherfmu.study.replay import columns, log
 STEP, DURATION, SEGMENTS = 0.02, 120.0, 8  # s, s, -
 WIND = (8.0, 0.0, 0.0)
 TETHER = Tether(diameter=0.0135, drag_coefficient=1.1, axial_stiffness=7.0e6, axial_damping=5388.0)
+
+
+def source(*names):
+    """Where a log has a quantity: in columns with these names, in SI units."""
+    return columns.Source(tuple(map(columns.Column, names)))
+
+
 MAP = columns.Columns(
     "of_tests",
-    vectors={
-        "kite_position": columns.Vector(("x", "y", "z")),
-        "wind_velocity": columns.Vector(("wx", "wy", "wz")),
+    sources={
+        "kite_position": source("x", "y", "z"),
+        "wind_velocity": source("wx", "wy", "wz"),
+        "tether_length": source("length"),
+        "ground_tension": source("tension"),
     },
-    scalars={"tether_length": columns.Scalar("length"), "ground_tension": columns.Scalar("tension")},
     tether=TETHER,
     smoothing=columns.Smoothing(position_noise=0.5),
 )

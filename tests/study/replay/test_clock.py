@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 
 from tetherfmu.study.replay import clock
-from tetherfmu.study.replay.report import Report
+from tetherfmu.study.replay.log import Report
 
 
 def repaired(times, factor=1.0, **more):

@@ -7,6 +7,7 @@ import pandas as pd
 import pytest
 
 from tests.study.replay.known_flight import FULL, enu, full, map_of, written
+from tests.study.replay.logs_of_tests import source
 from tetherfmu.runtime.inputs import INPUT_TABLE, components
 from tetherfmu.study.replay import columns, log, readings
 from tetherfmu.study.scenes.series import COLUMNS
@@ -20,7 +21,7 @@ def test_maps_of_this_package_are_right(name):
     found = columns.load(name)
     assert found.name == name
     assert found.about
-    assert "kite_position" in found.vectors
+    assert "kite_position" in found.sources
     assert len(found.columns) == len(set(found.columns))
 
 
@@ -31,16 +32,20 @@ def test_there_are_maps_for_plain_logs_names_of_fmus_and_kitepower():
 def test_the_least_map_has_a_position():
     found = columns.read(tomllib.loads(LEAST), "least")
     assert found.columns == ("time", "x", "y", "z")
-    assert found.vectors["kite_position"] == columns.Vector(("x", "y", "z"))
+    assert found.sources["kite_position"] == source("x", "y", "z")
     assert found.tether == columns.Tether()
 
 
 def test_a_map_says_columns_signs_and_units(tmp_path):
     found = map_of(FULL, tmp_path)
-    assert found.vectors["kite_velocity"] == columns.Vector(("ve", "vn", "vd"), (1.0, 1.0, -1.0))
-    assert found.vectors["kite_position"].is_geodetic
+    assert [(each.name, each.factor) for each in found.sources["kite_velocity"].numbers] == [
+        ("ve", 1.0),
+        ("vn", 1.0),
+        ("vd", -1.0),
+    ]
+    assert found.sources["kite_position"].kind == columns.GEODETIC_POINT
     assert found.origin == (52.0, 4.0, 10.0)
-    assert found.scalars["ground_tension"] == columns.Scalar("force", 9.80665)
+    assert found.sources["ground_tension"].numbers == (columns.Column("force", 9.80665),)
     assert found.tether.diameter == pytest.approx(0.010)
     assert found.tether.axial_stiffness == pytest.approx(3.8e6)
     assert set(found.columns) == {
@@ -155,7 +160,7 @@ def test_constants_can_be_changed(tmp_path):
     assert found.tether.diameter == pytest.approx(0.012)
     assert found.tether.axial_stiffness == pytest.approx(3.8e6)
     assert (found.kite.area, found.smoothing.longest_gap) == (30.0, 5.0)
-    assert found.vectors == map_of(FULL, tmp_path).vectors
+    assert found.sources == map_of(FULL, tmp_path).sources
 
 
 @pytest.mark.parametrize(
@@ -200,8 +205,7 @@ def test_a_wind_of_speed_and_direction_may_be_missing(tmp_path):
     found = map_of('optional = ["wind_velocity"]\n' + FULL, tmp_path)
     read = log.read(written(tmp_path, full(duration=10.0).drop(columns="wind_from")), found)
     assert "no column wind_from: the flight has no wind_velocity" in read.report.lines
-    assert read.map.wind_from is None
-    assert "wind_speed" not in read.map.scalars
+    assert "wind_velocity" not in read.map.sources
 
 
 def test_unused_columns_are_named(tmp_path):
@@ -229,8 +233,8 @@ def test_a_log_with_the_names_of_a_series_is_read(length, force, tmp_path):
 def test_the_map_fmu_names_inputs_of_a_tether():
     names = {name for each in INPUT_TABLE for name in components(each.name, each.size)}
     found = columns.load("fmu")
-    assert {name for vector in found.vectors.values() for name in vector.columns} <= names
-    assert {found.scalars[name].others[0] for name in ("tether_length", "ground_tension")} <= names
+    assert {name for source in found.sources.values() if len(source.numbers) == 3 for name in source.columns} <= names
+    assert {found.sources[name].numbers[0].others[0] for name in ("tether_length", "ground_tension")} <= names
 
 
 def test_the_map_of_kitepower_is_that_of_the_year():

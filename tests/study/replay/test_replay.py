@@ -81,9 +81,9 @@ def test_the_speed_leads_as_its_integral_does(clean):
     when, length, _ = logs_of_tests.flown()
     time = cells["time"].astype(float)
     cells["speed"] = np.interp(time, when, np.gradient(length, when)).astype(str)
-    scalars = logs_of_tests.MAP.scalars | {"reel_out_speed": log.columns.Scalar("speed")}
-    del scalars["tether_length"]
-    read = log.log_of(cells, log.columns.replace(logs_of_tests.MAP, scalars=scalars))
+    sources = logs_of_tests.MAP.sources | {"reel_out_speed": logs_of_tests.source("speed")}
+    del sources["tether_length"]
+    read = log.log_of(cells, log.columns.replace(logs_of_tests.MAP, sources=sources))
     flown = runs.fly(prepare(read, 20.0, 60.0), "catenary", "speed").table
     error = flown.tether_length - clean.length(clean.times)
     assert np.ptp(error) < 0.2  # of 25 m that are reeled: samples every 0.1 s of a speed that jumps with the force

@@ -15,7 +15,7 @@ from tetherfmu.libraries.examples import EXAMPLES
 from tetherfmu.runtime import layout as at
 from tetherfmu.study.advice.advise import FAST_BUDGET, advise
 from tetherfmu.study.measuring import runs as measuring
-from tetherfmu.study.replay import comparison, facts, figures, log, page, runs, scene
+from tetherfmu.study.replay import comparison, figures, log, page, runs, scene
 from tetherfmu.study.replay import replay as command
 from tetherfmu.study.replay.flight import prepare
 from tetherfmu.study.scenes.files import load
@@ -107,7 +107,7 @@ def test_residuals_are_those_of_the_tether_less_the_log(made):
     whole = made.flown["dynamic"]
     table = whole.table.assign(tether_length=whole.table.tether_length + 5.0, mean_tension=whole.table.mean_tension + 7.0)
     before, after = (
-        comparison.residuals(made.flight, {"dynamic": each}) for each in (whole, runs.Flown(table, whole.shapes, (), 0.0))
+        comparison.residuals(made.flight, {"dynamic": each}) for each in (whole, runs.Flown(table, whole.shapes, ()))
     )
     np.testing.assert_allclose(after.length - before.length, 5.0, rtol=1e-9)
     np.testing.assert_allclose((after.tension - before.tension).dropna(), 7.0, rtol=1e-9)
@@ -133,10 +133,10 @@ def test_scene_of_each_lead(lead, tmp_path):
 def test_shape_is_wanted_of_a_slack_tether(made):
     """Twice as long as it was."""
     table = made.flown["dynamic"].table
-    slack = runs.Flown(table.assign(tether_length=2.0 * table.tether_length), made.flown["dynamic"].shapes, (), 0.0)
+    slack = runs.Flown(table.assign(tether_length=2.0 * table.tether_length), made.flown["dynamic"].shapes, ())
     hanging = replace(made, flown={"dynamic": slack})
-    assert facts.slack_share(made) == 0.0
-    assert facts.slack_share(hanging) == 1.0
+    assert made.is_slack.mean() == 0.0
+    assert hanging.is_slack.mean() == 1.0
     assert 'outputs = ["shape"]' in scene.toml(hanging, "slack")
     assert figures.draw_sag in figures.panels(hanging)
     assert figures.draw_sag not in figures.panels(made)
@@ -153,7 +153,7 @@ def test_steps_that_were_refused(made, tmp_path):
     whole = made.flown["dynamic"]
     table, shapes = whole.table.copy(), whole.shapes.copy()
     table.loc[30:39, table.columns.drop("time")], shapes[30:40] = np.nan, np.nan
-    broken = replace(made, flown={"dynamic": runs.Flown(table, shapes, (), 0.0)})
+    broken = replace(made, flown={"dynamic": runs.Flown(table, shapes, ())})
     command.write(broken, tmp_path, "broken", html=True)
     assert "# 10 times are left out" in (tmp_path / "scene.toml").read_text(encoding="utf-8")
     assert len(pd.read_csv(tmp_path / "flight.csv")) == len(table) - 10
@@ -276,7 +276,7 @@ def test_view_from_the_side():
 
 
 def test_tables_for_people():
-    table = facts.rounded(
+    table = comparison.rounded(
         pd.DataFrame({"tether": ["a"], "length: mean m": [-0.0012], "rms N": [13346.2], "mean N": [1.149]})
     )
     assert table.to_dict("records") == [{"tether": "a", "length: mean m": 0.0, "rms N": 13300.0, "mean N": 1.1}]

@@ -28,15 +28,14 @@ CATEGORIES = {
 }
 
 
-def text(name, about, table, places, times, token, sources=()):
+def text(model, token, sources=()):
     """Text of modelDescription.xml.
 
-    name : of the FMU.  about : description of the model.  table : of `variables.Variable`, with their `places`, which are
-    `arrays.Places`.  times : communication step and stop time of the default experiment [s].  token : the guid.
-    sources : C files that an importer compiles.
+    model : `fmus.Model`.  token : the guid.  sources : C files that an importer compiles.
     """
-    root = Element("fmiModelDescription", fmiVersion="2.0", guid=token, **facts(name, about))
-    slave = SubElement(root, "CoSimulation", modelIdentifier=name, **CAPABILITIES)
+    table = model.wiring.table
+    root = Element("fmiModelDescription", fmiVersion="2.0", guid=token, **facts(model))
+    slave = SubElement(root, "CoSimulation", modelIdentifier=model.name, **CAPABILITIES)
     if sources:
         listed = SubElement(slave, "SourceFiles")
         for file in sources:
@@ -44,17 +43,17 @@ def text(name, about, table, places, times, token, sources=()):
     root.append(units(table))
     root.append(types(table))
     root.append(categories())
-    root.append(experiment(*times))
-    root.append(variables(table, places.references))
+    root.append(experiment(*model.times))
+    root.append(variables(table, model.wiring.references))
     root.append(structure(table))
     return xml_text(root)
 
 
-def facts(name, about):
+def facts(model):
     """Attributes of the description in both versions of FMI."""
     return {
-        "modelName": name,
-        "description": about,
+        "modelName": model.name,
+        "description": model.about,
         "author": "TetherFMU developers",
         "version": __version__,
         "license": "MIT",

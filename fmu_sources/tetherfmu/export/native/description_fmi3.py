@@ -10,7 +10,7 @@ from tetherfmu.runtime.variables import INPUT, Variable
 
 from ..documents import meaning
 from ..texts import xml_text
-from .arrays import Array, arrays_at
+from .arrays import Array, arrays
 from .description import categories, experiment, facts
 
 CAPABILITIES = {
@@ -35,20 +35,21 @@ TERMINALS = {
 }
 
 
-def text(name, about, table, places, times, token, sources=()):
+def text(model, token, sources=()):
     """Text of modelDescription.xml; the arguments are those of `description.text`.
 
     sources : not needed, FMI 3 has a file of its own for them.
     """
-    root = Element("fmiModelDescription", fmiVersion="3.0", instantiationToken=token, **facts(name, about))
-    SubElement(root, "CoSimulation", modelIdentifier=name, **CAPABILITIES)
+    table = model.wiring.table
+    root = Element("fmiModelDescription", fmiVersion="3.0", instantiationToken=token, **facts(model))
+    SubElement(root, "CoSimulation", modelIdentifier=model.name, **CAPABILITIES)
     root.append(units((*table, TIME)))
     root.append(_types(table))
     root.append(categories())
-    root.append(experiment(*times))
-    listed = arrays_at(table, places)
+    root.append(experiment(*model.times))
+    listed = arrays(model.wiring)
     variables = SubElement(root, "ModelVariables")
-    for array in (*listed, Array(TIME.name, places.count, (), (TIME,))):
+    for array in (*listed, Array(TIME.name, model.wiring.ends[2], (), (TIME,))):
         variables.append(_variable(array))
     root.append(_structure(listed))
     return xml_text(root)

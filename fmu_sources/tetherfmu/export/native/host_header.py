@@ -9,7 +9,7 @@ from tetherfmu.runtime import __version__
 from tetherfmu.runtime.variables import INPUT, LOCAL, OUTPUT, PARAMETER
 
 from ..documents import meaning
-from .arrays import arrays_at
+from .arrays import arrays
 from .tables import c_text
 
 PREFIX = "TETHER_"
@@ -39,19 +39,19 @@ def c_name(name):
     return PREFIX + re.sub(r"\W+", "_", name.rstrip("]")).upper()
 
 
-def text(file, identifier, table, places, fmi, token):
+def text(file, identifier, wiring, fmi, token):
     """Text of the header of a native FMU.
 
-    file : name of the FMU without ending.  identifier : model identifier.  table : of `variables.Variable`.
-    places : their `arrays.Places`.  fmi : 2 or 3.  token : guid of FMI 2, instantiation token of FMI 3.
+    file : name of the FMU without ending.  identifier : model identifier.  wiring : `tables.Wiring`.  fmi : 2 or 3.
+    token : guid of FMI 2, instantiation token of FMI 3.
     """
-    listed = arrays_at(table, places)
-    parts = [_enumeration(HEADS[causality], _references(table, listed, places, fmi, causality)) for causality in HEADS]
+    listed = arrays(wiring)
+    parts = [_enumeration(HEADS[causality], _references(wiring, listed, fmi, causality)) for causality in HEADS]
     if fmi == 3:
-        time = (c_name("time"), places.count, "Float64 [s]: simulation time")
+        time = (c_name("time"), wiring.ends[2], "Float64 [s]: simulation time")
         parts.append(_enumeration("independent", [time]))
     parts.append(_enumeration("numbers of values", _sizes(listed)))
-    parts.append(_enumeration("choices", _choices(table)))
+    parts.append(_enumeration("choices", _choices(wiring.table)))
     return TEXT.format(
         file=file,
         fmi=fmi,
@@ -65,18 +65,18 @@ def text(file, identifier, table, places, fmi, token):
     )
 
 
-def write(fmu, identifier, table, places, fmi, token):
+def write(fmu, identifier, wiring, fmi, token):
     """Write the header of a native FMU beside it; fmu : its path.  The others are the arguments of `text`."""
-    made = text(fmu.stem, identifier, table, places, fmi, token)
+    made = text(fmu.stem, identifier, wiring, fmi, token)
     fmu.with_suffix(".h").write_text(made, encoding="utf-8", newline="\n")
 
 
-def _references(table, listed, places, fmi, causality):
+def _references(wiring, listed, fmi, causality):
     """Names, value references and comments of the variables of a causality: in FMI 3 of arrays, in FMI 2 of all elements."""
     if fmi == 3:
         found = [(each.name, each.reference, each.variables) for each in listed]
     else:
-        found = [(each.name, place, (each,)) for each, place in zip(table, places.references, strict=True)]
+        found = [(each.name, place, (each,)) for each, place in zip(wiring.table, wiring.references, strict=True)]
     for name, reference, variables in found:
         first = variables[0]
         if first.causality == causality:

@@ -6,21 +6,16 @@ from tetherfmu.runtime.inputs import WIND_AT, components
 from tetherfmu.runtime.kernel_library import SYSTEM
 from tetherfmu.runtime.variables import INPUT, PARAMETER
 
-from .arrays import Places
+from .arrays import COMPONENTS
 from .description_fmi3 import TERMINALS, WIND, buses
 from .tables import Wiring, given_plan
 
 
-def places_of(structure, table):
-    """`Places` of the variables of a system: the value reference of a variable is its place in the table."""
-    sizes = {f"{line.name}.shape": (line.shape_points, 3) for line in structure.lines}
-    sizes |= {f"{line.name}.{WIND_AT.name}": (line.wind_points, 3) for line in structure.lines}
-    return Places([each.place for each in table], sizes, len(table))
-
-
 def wiring_of(structure, table):
-    """`tables.Wiring` of a system."""
+    """`tables.Wiring` of a system: the value reference of a variable is its place in the table."""
     own = {each.name: each.place for each in table}
+    sizes = {f"{line.name}.shape": (line.shape_points, COMPONENTS) for line in structure.lines}
+    sizes |= {f"{line.name}.{WIND_AT.name}": (line.wind_points, COMPONENTS) for line in structure.lines}
     lines, names = system_maps.lines_of(structure), [line.name for line in structure.lines]
     given, fixed = (sum(each.causality == kind for each in table) for kind in (INPUT, PARAMETER))
     quantities = [system_maps.quantities_of_line(line, own) for line in structure.lines]
@@ -38,6 +33,7 @@ def wiring_of(structure, table):
         [[(name, -1 if at is None else at, default) for name, at, default in row] for row in quantities],
         {table_in_c: [own[f"{name}.{what}"] for name in names] for table_in_c, what in of_lines.items()},
         [own[name] for name in _forces(structure)],
+        sizes,
         system_maps.inputs_of(structure, own),
         [(reference, place) for reference, those in system_maps.outputs_of(structure, own) for place in those],
         system_maps.free_ends(structure, own),
@@ -59,8 +55,16 @@ def _forces(structure):
 
 def terminals(structure):
     """Text of terminalsAndIcons.xml: points, each a bus of position, velocity and force or load; winches of lines; wind."""
-    winds = [_bus_of_wind_points(line) for line in structure.lines if line.wind_points] or [_bus_of_wind()]
-    return buses((*map(_bus_of_point, structure.points), *map(_bus_of_winch, structure.lines), *winds))
+    # the wind at its points along each line, or that which all lines share
+    member = WIND_AT.terminal.partition(".")[2]
+    winds = [
+        (f"{line.name}.{WIND}", f"the wind along {line.name}", [(member, f"{line.name}.{WIND_AT.name}")])
+        for line in structure.lines
+        if line.wind_points
+    ]
+    shared = [inputs.BY_NAME[each] for each in system_variables.GIVEN_TO_ALL]
+    shared = (WIND, TERMINALS[WIND], [(each.terminal.partition(".")[2], each.name) for each in shared])
+    return buses((*map(_bus_of_point, structure.points), *map(_bus_of_winch, structure.lines), *(winds or [shared])))
 
 
 def _bus_of_point(point):
@@ -76,15 +80,3 @@ def _bus_of_winch(line):
     declared += [(own, outputs.BY_NAME[each].terminal) for each, own in system_variables.OF_A_LINE.items()]
     members = [(terminal.partition(".")[2], f"{line.name}.{own}") for own, terminal in declared if terminal]
     return line.name, f"the winch of {line.name} at {line.start}", members
-
-
-def _bus_of_wind_points(line):
-    """The same of the wind along a line, at its wind points."""
-    member = WIND_AT.terminal.partition(".")[2]
-    return f"{line.name}.{WIND}", f"the wind along {line.name}", [(member, f"{line.name}.{WIND_AT.name}")]
-
-
-def _bus_of_wind():
-    """The same of the wind, which all lines share."""
-    listed = [inputs.BY_NAME[each] for each in system_variables.GIVEN_TO_ALL]
-    return WIND, TERMINALS[WIND], [(each.terminal.partition(".")[2], each.name) for each in listed]

@@ -12,6 +12,8 @@ from tetherfmu.runtime.instance import address
 from tetherfmu.runtime.variables import PARAMETER, line_of_tether, parameters_at, references, wind_points_in
 from tetherfmu.runtime.variants import BY_NAME, library_of
 
+from .arrays import COMPONENTS, arrays
+
 KINDS = {"Real": 1, "Integer": 2, "Enumeration": 4, "input": 8, "output": 16, "local": 16, "parameter": 32}
 INDEPENDENT = 64  # the time
 NUMBERS_IN_A_LINE = 12
@@ -39,6 +41,7 @@ class Wiring(NamedTuple):
     quantities: list  # of each line: (name, reference, default) in the order of the kernel `pack`
     of_lines: dict  # references of what each line has, by the name of the table in C
     forces: list  # references of the forces whose smoothness counts in directional derivatives
+    sizes: dict  # dimensions of the arrays of FMI 3 that are no vectors, by name
     inputs: list = ()  # (place, reference, line, place among its inputs); of a load: -1, place among the loads
     outputs: list = ()  # (reference, place)
     motion: list = ()  # (reference, line, 1 at its end, component)
@@ -68,6 +71,7 @@ def wiring_of(variant, table, shape_points):
         [[(each.name, own[each.name], 0.0) for each in listed]],
         {"DIAMETER_AT": [own["diameter"]], "SLACK_SEGMENTS_AT": [given + layout.SLACK_SEGMENTS]},
         [given + place + i for place in force_places for i in range(3)],
+        {"shape": (shape_points, COMPONENTS), inputs.WIND_AT.name: (points, COMPONENTS)},
         [(place, place, 0, place) for place in range(given)],
     )
 
@@ -91,12 +95,9 @@ def row_of(k):
     return plan_layout.PLAN_HEADER + plan_layout.LINE_NUMBERS * k
 
 
-def header(wiring, widths, token):
-    """Text of `tables.h` for one FMU.
-
-    token : guid of FMI 2, instantiation token of FMI 3.
-    widths : of FMI 3, which has arrays and the time: dict of value reference to number of values; None for FMI 2.
-    """
+def header(wiring, fmi, token):
+    """Text of `tables.h` for one FMU; token : guid of FMI 2, instantiation token of FMI 3, which has arrays and the time."""
+    widths = {array.reference: len(array.variables) for array in arrays(wiring)} if fmi == 3 else None
     listed = [variable for variable in wiring.table if variable.causality == PARAMETER]
     return "\n".join(
         [
@@ -115,11 +116,6 @@ def header(wiring, widths, token):
             "",
         ]
     )
-
-
-def count_of_values(table, shape_points):
-    """Number of all values of a tether: inputs, outputs, parameters."""
-    return parameters_at(shape_points, wind_points_in(table)) + sum(each.causality == PARAMETER for each in table)
 
 
 def c_text(text):
@@ -203,21 +199,25 @@ def _inputs(wiring):
     ]
 
 
-def room_of(kernels, lines, free=(), band=0):
+def room_of(kernels, wiring):
     """Text that says how much room the arrays of lines with equal numbers of segments need at most."""
-    given = given_plan(lines, free, band)
     beside = [plan_layout.PARAMETERS_SIZE, plan_layout.WORK_SIZE]
-    if free or lines[0].name:  # their inputs and outputs are not those of the FMU
+    if not wiring.record:  # inputs and outputs of the lines are not those of the FMU
         beside += [plan_layout.INPUTS_SIZE, plan_layout.OUTPUTS_SIZE]
     states, others = [], []
     for n in range(1, layout.MAX_SEGMENTS + 1):
-        plan = array("q", [given.get(place, 0) for place in range(plan_layout.plan_size(len(lines)))])
-        for k in range(len(lines)):
+        plan = array("q", _numbers_of(wiring))
+        for k in range(len(wiring.lines)):
             plan[row_of(k) + plan_layout.SEGMENTS] = n
         kernels.complete(address(plan))
         states.append(plan[plan_layout.STATE_SIZE])
         others.append(sum(plan[place] for place in beside))
     return most_room(states, others)
+
+
+def _numbers_of(wiring):
+    """The plan as it is given, list of whole numbers."""
+    return [wiring.plan.get(place, 0) for place in range(plan_layout.plan_size(len(wiring.lines)))]
 
 
 def most_room(states, others):
@@ -280,7 +280,6 @@ def _maps(wiring):
     counts |= {"STARTS": wiring.starts, "CHECKS": wiring.checked}
     limits = [(each.place, *map(repr, limits_of(each.quantity))) for each in wiring.checked]
     rows = ",\n    ".join(f"{{{', '.join(map(str, row))}}}" for row in limits) or "{0, 0.0, 0.0}"
-    plan = [wiring.plan.get(place, 0) for place in range(plan_layout.plan_size(len(wiring.lines)))]
     masses = ", ".join(f"{{{a}, {b}}}" for a, b in wiring.carried or [(-1, -1)])
     return [
         c_enumeration({name: len(listed) for name, listed in counts.items()}),
@@ -291,7 +290,7 @@ def _maps(wiring):
         f"static const struct {{ int reference; double lowest, highest; }} CHECK[] = {{\n    {rows}}};",
         f"static const int CARRIED[][2] = {{{masses}}};",
         c_texts("FREE_POINT_NAME", wiring.free or ("",)),
-        c_numbers("int64_t GIVEN_PLAN", plan),
+        c_numbers("int64_t GIVEN_PLAN", _numbers_of(wiring)),
     ]
 
 

@@ -45,18 +45,12 @@ def settled(scene, reference):
 
 def power_error(scene, flown, reference, first):
     """Error of the power at the kite or at the winch, the larger one; 0 where there is no power."""
-    motion = scene.flight.motion(scene.times[1:])
-    velocities = [velocity_of_free_end(each) if scene.kite_is_free else motion.kite_velocity for each in (flown, reference)]
-    at_kite, at_winch = (
-        [np.sum(each.kite_force * v, -1)[first:] for each, v in zip((flown, reference), velocities, strict=True)],
-        [(each.outputs[:, at.GROUND_TENSION] * motion.reel_out_speed)[first:] for each in (flown, reference)],
-    )
+    motion, both = scene.flight.motion(scene.times[1:]), (flown, reference)
+    moved = [each.outputs[:, at.OUTPUT_KITE_VELOCITY : at.OUTPUT_KITE_VELOCITY + 3] for each in both]
+    velocities = moved if scene.kite_is_free else [motion.kite_velocity] * 2
+    at_kite = [np.sum(each.kite_force * v, -1)[first:] for each, v in zip(both, velocities, strict=True)]
+    at_winch = [(each.outputs[:, at.GROUND_TENSION] * motion.reel_out_speed)[first:] for each in both]
     return max((rms(mine - right) / rms(right) for mine, right in (at_kite, at_winch) if rms(right) > 0.0), default=0.0)
-
-
-def velocity_of_free_end(flown):
-    """Velocity of the kite end [m/s], array (rows, 3), as the tether has moved it."""
-    return flown.outputs[:, at.OUTPUT_KITE_VELOCITY : at.OUTPUT_KITE_VELOCITY + 3]
 
 
 def errors(scene, flown, reference):

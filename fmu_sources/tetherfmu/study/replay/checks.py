@@ -30,7 +30,6 @@ FLYING = 3.0  # m/s, from which on a kite has its airspeed
 WINDS = 0.33, 3.0  # factor of the wind with which the kite has its airspeed; km/h for m/s is outside
 FACTORS = np.linspace(0.0, 5.0, 101)  # of the wind that are tried
 AXES = ("east", "north", "up")
-IN_MIDDLE = 0.5  # quantile
 
 
 def check(log):
@@ -44,7 +43,9 @@ def check(log):
         found = compare(log, position)
         done += [name] if found else []
         undone += [name] if found is False else []
-    judge_height(position, log.report)
+    below = 100.0 * np.nanmean(position[:, 2] < 0.0)
+    if below > 50.0:
+        log.report.doubt(f"kite_position is below the outlet of the winch in {below:.0f} % of the rows: is up right?")
     judge_what_is_not_said(log)
     log.report.say(f"fit each other: {', '.join(done) or 'nothing to compare'}")
     if undone:
@@ -253,13 +254,6 @@ def compare_wind(log, position):
             f"wind_velocity fits airspeed and kite_velocity best times {best:.2g}; check its unit and direction"
         )
     return True
-
-
-def judge_height(position, report):
-    """Doubt a kite that is below the winch."""
-    below = np.nanmean(position[:, 2] < 0.0)
-    if below > IN_MIDDLE:
-        report.doubt(f"kite_position is below the outlet of the winch in {100.0 * below:.0f} % of the rows: is up right?")
 
 
 def judge_what_is_not_said(log):

@@ -1,11 +1,12 @@
 """Which column of a log is what: maps, files in TOML; see docs/use/your_log.md, "Maps"."""
 
 import math
-import tomllib
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from tetherfmu.input_files import contents_of, factors, ground_of, record, require
+import numpy as np
+
+from tetherfmu.input_files import GROUND, factors, ground_of, record, require, tables_of
 from tetherfmu.runtime.parameters import Environment, Ground, Tether
 from tetherfmu.runtime.quantities import check, quantity
 from tetherfmu.study.scenes.files import NOT_OF_A_SCENE, RECORDS, SceneError
@@ -28,6 +29,7 @@ GEODETIC = ("latitude", "longitude", "altitude")
 POINTS, SPEEDS = ("kite_position", "origin"), ("kite_velocity", "wind_velocity")
 SCALARS = {"tether_length": "m", "reel_out_speed": "m/s", "ground_tension": "N", "airspeed": "m/s"}  # and their units
 LABELS = ("phase", "cycle")
+PLAIN, GEODETIC_POINT, WIND_FROM = "plain", "geodetic", "wind from"  # kinds of the numbers of a `Source`
 MAY_MISS = ("kite_velocity", "wind_velocity", *SCALARS)  # what a map may call optional
 SMALL_TIMES = {"us": 1e-6, "ns": 1e-9}  # units of time that only logs have, and the factor to s
 ANGLES = {"deg": 1.0, "rad": math.degrees(1.0), "1e-7 deg": 1e-7}  # of geodetic coordinates, and the factor to deg
@@ -98,47 +100,58 @@ OF_SCENES = ("tether", "environment", "ground")
 
 
 @dataclass(frozen=True)
-class Vector:
-    """Columns of a vector: those of its components x east, y north, z up with their signs; or geodetic coordinates."""
-
-    columns: tuple
-    signs: tuple = (1.0, 1.0, 1.0)
-    factor: float = 1.0  # to m or m/s; of geodetic coordinates, of the altitude
-    is_geodetic: bool = False
-    angle: float = 1.0  # factor of latitude and longitude to deg
-
-
-@dataclass(frozen=True)
-class Scalar:
+class Column:
     """Column of a number, and the factor to its unit; `others` may stand for it, the first one that a log has."""
 
-    column: str
+    name: str
     factor: float = 1.0
     others: tuple = ()
 
     def among(self, there):
         """The same number in the first of its columns that is there; its first one if none is."""
-        return replace(self, column=next((each for each in (self.column, *self.others) if each in there), self.column))
+        return replace(self, name=next((each for each in (self.name, *self.others) if each in there), self.name))
+
+
+@dataclass(frozen=True)
+class Source:
+    """Where a log has a quantity: a `Column` for each of its numbers, and what kind of numbers these are.
+
+    PLAIN : a scalar, or a vector x east, y north, z up.  GEODETIC_POINT : latitude, longitude [deg], altitude [m].
+    WIND_FROM : the speed of the wind [m/s], and the direction from which it comes [rad, clockwise from north].
+    """
+
+    numbers: tuple
+    kind: str = PLAIN
+
+    @property
+    def columns(self):
+        """Names of its columns."""
+        return tuple(each.name for each in self.numbers)
+
+    def among(self, there):
+        """The same quantity in those columns of each number that are there."""
+        return replace(self, numbers=tuple(each.among(there) for each in self.numbers))
+
+    def read(self, raw):
+        """Its numbers, array (rows, numbers); raw : dict from a column of the log to its readings."""
+        return np.column_stack([raw[each.name] * each.factor for each in self.numbers])
 
 
 @dataclass(frozen=True)
 class Columns:
     """A map: what the columns of a log mean, and the constants of the flight.
 
-    `vectors`, `scalars` : dict from a name of the interface to `Vector` or `Scalar`.  `labels` : dict "phase", "cycle" to a
-    column.  `origin` : the station in geodetic coordinates (deg, deg, m), or the `Vector` pair (geodetic, in metres) of one
-    receiver; None: positions are seen from the station.  `wind_from` : column of the direction from which the wind comes
-    [deg, clockwise from north], beside the `Scalar` of its speed.  `optional` : quantities that a log need not have.
+    `sources` : dict from a name of the interface to its `Source`.  `labels` : dict "phase", "cycle" to a column.  `origin` :
+    the station in geodetic coordinates (deg, deg, m), or the `Source` pair (geodetic, in metres) of one receiver; None:
+    positions are seen from the station.  `optional` : quantities that a log need not have.
     """
 
     name: str
     about: str = ""
-    time: Scalar = Scalar("time")
-    vectors: dict = field(default_factory=dict)
-    scalars: dict = field(default_factory=dict)
+    time: Column = Column("time")
+    sources: dict = field(default_factory=dict)
     labels: dict = field(default_factory=dict)
     origin: tuple | None = None
-    wind_from: Scalar | None = None
     optional: tuple = ()
     tether: Tether = field(default_factory=Tether)
     environment: Environment = field(default_factory=Environment)
@@ -151,11 +164,9 @@ class Columns:
     @property
     def columns(self):
         """Names of all columns that a log must have, except labels."""
-        listed = [self.time.column, *(name for vector in self.vectors.values() for name in vector.columns)]
-        if self.origin and isinstance(self.origin[0], Vector):
-            listed += [name for vector in self.origin for name in vector.columns]
-        scalars = [*self.scalars.values(), *([self.wind_from] if self.wind_from else [])]
-        return tuple(dict.fromkeys([*listed, *(scalar.column for scalar in scalars)]))
+        of_origin = [each for each in self.origin or () if isinstance(each, Source)]
+        listed = [name for source in (*self.sources.values(), *of_origin) for name in source.columns]
+        return tuple(dict.fromkeys([self.time.name, *listed]))
 
     @property
     def weight(self):
@@ -164,24 +175,16 @@ class Columns:
 
     def columns_of(self, name):
         """Names of the columns of a quantity, () if the map does not have it."""
-        if name in self.vectors:
-            return self.vectors[name].columns
-        if name == "wind_velocity" and self.wind_from:
-            return self.scalars["wind_speed"].column, self.wind_from.column
-        return (self.scalars[name].column,) if name in self.scalars else ()
+        return self.sources[name].columns if name in self.sources else ()
 
     def without(self, name):
         """The same map without a quantity."""
-        keep = {name, "wind_speed"} if name == "wind_velocity" else {name}
-        vectors = {key: each for key, each in self.vectors.items() if key not in keep}
-        scalars = {key: each for key, each in self.scalars.items() if key not in keep}
-        wind_from = None if name == "wind_velocity" else self.wind_from
-        return replace(self, vectors=vectors, scalars=scalars, wind_from=wind_from)
+        return replace(self, sources={key: each for key, each in self.sources.items() if key != name})
 
     def for_log(self, there, report):
         """The same map for a log that has the columns `there`: without optional quantities whose columns are missing."""
-        scalars = {key: each.among(there) for key, each in self.scalars.items()}
-        found = replace(self, scalars=scalars, wind_from=self.wind_from.among(there) if self.wind_from else None)
+        sources = {name: each.among(there) for name, each in self.sources.items()}
+        found = replace(self, sources=sources)
         for name in self.optional:
             missing = [column for column in found.columns_of(name) if column not in there]
             if missing:
@@ -209,8 +212,8 @@ def load(name):
     if path not in MAPS.values() and path.suffix != ".toml":
         raise MapError(f"there is no map {name}; it must be one of {', '.join([KITEPOWER, *MAPS])}, or a file (.toml)")
     try:
-        return read(tomllib.loads(contents_of(path).decode("utf-8")), path.stem)
-    except (ValueError, RecursionError) as error:
+        return read(tables_of(path), path.stem)
+    except ValueError as error:
         raise MapError(f"{path}: {' '.join(str(error).split())}") from None
 
 
@@ -219,16 +222,13 @@ def read(table, name):
     vectors = (*POINTS, *SPEEDS)
     require(table, "", ("about", "optional", "time", *vectors, *SCALARS, *LABELS, *OWN, *OF_SCENES), ())
     found = {"name": name, "about": str(table.get("about", "")), "optional": optional(table.get("optional", []), table)}
-    found["time"] = scalar(table.get("time", {"column": "time"}), "time", "s", SMALL_TIMES)
-    found["scalars"] = {key: scalar(table[key], key, unit) for key, unit in SCALARS.items() if key in table}
-    found["labels"] = {key: scalar(table[key], key, None).column for key in LABELS if key in table}
-    found["vectors"] = {key: vector(table[key], key) for key in vectors if key in table and key != "origin"}
-    if "kite_position" not in found["vectors"]:
+    found["time"] = number(table.get("time", {"column": "time"}), "time", "s", SMALL_TIMES)
+    scalars = {key: Source((number(table[key], key, unit),)) for key, unit in SCALARS.items() if key in table}
+    found["labels"] = {key: number(table[key], key, None).name for key in LABELS if key in table}
+    found["sources"] = {key: vector(table[key], key) for key in vectors if key in table and key != "origin"} | scalars
+    if "kite_position" not in found["sources"]:
         raise ValueError("the table [kite_position] is missing")
-    if "speed" in table.get("wind_velocity", {}):
-        found["scalars"]["wind_speed"], found["wind_from"] = wind(table["wind_velocity"])
-        del found["vectors"]["wind_velocity"]
-    if found["vectors"]["kite_position"].is_geodetic:
+    if found["sources"]["kite_position"].kind == GEODETIC_POINT:
         if "origin" not in table:
             raise ValueError("kite_position is in degrees: the table [origin] of the station is missing")
         found["origin"] = origin(table["origin"])
@@ -239,15 +239,11 @@ def read(table, name):
 
 def read_records(table, base):
     """Records of the constants of a map, dict by section, those of `base` with what a table of a file changes."""
-    found = {}
-    for section, kind in OWN.items():
-        found[section] = replace(getattr(base, section), **given(kind, table, section))
-    for section in OF_SCENES:
-        if section == "ground":
-            found[section] = replace(base.ground, **vars_of_ground(table)) if section in table else base.ground
-        else:
-            found[section] = replace(getattr(base, section), **given(RECORDS[section], table, section))
-    return found
+    kinds = OWN | {section: RECORDS[section] for section in OF_SCENES}
+    changed = {section: given(kind, table, section) for section, kind in kinds.items()}
+    whole = vars(ground_of(RECORDS["ground"](**changed["ground"]), Environment()))
+    changed["ground"] = {GROUND + name: whole[GROUND + name] for name in changed["ground"]}
+    return {section: replace(getattr(base, section), **values) for section, values in changed.items()}
 
 
 def given(kind, table, section):
@@ -256,14 +252,6 @@ def given(kind, table, section):
         return {}
     made = record(kind, table[section], section, left_out=NOT_OF_A_SCENE)
     return {name: getattr(made, name) for name in table[section]}
-
-
-def vars_of_ground(table):
-    """Values that the table [ground] gives to a `Ground`."""
-    made = given(RECORDS["ground"], table, "ground")
-    names = [f"ground_{name}" for name in made]
-    whole = ground_of(RECORDS["ground"](**made), Environment())
-    return {name: getattr(whole, name) for name in names}
 
 
 def text_of(table, section, key):
@@ -291,8 +279,8 @@ def factor_of(table, section, unit, key="unit", more=None):
     return known[spelled]
 
 
-def scalar(table, section, unit, more=None):
-    """`Scalar` of a table {column, unit}, or of a column; unit : of the quantity, None for texts; more : units.
+def number(table, section, unit, more=None):
+    """`Column` of a table {column, unit}, or of a column; unit : of the quantity, None for texts; more : units.
 
     A list of columns stands for the first of them that a log has.
     """
@@ -304,50 +292,44 @@ def scalar(table, section, unit, more=None):
 
 
 def among(table, section, key, factor):
-    """`Scalar` of a column, or of a list of columns, under a key of a table."""
+    """`Column` of a column, or of a list of columns, under a key of a table."""
     listed = table[key] if isinstance(table[key], list) and table[key] else [table[key]]
-    column, *others = (text_of({key: each}, section, key) for each in listed)
-    return Scalar(column, factor, tuple(others))
+    name, *others = (text_of({key: each}, section, key) for each in listed)
+    return Column(name, factor, tuple(others))
 
 
-def wind(table):
-    """`Scalar` of the speed of the wind, and that of the direction from which it comes."""
-    section = "wind_velocity"
+def wind(table, section):
+    """`Source` of a wind by its speed and the direction from which it comes."""
     require(table, section, ("speed", "from", "unit", "angle"))
     if "from" not in table:
         raise ValueError(f"the key {section}.from is missing: the column of the direction from which the wind comes")
     speed = among(table, section, "speed", factor_of(table, section, "m/s"))
-    return speed, among(table, section, "from", factor_of({"angle": "deg"} | table, section, "rad", "angle"))
+    direction = among(table, section, "from", factor_of({"angle": "deg"} | table, section, "rad", "angle"))
+    return Source((speed, direction), WIND_FROM)
 
 
 def vector(table, section):
-    """`Vector` of a table that names a column for each axis; None of a wind that has speed and direction."""
+    """`Source` of a table that names a column for each axis, or those of geodetic coordinates, or of a wind."""
     if section == "wind_velocity" and "speed" in table:
-        return None
+        return wind(table, section)
     is_position = section in POINTS
     require(table, section, (*AXES, *((*GEODETIC, "angle") if is_position else ()), "unit"))
     factor = factor_of(table, section, "m" if is_position else "m/s")
     if any(key in table for key in GEODETIC):
         require(table, section, (*GEODETIC, "angle", "unit"), GEODETIC)
-        columns = tuple(text_of(table, section, key) for key in GEODETIC)
-        return Vector(columns, factor=factor, is_geodetic=True, angle=angle_of(table, section))
-    axes = {AXES[key][0]: (text_of(table, section, key), AXES[key][1]) for key in table if key in AXES}
+        angle = factor_of(table, section, "deg", "angle", ANGLES)
+        columns = (
+            Column(text_of(table, section, key), each) for key, each in zip(GEODETIC, (angle, angle, factor), strict=True)
+        )
+        return Source(tuple(columns), GEODETIC_POINT)
+    axes = {AXES[key][0]: Column(text_of(table, section, key), factor * AXES[key][1]) for key in table if key in AXES}
     if len(axes) != 3 or sum(key in AXES for key in table) != 3:
         raise ValueError(f"{section} must name one column for each axis: east or x, north or y, up or down or z")
-    columns, signs = zip(*(axes[k] for k in range(3)), strict=True)
-    return Vector(columns, signs, factor)
-
-
-def angle_of(table, section):
-    """Factor of the unit of latitude and longitude to deg; ValueError says what is allowed."""
-    spelled = table.get("angle", "deg")
-    if not isinstance(spelled, str) or spelled not in ANGLES:
-        raise ValueError(f"{section}.angle is {spelled!r}; it must be one of {', '.join(ANGLES)}")
-    return ANGLES[spelled]
+    return Source(tuple(axes[k] for k in range(3)))
 
 
 def origin(table):
-    """The station: three numbers (deg, deg, m), or the two `Vector` of a receiver that is logged in degrees and metres."""
+    """The station: three numbers (deg, deg, m), or the two `Source` of a receiver that is logged in degrees and metres."""
     section = "origin"
     require(table, section, (*GEODETIC, *AXES, "angle", "unit"), GEODETIC)
     values = [table[key] for key in GEODETIC]

@@ -4,24 +4,17 @@ import numpy as np
 import pandas as pd
 
 from . import runs
+from .columns import LABELS
 from .flight import EVERY
 
 MEAN = 1.0  # s, over which tensions are averaged before they are compared
 SETTLED = 1.2  # s from the start that are not compared: a tether starts in equilibrium
 ALL, NONE = "all", "not named"
-LABELS = ("phase", "cycle")
 
 
 def averaged(values):
     """Mean over `MEAN`, centred, of values every `EVERY`; a Series or an array, as array."""
     return pd.Series(np.asarray(values)).rolling(round(MEAN / EVERY), center=True, min_periods=1).mean().to_numpy()
-
-
-def measured_tension(flight):
-    """Measured tension at the ground [N] at the times of a flight, NaN where it is not known."""
-    if "ground_tension" not in flight.log.table:
-        return np.full(len(flight.times), np.nan)
-    return flight.measured("ground_tension", flight.times)
 
 
 def residuals(flight, flown):
@@ -32,7 +25,7 @@ def residuals(flight, flown):
     the taut tether changes if its length, or the position of its end, is wrong by the noise of a position
     (`stiffness` [N/m] times noise), NaN where the tether is slack.
     """
-    length, measured = flight.length(flight.times), averaged(measured_tension(flight))
+    length, measured = flight.length(flight.times), averaged(flight.measured("ground_tension", flight.times))
     rows = np.clip(np.searchsorted(flight.log.time, flight.times, side="right") - 1, 0, None)
     labels = {name: flight.log.table[name].to_numpy()[rows] for name in LABELS if name in flight.log.table}
     parts = []
@@ -94,6 +87,17 @@ def rms(values):
     """Root mean square of what is known; NaN if nothing is."""
     known = values[np.isfinite(values)]
     return float(np.sqrt(np.mean(known**2))) if len(known) else np.nan
+
+
+def rounded(errors):
+    """A table of errors, see `errors`, for people: lengths to 1 cm, tensions to three digits, and to 0.1 N."""
+    table = errors.copy()
+    for head in table.columns:
+        if head.endswith(" m"):
+            table[head] = table[head].round(2) + 0.0  # not -0
+        elif head.endswith(" N"):
+            table[head] = table[head].map(lambda force: round(float(f"{force:.3g}"), 1) + 0.0)
+    return table
 
 
 def untrustworthy(found):

@@ -12,10 +12,9 @@ from matplotlib.patches import Patch
 from tetherfmu.console.colours import BLACK, COLOUR, GREY, GROUND, REFERENCE
 from tetherfmu.runtime import layout as at
 
-from .comparison import SETTLED, averaged, measured_tension
-from .facts import finest, is_slack, slack_share, words
+from .comparison import SETTLED, averaged
 from .flight import EVERY
-from .runs import TETHERS
+from .runs import TETHERS, words
 
 WIDTH, DPI = 9.0, 100  # inches, and dots in each
 SHARE = 0.5, 99.5  # percentiles that set the scale of an axis
@@ -31,21 +30,9 @@ LOGGED = {"color": REFERENCE, "linewidth": 3.0, "alpha": 0.8}  # looks of a meas
 LEADING = {"tension": "tension", "length": "length", "speed": "reel-out speed"}
 
 
-def without(values, missing):
-    """Values with NaN where something is missing, array (times,)."""
-    return np.where(missing, np.nan, values)
-
-
-def tensions(made):
-    """Measured tension and that of each tether [N], as means over 1 s: an array (times,), and a dict of them."""
-    measured = measured_tension(made.flight)
-    means = {name: each.table.mean_tension.to_numpy() for name, each in made.flown.items()}
-    return smooth(measured), {name: smooth(values) for name, values in means.items()}
-
-
 def smooth(values):
     """Mean over 1 s; a gap stays a gap."""
-    return without(averaged(values), np.isnan(values))
+    return np.where(np.isnan(values), np.nan, averaged(values))
 
 
 def range_of(values):
@@ -73,8 +60,9 @@ def limits(times, measured, others, with_zero=False):
 
 def draw_tension(axes, made):
     """Tension at the ground: measured, and of each tether."""
-    measured, tethers = tensions(made)
     times = made.flight.times
+    measured = smooth(made.flight.measured("ground_tension", times))
+    tethers = {name: smooth(each.table.mean_tension.to_numpy()) for name, each in made.flown.items()}
     low, high = limits(times, [measured], tethers.values(), with_zero=True)
     factor, unit = (1e-3, "kN") if high > NEWTONS else (1.0, "N")
     axes.plot(times, factor * measured, **LOGGED)
@@ -90,8 +78,8 @@ def draw_tension(axes, made):
 
 def noise_in(made):
     """A sentence on how much the noise of a position moves the tension of the finest tether where that is taut."""
-    band = made.residuals[made.residuals.tether == finest(made)[0]].band.to_numpy()
-    taut, noise = np.isfinite(band) & ~is_slack(made), made.flight.log.map.smoothing.position_noise
+    band = made.residuals[made.residuals.tether == made.finest[0]].band.to_numpy()
+    taut, noise = np.isfinite(band) & ~made.is_slack, made.flight.log.map.smoothing.position_noise
     if taut.any():
         share = 100.0 * taut.mean()
         yield f"taut for {share:.0f} % of the time: {noise:g} m of position is then {newtons(np.median(band[taut]))}"
@@ -182,7 +170,7 @@ def panels(made):
     found = [draw_tension]
     if made.lead == "tension" and made.flight.has("length"):
         found.append(draw_length)
-    if slack_share(made) > SOME:
+    if made.is_slack.mean() > SOME:
         found.append(draw_sag)
     if made.lead == "tension" and "reel_out_speed" in table:
         found.append(draw_speed)
@@ -199,7 +187,7 @@ def intervals(times, labels):
 
 def labels_of(made, name):
     """Labels of the log at the times of a flight, array (times,) of texts; None if it has none."""
-    part = made.residuals[made.residuals.tether == finest(made)[0]]
+    part = made.residuals[made.residuals.tether == made.finest[0]]
     return part[name].fillna("").astype(str).str.strip().to_numpy() if name in part else None
 
 
@@ -274,7 +262,7 @@ def moments(shapes):
 
 def shapes_figure(made, name):
     """Figure of the shapes of the finest tether at some times: in the vertical plane through the kite, and from above."""
-    variant, flown = finest(made)
+    variant, flown = made.finest
     rows = moments(flown.shapes)
     shapes, kite = flown.shapes[rows], made.flight.kite(made.flight.times)[0]
     along, height = side_view(shapes)

@@ -57,7 +57,10 @@ def fit(flight, wanted=("offset",), segments=SEGMENTS):
         refuse_alike(columns[taut], names)
         step, half = jackknife(columns[taut], rest[taut])
         values, rest = values + step, rest - columns @ step
-        refuse_far(names, values)
+        if abs(delay := correction_of(names, values).delay) > LONGEST_DELAY:
+            raise LogError(
+                f"this part of the flight tells no delay: {delay:.3g} s would fit; it must be {LONGEST_DELAY:g} s at most"
+            )
         if np.all(np.abs(step) <= SMALL * half) or names == [NAMES["offset"]]:  # which the tether does not feel
             break
     correction = correction_of(names, values)
@@ -120,15 +123,6 @@ def refuse_alike(columns, names):
         one, other = (names[k] for k in np.unravel_index(alike.argmax(), alike.shape))
         raise LogError(
             f"this part of the flight cannot tell {one} from {other}: fit one of them, or a part with more motion"
-        )
-
-
-def refuse_far(names, values):
-    """LogError if the delay is longer than what was sought: the part has too little motion to tell."""
-    delay = correction_of(names, values).delay
-    if abs(delay) > LONGEST_DELAY:
-        raise LogError(
-            f"this part of the flight tells no delay: {delay:.3g} s would fit; it must be {LONGEST_DELAY:g} s at most"
         )
 
 

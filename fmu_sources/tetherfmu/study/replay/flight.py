@@ -64,7 +64,9 @@ class Flight:
         return curve(late) + self.correction.origin, curve(late, 1)
 
     def measured(self, name, time):
-        """A measured quantity at some times, array (times,), linear between readings; NaN in gaps that are too long."""
+        """A measured quantity at some times, array (times,), linear between readings; NaN where it is not known."""
+        if name not in self.log.table:
+            return np.full(len(time), np.nan)
         values = self.log.table[name].to_numpy()
         known = np.isfinite(values)
         own = self.log.time[known] - getattr(self.log.map.delay, name, 0.0)
@@ -101,6 +103,13 @@ class Flight:
         rows = max(1, round(self.log.map.smoothing.wind_mean / np.median(np.diff(self.log.time))))
         mean = pd.DataFrame(readings).rolling(rows, center=True, min_periods=1).mean().interpolate(limit_direction="both")
         return np.column_stack([np.interp(time, self.log.time, column) for column in mean.to_numpy().T])
+
+    def signals(self):
+        """Motion of the end of the tether and wind at the times of the results, a DataFrame with a column `time`."""
+        position, velocity = self.kite(self.times)
+        vectors = {POSITION: position, VELOCITY: velocity, WIND: self.wind(self.times)}
+        columns = {name: column for names, values in vectors.items() for name, column in zip(names, values.T, strict=True)}
+        return pd.DataFrame({"time": self.times} | columns)
 
     def inputs(self, lead, step=STEP):
         """Inputs of a tether, array (steps, INPUTS): the motion of the kite, the wind, and what leads the winch.

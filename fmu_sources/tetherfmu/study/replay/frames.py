@@ -4,6 +4,8 @@ import numpy as np
 
 from tetherfmu.runtime.inputs import components
 
+from .columns import GEODETIC_POINT, WIND_FROM, Source
+
 EARTH_RADIUS, FLATTENING = 6378137.0, 1.0 / 298.257223563  # of the ellipsoid WGS 84 [m, -]
 SQUARED = FLATTENING * (2.0 - FLATTENING)  # of its eccentricity
 ROUNDS = 5  # in which an origin is improved; each takes off three digits of what is left
@@ -63,43 +65,36 @@ def origin_of(geodetic, metres):
 
 def convert(raw, found, table, report):
     """Put the quantities of a map into a table; raw : dict from a column of the log to its readings."""
-    for name, vector in found.vectors.items():
-        readings = np.column_stack([raw[column] for column in vector.columns])
-        if vector.is_geodetic:
-            points = local(*degrees(vector, readings).T, station_of(raw, found, report))
-        else:
-            points = readings * vector.factor * vector.signs
-        table[list(components(name, 3))] = points
-    for name, scalar in found.scalars.items():
-        if name != "wind_speed":
-            table[name] = raw[scalar.column] * scalar.factor
-    if found.wind_from:
-        speed = raw[found.scalars["wind_speed"].column] * found.scalars["wind_speed"].factor
-        angle = raw[found.wind_from.column] * found.wind_from.factor
-        to = np.column_stack([-np.sin(angle), -np.cos(angle), 0.0 * angle])
-        table[list(components("wind_velocity", 3))] = speed[:, None] * to
-        judge_angle(found.wind_from, raw[found.wind_from.column], report)
+    for name, source in found.sources.items():
+        numbers = source.read(raw)
+        if source.kind == GEODETIC_POINT:
+            refuse_other_angles(source, numbers)
+            numbers = local(*numbers.T, station_of(raw, found, report))
+        elif source.kind == WIND_FROM:
+            speed, angle = numbers.T
+            numbers = speed[:, None] * np.column_stack([-np.sin(angle), -np.cos(angle), 0.0 * angle])
+            judge_angle(source.numbers[1], raw[source.columns[1]], report)
+        table[list(components(name, numbers.shape[1]))] = numbers
 
 
-def degrees(vector, readings):
-    """Geodetic coordinates [deg, deg, m] of readings, array (rows, 3); ValueError if most are none."""
-    found = readings * (vector.angle, vector.angle, vector.factor)
-    for name, column, values, most in zip(("latitude", "longitude"), vector.columns, found.T, (90.0, 360.0), strict=False):
+def refuse_other_angles(source, numbers):
+    """ValueError if geodetic coordinates [deg, deg, m], array (rows, 3), are none for the most part."""
+    for name, column, values, most in zip(("latitude", "longitude"), source.columns, numbers.T, (90.0, 360.0), strict=False):
         known = values[np.isfinite(values)]
         if len(known) and np.abs(np.median(known)) > most:
             raise ValueError(
                 f"{column} is {np.median(known):.6g} deg in the middle; a {name} is at most {most:g} deg; check its "
                 'unit (angle = "1e-7 deg"?)'
             )
-    return found
 
 
 def station_of(raw, found, report):
     """The origin of a map in geodetic coordinates, found in the log if the map leads there."""
-    if not hasattr(found.origin[0], "columns"):
+    if not isinstance(found.origin[0], Source):
         return found.origin
-    geodetic, metres = (np.column_stack([raw[column] for column in vector.columns]) for vector in found.origin)
-    origin = origin_of(degrees(found.origin[0], geodetic), metres * found.origin[1].factor * found.origin[1].signs)
+    geodetic, metres = (source.read(raw) for source in found.origin)
+    refuse_other_angles(found.origin[0], geodetic)
+    origin = origin_of(geodetic, metres)
     report.say(f"origin: latitude {origin[0]:.6f} deg, longitude {origin[1]:.6f} deg, altitude {origin[2]:.2f} m")
     return origin
 
@@ -108,6 +103,6 @@ def judge_angle(direction, readings, report):
     """Doubt a direction of the wind in degrees that looks like radians, and the other way round."""
     largest = np.max(np.abs(readings), initial=0.0, where=np.isfinite(readings))
     if direction.factor != 1.0 and 0.0 < largest <= TURN:
-        report.doubt(f"{direction.column}, from where wind_velocity comes, is {largest:.3g} deg at most: is it in radians?")
+        report.doubt(f"{direction.name}, from where wind_velocity comes, is {largest:.3g} deg at most: is it in radians?")
     if direction.factor == 1.0 and largest > 2.0 * TURN:
-        report.doubt(f"{direction.column}, from where wind_velocity comes, is up to {largest:.3g} rad: is it in degrees?")
+        report.doubt(f"{direction.name}, from where wind_velocity comes, is up to {largest:.3g} rad: is it in degrees?")

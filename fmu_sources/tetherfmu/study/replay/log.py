@@ -1,7 +1,7 @@
 """The log of a flight as it was written: read, in SI units, x east, y north, z up, with what is impossible left out."""
 
 import codecs
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from io import StringIO
 from pathlib import Path
 
@@ -12,7 +12,6 @@ from tetherfmu.input_files import contents_of
 from tetherfmu.study.scenes.files import SceneError
 
 from . import clock, columns, frames, readings
-from .report import Report
 
 STANDS_FOR_NONE = 999.0, 9999.0, 99999.0, 999999.0, 32767.0, 32768.0, 65535.0  # numbers that loggers write without a reading
 ALONE = 0.1  # of such a number: if no other reading is so near to it, it is none
@@ -22,6 +21,31 @@ COMMENT = "#"  # begins lines that are no rows
 
 class LogError(SceneError):
     """A log that cannot be used; the message is one line with file, column, and what is wrong."""
+
+
+@dataclass
+class Report:
+    """What was done to a log before it was flown, a line each: nothing is done in silence. And what in it is doubtful."""
+
+    lines: list = field(default_factory=list)  # texts
+    doubts: list = field(default_factory=list)  # texts: what may be wrong, and was left as it is
+
+    def say(self, text):
+        """Add a line."""
+        self.lines.append(text)
+
+    def doubt(self, text):
+        """Add what may be wrong."""
+        self.doubts.append(text)
+
+    def count(self, done, rows, total, why):
+        """Add a line on some of the rows, unless there are none."""
+        if rows:
+            self.say(f"{done}: {rows} of {total} rows, {why}")
+
+    def __str__(self):
+        """All lines, the doubts last."""
+        return "\n".join([*self.lines, *(f"doubt: {each}" for each in self.doubts)])
 
 
 @dataclass(frozen=True)
@@ -145,13 +169,14 @@ def log_of(cells, found, report=None, source=""):
     if len(cells) < readings.FEWEST:
         raise ValueError(f"has {len(cells)} rows; it must have at least {readings.FEWEST}")
     say_units(cells, found, report)
-    time, kept = clock.repaired(cells, found.time.column, found.time.factor, report)
+    time, kept = clock.repaired(cells, found.time.name, found.time.factor, report)
     cells, table = cells.iloc[kept], pd.DataFrame({"time": time - time[0]})
-    raw = {name: numbers(cells, name, report) for name in found.columns if name != found.time.column}
+    raw = {name: numbers(cells, name, report) for name in found.columns if name != found.time.name}
     frames.convert(raw, found, table, report)
     readings.repair(table, found.smoothing.longest_gap, report)
     table, found = usable(table, found, report)
-    readings.judge(table, report)
+    readings.judge_frozen(table, report)
+    readings.judge_jumps(table, report)
     for label, name in found.labels.items():
         if name in cells:
             table[label] = cells[name].to_numpy()
@@ -192,7 +217,7 @@ def numbers(cells, name, report):
 
 def usable(table, found, report):
     """The table and the map without optional quantities that have too few readings; ValueError if another one has."""
-    for name in [*found.vectors, *(["wind_velocity"] if found.wind_from else []), *found.scalars]:
+    for name in list(found.sources):
         places = [each for each in table if each.partition("[")[0] == name]
         known = np.isfinite(table[places].to_numpy()).all(axis=1)
         if not places or readings.is_covered(table["time"].to_numpy(), known, found.smoothing.longest_gap):
@@ -202,13 +227,8 @@ def usable(table, found, report):
             f"{', '.join(found.columns_of(name))}, their units{' and the origin' if name == 'kite_position' else ''}"
         )
         if name not in found.optional:
-            raise ValueError(f"{text} ({'; '.join(reasons(report, (name, *found.columns_of(name))))})")
+            left_out = tuple(f"left out of {each}{end}" for each in (name, *found.columns_of(name)) for end in (":", "["))
+            raise ValueError(f"{text} ({'; '.join(line for line in report.lines if line.startswith(left_out))})")
         report.doubt(f"{text}; the flight has no {name}")
         table, found = table.drop(columns=places), found.without(name)
     return table, found
-
-
-def reasons(report, names):
-    """Lines of a report on what was left out of some columns."""
-    left_out = tuple(f"left out of {name}{end}" for name in names for end in (":", "["))
-    return [line for line in report.lines if line.startswith(left_out)]

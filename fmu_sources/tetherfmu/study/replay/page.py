@@ -1,6 +1,6 @@
 """A page in space of a replay: the flown path, and the tether along it."""
 
-from typing import NamedTuple
+from types import SimpleNamespace
 
 import numpy as np
 
@@ -8,20 +8,10 @@ from tetherfmu.libraries.examples import example
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.variants import class_name
 
-from .facts import finest
 from .runs import FORCES
 
 FILE = "flight.html"
 COUNT = 200  # of the moments that it shows, at most
-
-
-class Seen(NamedTuple):
-    """What the page shows of a tether: times (rows,) [s], shape (rows, points, 3) [m], forces at its ends (rows, 3) [N]."""
-
-    time: np.ndarray
-    shape: np.ndarray
-    ground_force: np.ndarray
-    kite_force: np.ndarray
 
 
 def drawing():
@@ -30,15 +20,15 @@ def drawing():
 
 
 def seen(flown):
-    """`Seen` of a `runs.Flown`, where its tether did not refuse."""
+    """Times [s], shapes [m] and end forces [N] of a `runs.Flown`, where its tether did not refuse."""
     table, known = flown.table, np.isfinite(flown.shapes).all(axis=(1, 2))
-    forces = (table[[f"{end}[{i}]" for i in (1, 2, 3)]].to_numpy()[known] for end in FORCES)
-    return Seen(table.time.to_numpy()[known], flown.shapes[known], *forces)
+    forces = {end: table[[f"{end}[{i}]" for i in (1, 2, 3)]].to_numpy()[known] for end in FORCES}
+    return SimpleNamespace(time=table.time.to_numpy()[known], shape=flown.shapes[known], **forces)
 
 
 def write(made, place, name):
     """Write the page of the finest tether of a `Replay` to a folder; returns its path."""
-    variant, flown = finest(made)
+    variant, flown = made.finest
     ground, path = made.flight.log.map.ground, made.flight.kite(made.flight.times)[0]
     height = ground.ground_height if ground.ground_contact == at.FLAT else None
     title = f"Tether along the flight of {name}"

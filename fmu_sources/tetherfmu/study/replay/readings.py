@@ -57,12 +57,6 @@ def repair(table, longest_gap, report):
         leave_out_impossible(table, name, report)
 
 
-def judge(table, report):
-    """Doubt what is frozen, and what jumps."""
-    judge_frozen(table, report)
-    judge_jumps(table, report)
-
-
 def leave_out_zeros(table, report):
     """Put NaN for positions that are exactly 0 while the next ones are far away: no reading of a receiver yet."""
     position = table[[*POSITION]].to_numpy(copy=True)

@@ -13,7 +13,6 @@ from tetherfmu.study.measuring.tables import markdown
 
 from . import comparison, figures, fitting, log, page, runs, scene
 from .columns import KITEPOWER
-from .facts import rounded
 from .flight import MEASURED, Flight, prepare
 
 NOTHING = "nothing"  # of --fit
@@ -39,6 +38,18 @@ class Replay:
     errors: pd.DataFrame
 
     @property
+    def finest(self):
+        """The name of the finest tether, and its `runs.Flown`."""
+        name = runs.finest(self.flown)
+        return name, self.flown[name]
+
+    @property
+    def is_slack(self):
+        """Where the finest tether is slack, or lies on the ground, array (times,) of bool."""
+        table = self.finest[1].table
+        return ~self.flight.is_taut(table.tether_length.to_numpy()) | (table.grounded_length.to_numpy() > 0.0)
+
+    @property
     def doubts(self):
         """Sentences on what not to believe."""
         taut, share = comparison.untrustworthy(self.residuals)
@@ -50,8 +61,8 @@ class Replay:
                 "force from positions; let the tension lead"
             )
         for name, each in self.flown.items():
-            if each.refused:
-                yield f"{name} refused {each.refused} communication steps; the first: {each.reason}"
+            if each.refusals:
+                yield f"{name} refused {len(each.refusals)} communication steps; the first: {each.refusals[0].reason}"
 
 
 def default_lead(read):
@@ -95,16 +106,11 @@ def replay(flight, lead, tethers=tuple(runs.TETHERS), wanted=("offset",), fit_pa
 def series(made):
     """All numbers of a `Replay` in a DataFrame: the log, then the outputs of each tether after its name."""
     flight = made.flight
-    kite, velocity = flight.kite(flight.times)
-    columns = {"time": flight.times}
-    columns |= {f"kite_position[{i + 1}]": kite[:, i] for i in range(3)}
-    columns |= {f"kite_velocity[{i + 1}]": velocity[:, i] for i in range(3)}
-    columns |= {f"wind_velocity[{i + 1}]": column for i, column in enumerate(flight.wind(flight.times).T)}
-    columns["measured_tension"] = comparison.measured_tension(flight)
+    table = flight.signals().assign(measured_tension=flight.measured("ground_tension", flight.times))
     if flight.has("length"):
-        columns["measured_length"] = flight.length(flight.times)
+        table["measured_length"] = flight.length(flight.times)
     tables = [each.table.drop(columns="time").add_prefix(f"{name}.") for name, each in made.flown.items()]
-    return pd.concat([pd.DataFrame(columns), *tables], axis=1)
+    return pd.concat([table, *tables], axis=1)
 
 
 def text(made, table):
@@ -113,13 +119,13 @@ def text(made, table):
     lines = [str(flight.log.report), ""]
     if made.fit:
         lines += [str(made.fit), made.tested]
-    lines += [f"led by the {made.lead} from {flight.start:.1f} to {flight.end:.1f} s:", "", markdown(rounded(table)), ""]
+    lines += [
+        f"led by the {made.lead} from {flight.start:.1f} to {flight.end:.1f} s:",
+        "",
+        markdown(comparison.rounded(table)),
+        "",
+    ]
     return "\n".join([*lines, *(f"doubt: {each}" for each in made.doubts)])
-
-
-def whole(errors):
-    """The rows of a table of errors on the whole flight."""
-    return errors[errors.part == comparison.ALL].drop(columns="part")
 
 
 def wanted_fits(flight, named):
@@ -162,7 +168,7 @@ def run(options):
     place = options.out or own_folder(options.log)
     fit_part = part_of_fit(flight, options.fit_from, options.fit_to) if wanted else None
     made = replay(flight, lead, options.tether or tuple(runs.TETHERS), wanted, fit_part, options.segments)
-    print(text(made, whole(made.errors)))
+    print(text(made, made.errors[made.errors.part == comparison.ALL].drop(columns="part")))  # of the whole flight
     now("drawing")
     for path in write(made, place, Path(options.log).stem, options.html):
         print(path)

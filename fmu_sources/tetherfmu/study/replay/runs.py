@@ -2,6 +2,7 @@
 
 import warnings
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -28,23 +29,27 @@ SHORT = 1e-3  # s, of the step that finds the first length
 TAUT = 1.05  # first length over the distance of the ends, at most, where a tension is measured
 
 
-class Flown:
+class Flown(NamedTuple):
     """What a tether gave along a flight: `table`, a DataFrame with a row for each of `Flight.times`; NaN where it refused.
 
     Columns beside outputs of these names: `mean_tension`, of `ground_tension` over the steps since the row before [N];
     `air_force`, what forces at both ends and weight leave [N]: drag, of a tether that hangs in equilibrium in the air.
-    `shapes` : (rows, points, 3) [m].  `refused` : number of communication steps that were refused, and
-    `reason` that of the first.  `seconds` : wall time of its steps.
+    `shapes` : (rows, points, 3) [m].  `refusals` : `results.Refusal` of the steps that were refused.
     """
 
-    def __init__(self, table, shapes, refusals, seconds):
-        self.table, self.shapes, self.seconds = table, shapes, seconds
-        self.refused, self.reason = len(refusals), refusals[0].reason if refusals else ""
+    table: pd.DataFrame
+    shapes: np.ndarray
+    refusals: tuple
 
 
 def finest(names):
     """The name of the finest of some tethers."""
     return min(names, key=list(TETHERS).index)
+
+
+def words(name):
+    """Name of a tether for people."""
+    return name.replace("_", "-")
 
 
 def first_length(flight, rows, lead):
@@ -94,7 +99,7 @@ def fly(flight, variant, lead, segments=SEGMENTS, **quantities):
 def flown_of(tether, rows, times, found):
     """`Flown` of a tether that is initialized; rows : inputs, as many for each of the times [s] but the first."""
     first, each = tether.outputs(), round(EVERY / STEP)
-    table, shapes, refusals, seconds = {name: [[getattr(first, name)]] for name in KEPT}, [first.shape[None]], [], 0.0
+    table, shapes, refusals = {name: [[getattr(first, name)]] for name in KEPT}, [first.shape[None]], []
     means = [[first.ground_tension]]
     for begin in range(0, len(rows), each * CHUNK):
         flown = tether.fly(rows[begin : begin + each * CHUNK], STEP, on_refusal="skip")
@@ -106,7 +111,6 @@ def flown_of(tether, rows, times, found):
         means.append(np.divide(np.nansum(tension, axis=1), known, np.full(len(known), np.nan), where=known > 0))
         shapes.append(flown.shape[each - 1 :: each])
         refusals += flown.refusals
-        seconds += flown.seconds
     columns = {"time": times, "mean_tension": np.concatenate(means)}
     columns |= {name: np.concatenate(table[name]) for name in SCALARS}
     for end in FORCES:
@@ -115,4 +119,4 @@ def flown_of(tether, rows, times, found):
     weight = found.weight * made.tether_length
     air = [made[f"ground_force[{i}]"] + made[f"kite_force[{i}]"] + (weight if i == 3 else 0.0) for i in (1, 2, 3)]
     made["air_force"] = np.linalg.norm(air, axis=0)
-    return Flown(made, np.concatenate(shapes), refusals, seconds)
+    return Flown(made, np.concatenate(shapes), tuple(refusals))

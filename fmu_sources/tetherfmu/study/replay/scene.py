@@ -4,19 +4,18 @@ import json
 import re
 
 import numpy as np
-import pandas as pd
 
 from tetherfmu.console.progress import now
 from tetherfmu.export import archive
 from tetherfmu.export.build_options import BuildOptions
 from tetherfmu.input_files import GROUND
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime.inputs import components
 from tetherfmu.runtime.kernel_library import this_platform
 from tetherfmu.runtime.quantities import quantities
 from tetherfmu.study.advice import scene_build
 
-from .facts import finest, slack_share, words
+from .readings import WIND
+from .runs import words
 
 FILE, SERIES = "scene.toml", "flight.csv"
 FROM_SERIES = ("segments", "initial_length")  # of a tether: what the table [tether] goes without
@@ -38,32 +37,22 @@ def series(made):
     times at which that is not known: no reading, or a step that the tether refused.
     """
     flight, times = made.flight, made.flight.times
-    position, velocity = flight.kite(times)
-    vectors = {"kite_position": position, "kite_velocity": velocity, "wind_velocity": flight.wind(times)}
-    if not vectors["wind_velocity"].any():
-        del vectors["wind_velocity"]
-    columns = {"time": np.round(times - times[0], 9)}
-    for name, values in vectors.items():
-        columns |= dict(zip(components(name, 3), values.T, strict=True))
+    table = flight.signals().assign(time=np.round(times - times[0], 9))
+    if not table[[*WIND]].any(axis=None):
+        table = table.drop(columns=[*WIND])
     if made.lead == "speed":
-        columns["reel_out_speed"] = flight.measured("reel_out_speed", times)
+        table["reel_out_speed"] = flight.measured("reel_out_speed", times)
     else:
-        found = flight.length(times) if made.lead == "length" else finest(made)[1].table.tether_length.to_numpy()
-        columns["winch_length"] = found
-    table = pd.DataFrame(columns)
+        found = flight.length(times) if made.lead == "length" else made.finest[1].table.tether_length.to_numpy()
+        table["winch_length"] = found
     known = table.dropna()
     return known, len(table) - len(known)
 
 
-def first_length(made):
-    """Unstretched length of the tether at the start [m]."""
-    return float(finest(made)[1].table.tether_length.iloc[0])
-
-
 def toml(made, name):
     """Text of the scene file of a `Replay`; name : of its log."""
-    (table, left_out), (outputs, allowed, why) = series(made), wanted_of(made)
-    found, variant = made.flight.log.map, words(finest(made)[0])
+    (table, left_out), (outputs, allowed, why) = series(made), SLACK if made.is_slack.mean() > MOST else TAUT
+    found, variant = made.flight.log.map, words(made.finest[0])
     length = {"tension": f"that of the {variant} tether under the measured tension", "length": "that of the log"}
     name, about = UNUSUAL.sub("_", name), " ".join((found.about or found.name).split())
     lines = [f"# The measured flight {name} ({about}).", f"# {why}"]
@@ -75,17 +64,12 @@ def toml(made, name):
     lines += ["[flight]", 'kind = "series"', f"file = {quoted(SERIES)}", ""]
     lines += section("tether", found.tether, FROM_SERIES)
     if made.lead == "speed":
-        lines.insert(-1, f"initial_length = {first_length(made)!r} # m")
+        lines.insert(-1, f"initial_length = {float(made.finest[1].table.tether_length.iloc[0])!r} # m")
     lines += section("environment", found.environment)
     if found.ground.ground_contact == at.FLAT:
         lines += section("ground", found.ground)
     names = ", ".join(map(quoted, outputs))
     return "\n".join([*lines, "[wanted]", f"outputs = [{names}]", f"allowed_error = {allowed}", ""])
-
-
-def wanted_of(made):
-    """Names of the outputs that are wanted of this flight, their allowed error [-], and why."""
-    return SLACK if slack_share(made) > MOST else TAUT
 
 
 def section(name, record, without=()):
@@ -95,13 +79,9 @@ def section(name, record, without=()):
         if key not in without:
             value = getattr(record, key)
             text = quoted(list(declared.choices)[value - 1]) if declared.choices else repr(float(value))
-            lines.append(f"{key.removeprefix(GROUND) if name == 'ground' else key} = {text}{unit_of(declared)}")
+            unit = f" # {declared.unit}" if declared.unit else ""
+            lines.append(f"{key.removeprefix(GROUND) if name == 'ground' else key} = {text}{unit}")
     return [*lines, ""]
-
-
-def unit_of(declared):
-    """Comment with the unit of a quantity, if it has one."""
-    return f" # {declared.unit}" if declared.unit else ""
 
 
 def quoted(text):

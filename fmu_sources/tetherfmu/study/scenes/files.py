@@ -2,7 +2,6 @@
 
 import hashlib
 import sys
-import tomllib
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -11,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from tetherfmu.console.ending import WrongUse
-from tetherfmu.input_files import TABLE_OF_GROUND, contents_of, ground_of, record, require, value_of, without
+from tetherfmu.input_files import TABLE_OF_GROUND, ground_of, record, require, tables_of, value_of, without
 from tetherfmu.results import StepRefused
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.inputs import COUNT, by_name
@@ -192,11 +191,7 @@ def load(path):
     """`Scene` of a file; SceneError says in one line what is wrong with it. What is only doubtful is said on stderr."""
     path = Path(path)
     try:
-        scene = read(tomllib.loads(contents_of(path).decode("utf-8")), path.parent, path.stem)
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise SceneError(f"{path}: is no TOML file ({error})") from None
-    except RecursionError:
-        raise SceneError(f"{path}: is no scene (its tables or lists are nested too deeply)") from None
+        scene = read(tables_of(path), path.parent, path.stem)
     except ValueError as error:
         raise SceneError(f"{path}: {error}") from None
     for doubt in scene.doubts():

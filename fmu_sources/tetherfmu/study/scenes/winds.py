@@ -12,7 +12,7 @@ from math import atan2, hypot
 import numpy as np
 
 from tetherfmu.console.ending import WrongUse
-from tetherfmu.input_files import in_si, record, require
+from tetherfmu.input_files import record, require, vector_in
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.quantities import check, quantity
 from tetherfmu.wind.frozen_turbulence import MeanWind, Reading, turbulence
@@ -22,25 +22,11 @@ PROFILES = {at.UNIFORM: "uniform", at.POWER_LAW: "power_law"}  # those of the me
 SPAN = 1000  # times whose wind is read from a box at once
 
 
-def three(unit, limit):
-    """A function that reads three numbers in a unit, none larger than a limit, as a tuple."""
-
-    def read(value):
-        if not isinstance(value, list) or len(value) != 3:
-            raise ValueError(f"it must be three numbers [x, y, z] in {unit}")
-        numbers = tuple(float(in_si(each, unit)) for each in value)
-        if not np.all(np.abs(numbers) <= limit):  # NaN is not
-            raise ValueError(f"each must be a finite number from -{limit:g} to {limit:g} {unit}")
-        return numbers
-
-    return read
-
-
 @dataclass(frozen=True)
 class Wind:
     """Wind at the reference height of the environment: a mean and a gust that comes again, v (1 + g sin^2(pi t/P))."""
 
-    velocity: tuple = field(default=(0.0, 0.0, 0.0), metadata={"read": three("m/s", 200.0)})
+    velocity: tuple = field(default=(0.0, 0.0, 0.0), metadata={"read": vector_in("m/s", 200.0)})
     gust: float = quantity(0.0, "", "strength of a gust over the mean wind, g", minimum=0.0, maximum=10.0)
     gust_period: float = quantity(10.0, "s", "time from gust to gust, P", minimum=1e-3, maximum=1e6)
     __post_init__ = check
@@ -58,7 +44,7 @@ class Box(Reading):
     wind_points: int = quantity(
         11, "", "points from the ground end to the kite end at which the tether has the wind", 2, at.MAX_WIND_POINTS
     )
-    origin: tuple = field(default=(0.0, 0.0, 0.0), metadata={"read": three("m", 1e6)})
+    origin: tuple = field(default=(0.0, 0.0, 0.0), metadata={"read": vector_in("m", 1e6)})
     __post_init__ = check
 
 
