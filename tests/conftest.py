@@ -76,7 +76,7 @@ def pytest_collection_modifyitems(items):
 
 
 def parse_a_name_once():
-    """FMPy's validation parses the names of all variables with a grammar, some ms each; hundreds of FMUs have the same names."""
+    """FMPy's validation parses the name of each variable with a grammar, in some ms; most FMUs have the same names."""
     from lark import Lark
 
     parse, known = Lark.parse, {}

@@ -13,7 +13,7 @@ import llvmlite.binding as llvm
 import numpy as np
 import pytest
 
-import kernels  # noqa: F401 (which lets numba make code late)
+from kernels import make_code_late  # noqa: F401 (done by the import: numba is faster)
 from native.programs import WARNINGS, available
 from scenes import CIRCLE_TETHER, REVOLUTION, circle
 from tetherfmu import models
@@ -41,7 +41,7 @@ def by_numba(variant, folder):
 
 
 def for_this_processor(variant, folder):
-    """Kernels that LLVM compiles just in time for this very processor, in a round of its own, from what numba has written."""
+    """Kernels that LLVM compiles just in time for this very processor, from what numba has written."""
     addresses = {verb: engine_of(variant).get_function_address(f"{variant}_{verb}") for verb in verbs(variant)}
     return Kernels(*(getattr(PROTOTYPES, verb)(address) for verb, address in addresses.items()))
 

@@ -15,7 +15,6 @@ from runtime.host import shared_folder
 from tetherfmu.export.archive import SLAVES
 
 
-
 def with_each(*ends):
     """Each FMU with the first end, and one FMU with each other: PythonFMU's library, which all have, is what ends."""
     return pytest.mark.parametrize(
