@@ -71,7 +71,25 @@ def pytest_collection_modifyitems(items):
     from numba.core import config
 
     config.OPT = config._OptLevel("0")
+    parse_a_name_once()
     items.sort(key=lambda item: not item.nodeid.startswith(LONG))
+
+
+def parse_a_name_once():
+    """FMPy's validation parses the name of each variable with a grammar, in some ms; most FMUs have the same names."""
+    from lark import Lark
+
+    parse, known = Lark.parse, {}
+
+    def parsed(self, text, *more, **options):
+        key = (self.source_grammar, text)
+        if more or options:
+            return parse(self, text, *more, **options)
+        if key not in known:
+            known[key] = parse(self, text)  # a wrong name raises each time
+        return known[key]
+
+    Lark.parse = parsed
 
 
 @pytest.hookimpl(trylast=True)

@@ -1,4 +1,4 @@
-"""A chain on a drum, with the equations written here and no code of the package, solved by Radau.
+"""A chain on a drum, with the equations written here and no code of the package, solved by LSODA.
 
 Nodes 0 .. n with the masses mu L/n, half of it at the ends; node 0 stays, node n moves uniformly. Each segment has the
 unstretched length l0 = L/n, whose rate is u/n:
@@ -74,7 +74,7 @@ class Drum:
 
     def advance(self, step, force):
         """Go on by a time [s]; force : W [N] as a function of the time within it."""
-        solved = solve_ivp(self.rates, (0.0, step), self.state, "Radau", args=(force,), rtol=1e-9, atol=1e-10)
+        solved = solve_ivp(self.rates, (0.0, step), self.state, "LSODA", args=(force,), rtol=1e-9, atol=1e-10)
         assert solved.success, solved.message
         self.state = solved.y[:, -1]
         return self.state[-2]

@@ -1,4 +1,4 @@
-"""A chain over a flat ground, with the equations written here and no code of the package, solved by Radau.
+"""A chain over a flat ground, with the equations written here and no code of the package, solved by LSODA.
 
 Nodes 0 .. n with the masses mu L/n, half of it at the ends, and a point mass at the kite end; ends are free or stay. In
 still air, without drag:
@@ -69,7 +69,7 @@ class Chain:
     def advance(self, time):
         """Go on by a time [s]: positions and velocities."""
         start = np.concatenate((self.x.ravel(), self.v.ravel()))
-        solved = solve_ivp(self.rates, (0.0, time), start, "Radau", rtol=1e-9, atol=1e-11, max_step=0.01)
+        solved = solve_ivp(self.rates, (0.0, time), start, "LSODA", rtol=1e-9, atol=1e-11, max_step=0.01)
         assert solved.success, solved.message
         self.x, self.v = solved.y[:, -1].reshape(2, -1, 3)
         return self.x, self.v

@@ -51,8 +51,8 @@ def changed(source, target, change):
     return target
 
 
-def test_sound_fmus(fmu_folder):
-    status, said = command(*(fmu_folder / f"{name}.fmu" for name in SLAVES))
+def test_sound_fmus(run, fmu_folder):
+    status, said = run(*(fmu_folder / f"{name}.fmu" for name in SLAVES))
     assert status == 0
     assert said.count("valid by the XML schema of FMI 2.0, and FMPy finds no problem") == len(SLAVES)
     assert said.count("evidence set: 200 steps") == len(SLAVES)

@@ -252,7 +252,7 @@ def compared(seed, duration, step=0.02, **options):
 
 
 @pytest.mark.parametrize("seed", range(1, 11))
-def test_against_radau(seed):
+def test_against_an_independent_solver(seed):
     length, position = compared(seed, 0.24, relative_tolerance=1e-8)
     assert length < 1e-6
     assert position < 1e-5

@@ -5,7 +5,7 @@ import pytest
 
 from scenes import CIRCLE_TETHER, fly_circle
 from tetherfmu.models import TetherDynamic
-from tetherfmu.runtime.parameters import Solver, Tether
+from tetherfmu.runtime.parameters import Environment, Solver, Tether
 
 COMMUNICATION = 0.02
 
@@ -36,6 +36,30 @@ def test_order_on_a_smooth_flight(exact, method, expected, largest):
     order = np.polyfit(np.log(steps), np.log(error), 1)[0]
     assert order == pytest.approx(expected, abs=0.1)  # observed 0.97; 2.01
     assert error[0] < largest  # observed 1.4e-3; 2.6e-4
+
+
+def swung(**solver):
+    """Node positions [m] of a swinging chain with moving ends, that reels out in a sheared wind, after 0.4 s."""
+    tether = Tether(segments=4, initial_length=38.0, diameter=0.02, axial_stiffness=2e3, axial_damping=60.0)
+    environment = Environment(wind_profile="logarithmic", air_density_scale_height=500.0)
+    model = TetherDynamic(tether, environment, Solver(**solver))
+    nodes = np.linspace([0.0, 0.0, 7.0], [22.0, 3.0, 42.0], 5)
+    nodes[1:-1] += [[0.3, -0.5, -0.9], [0.8, 0.2, -1.0], [-0.2, 0.4, -0.7]]
+    velocities = np.linspace([1.0, 0.0, 0.5], [6.0, 4.0, -3.0], 5)
+    given = {"wind_velocity": (8.0, 2.0, 1.0), "reel_out_speed": 1.5}
+    model.initialize(positions=nodes, velocities=velocities, **given)
+    for k in range(20):
+        ground, kite = (nodes + COMMUNICATION * k * velocities)[[0, -1]]
+        ends = {"ground_velocity": velocities[0], "kite_velocity": velocities[-1]}
+        model.step(COMMUNICATION, kite_position=kite, ground_position=ground, **ends, **given)
+    return model.positions
+
+
+def test_implicit_euler_has_order_1():
+    exact = swung(relative_tolerance=1e-9)
+    steps = [0.4 / count for count in (200, 400)]
+    errors = [np.abs(swung(fixed_step=h, fixed_step_method="backward_euler") - exact).max() for h in steps]
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(1.0, abs=0.1)
 
 
 @pytest.mark.parametrize("fixed_step", [0.02, 0.01, 0.005, 0.0025])

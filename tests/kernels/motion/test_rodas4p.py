@@ -13,9 +13,8 @@ import pytest
 from kernels.chain_problem import ChainProblem
 from scenes import REFERENCE
 from tetherfmu.kernels.line import rodas4p
-from tetherfmu.kernels.motion import adaptive_steps, fixed_steps
+from tetherfmu.kernels.motion import adaptive_steps
 from tetherfmu.kernels.points import system_step
-from tetherfmu.runtime import limits
 
 ROUNDING = 1e-12  # coefficients have 16 digits and are as large as 58
 
@@ -119,16 +118,3 @@ def test_observed_order(motion):
     errors = [np.abs(march(count, **motion) - exact).max() for count in steps]
     slope = -np.polyfit(np.log(steps), np.log(errors), 1)[0]
     assert slope == pytest.approx(4.0, abs=0.2)
-
-
-def test_implicit_euler_has_order_1():
-    exact = march(512, reeling=1.5)[: 3 * 5]
-    errors = []
-    for steps in (200, 400):
-        problem = ChainProblem(reeling=1.5)
-        system, h = problem.as_system(), 0.4 / steps
-        for k in range(steps):
-            iterations = fixed_steps.subdivided_step(system, k * h, h)
-            assert 1 <= iterations <= limits.WORST_SUBDIVIDED
-        errors.append(np.abs(problem.x - exact).max())
-    assert np.log2(errors[0] / errors[1]) == pytest.approx(1.0, abs=0.1)

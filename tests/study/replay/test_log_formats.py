@@ -78,7 +78,11 @@ def test_a_known_flight_is_the_same_in_another_form(kind, folder, own, unbroken)
     assert re.search(line, " ".join(found.log.report.lines))
 
 
-@pytest.mark.parametrize("kind", FORMATS)
+# how a text is written has nothing to do with the noise of a cycle; readings that are moved, lost or doubled may have
+MOVED = list(FORMATS)[list(FORMATS).index("reversed") :]
+
+
+@pytest.mark.parametrize("kind", MOVED)
 def test_a_measured_cycle_is_the_same_in_another_form(kind, folder, cycle, unbroken_cycle):
     done, line = FORMATS[kind]
     found = flown(folder, done(cycle), "kitepower_2019")
