@@ -125,8 +125,10 @@ def test_the_largest_wind_at_a_node_is_the_scale_of_the_allowed_errors():
     winds = np.zeros((3, problem.n + 1))
     winds[:, 3] = 30.0, -40.0, 120.0
     problem.parameters[-winds.size :] = winds.ravel()
-    _, velocity = allowed_errors(problem.conditions, problem.v)
-    assert velocity == pytest.approx(1e-6 * 130.0, rel=1e-5)  # 1e-12 m/s is added
+    for frame in (0.0, 200.0):  # a motion of all of it changes nothing
+        problem.parameters[-winds.size :] = (winds + frame).ravel()
+        _, velocity = allowed_errors(problem.conditions, np.full_like(problem.v, frame))
+        assert velocity == pytest.approx(1e-6 * 130.0, rel=1e-5)  # 1e-12 m/s is added
 
 
 @pytest.mark.parametrize(

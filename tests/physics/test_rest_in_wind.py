@@ -80,11 +80,11 @@ def test_dynamic_tether_settles_there_with_the_adaptive_solver():
 @pytest.mark.parametrize("variant", VARIANTS)
 def test_end_forces_add_up_to_weight_and_drag(variant, n, slack):
     model, tether, outputs = at_rest(variant, n, slack)
-    if variant in ("TetherCatenary", "TetherStraight"):
-        length = tether.initial_length if variant == "TetherCatenary" else 500.0
-        positions = np.outer([0.0, length / 500.0], KITE)
+    if variant == "TetherCatenary":  # that of its shape, here of 800 pieces
+        positions = models.TetherCatenary(tether, ENVIRONMENT, shape_points=801).initialize(**HOLD).shape
     else:
-        positions = model.positions
+        positions = np.outer([0.0, 1.0], KITE) if variant == "TetherStraight" else model.positions
     loads = weight(tether, ENVIRONMENT) + drag(positions, 0.0 * positions, WIND, tether, ENVIRONMENT)
-    # 3 kN at the ends cancel: 1e-10 is rounding; a chain adds the residuals of its nodes
-    assert np.allclose(outputs.ground_force + outputs.kite_force, loads, rtol=0.0, atol=1e-7)
+    # 3 kN at the ends cancel: 1e-10 is rounding; a chain adds residuals of nodes, a catenary has 8 places
+    allowed = 1e-4 * np.linalg.norm(loads) if variant == "TetherCatenary" else 1e-7
+    assert np.allclose(outputs.ground_force + outputs.kite_force, loads, rtol=0.0, atol=allowed)

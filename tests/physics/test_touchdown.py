@@ -14,6 +14,7 @@ from numpy.polynomial.legendre import leggauss
 
 from mechanics import drags, line_density
 from scenes import read
+from tetherfmu.models import TetherCatenary
 from tetherfmu.runtime.parameters import Environment, Tether
 from touchdowns import GRAVITY, ROPE, WEIGHT, forces, held, random_scene
 
@@ -52,10 +53,28 @@ def test_is_that_of_moorpy(number):
 
 
 def load_of(tether, ground, kite, wind):
-    """Weight and mean drag on the chord, both per length [N/m]."""
-    chord = np.linalg.norm(kite - ground)
-    drag = drags(np.array([ground, kite]), np.zeros((2, 3)), wind, tether, Environment())[0] / chord
-    return drag - (0.0, 0.0, line_density(tether) * GRAVITY)
+    """Weight and mean drag, per unstretched length [N/m], on the shape that the tether has without a ground.
+
+    Under its weight and the drag on its chord; the mean of 8 places (Gauss).
+    """
+    chord, weight = kite - ground, np.array([0.0, 0.0, -line_density(tether) * GRAVITY])
+    load = weight + drags(np.array([ground, kite]), np.zeros((2, 3)), wind, tether, Environment())[0] / np.linalg.norm(chord)
+    if not np.any(wind):
+        return load
+    # where that load is a weight: the axes are turned
+    up = -load / np.linalg.norm(load)
+    east = np.cross((0.0, 1.0, 0.0) if abs(up[1]) < 0.9 else (1.0, 0.0, 0.0), up)
+    axes = np.array([east, np.cross(up, east), up]) / np.linalg.norm([east, np.cross(up, east), up], axis=1)[:, None]
+    heavy = Environment(gravity=np.linalg.norm(load) / line_density(tether), air_density=0.0)
+    start = TetherCatenary(tether, heavy).initialize(kite_position=axes @ chord).ground_force @ axes
+    places, weights = leggauss(8)
+    tensions = start - (0.5 * (places + 1.0) * tether.initial_length)[:, None] * load
+    sizes = np.linalg.norm(tensions, axis=1)
+    along = [
+        drags(np.array([np.zeros(3), t]), np.zeros((2, 3)), wind, tether, Environment())[0] / s
+        for t, s in zip(tensions, sizes, strict=True)
+    ]
+    return weight + 0.5 * weights @ (np.array(along) * (1.0 + sizes / tether.axial_stiffness)[:, None])
 
 
 def hang(end, force, load, stiffness):
@@ -108,7 +127,7 @@ def is_in_equilibrium(scene, outputs):
 
 def test_equations_hold_for_random_tethers():
     random, kinds = np.random.default_rng(6), np.zeros(4, int)
-    for _ in range(1500):
+    for _ in range(700):  # as many as find each kind 30 times
         scene = random_scene(random)
         outputs = held(*scene, points=41)
         assert outputs.shape[:, 2].min() >= scene[5] - 1e-12 * scene[0].initial_length
@@ -118,7 +137,7 @@ def test_equations_hold_for_random_tethers():
             least = 1e-6 * outputs.max_tension
             between = min(scene[1][2], scene[2][2]) > scene[5]
             kinds += [high < least, low < least < high, low > least, between]
-    assert (kinds > 50).all(), kinds  # slack, held by friction, taut up to the low end, both ends above the ground
+    assert (kinds > 30).all(), kinds  # slack, held by friction, taut up to the low end, both ends above the ground
 
 
 def test_shape_is_the_curve_of_the_forces():

@@ -56,34 +56,37 @@ def flown(model, wind, speed=12.0):
 @pytest.mark.parametrize("points", [2, 7])
 @EVERY_KIND
 def test_the_same_wind_at_all_points_is_the_uniform_wind(kind, points):
-    """To the last bit; of a line with more than two points the quadrature is another one: the same for one cross-wind, at
-    rest, but for rounding.
+    """To the last bit; of a line with more than two points the quadrature is another one: of a straight one the same for one
+    cross-wind, at rest, but for rounding; of a catenary with more than five it has the error of its own rule, found: 2e-6.
     """
     speed = 0.0 if kind in LINES and points > 2 else 12.0
     expected = flown(kind(initial_length=LENGTH, segments=9), {"wind_velocity": WIND}, speed)
     model = kind(initial_length=LENGTH, segments=9, wind_points=points)
     found = flown(model, {"wind_at": np.tile(WIND, (points, 1))}, speed)
-    rounding = 1e-12 if kind in LINES and points > 2 else 0.0  # of each number and of the largest one
+    rounding = 1e-12 if kind is TetherStraight and points > 2 else 0.0  # of each number and of the largest one
+    rounding = 1e-5 if kind is TetherCatenary and points > 5 else rounding
     np.testing.assert_allclose(found, expected, rtol=rounding, atol=rounding * np.abs(expected).max())
 
 
 @EVERY_KIND
 def test_points_of_the_power_law_are_the_power_law_to_second_order(kind):
     """Linear interpolation is wrong by f'' (dz)^2/8, so the forces by 1/(K - 1)^2; the chain has 200 segments, whose own
-    1/n^2 is 1/150 of that with 17 points. Lines have the air of their chord.
+    1/n^2 is 1/150 of that with 17 points. The straight line has the air of its chord.
     """
     air = Environment(wind_profile=2, wind_exponent=0.3)
     tether = Tether(segments=200, initial_length=LENGTH)
     difference = []
     for points in (3, 5, 9, 17):
         by_law = at_rest(kind(tether, air, shape_points=points), wind_velocity=WIND)
-        heights = np.linspace(GROUND, KITE, points)[:, 2] if kind in LINES else by_law.shape[:, 2]
+        heights = np.linspace(GROUND, KITE, points)[:, 2] if kind is TetherStraight else by_law.shape[:, 2]
         winds = wind_factor(heights, air)[:, None] * np.array(WIND)
         found = at_rest(kind(tether, air, wind_points=points), wind_at=winds)
         difference.append(np.linalg.norm(found.kite_force - by_law.kite_force))
         largest = np.linalg.norm(by_law.kite_force)
-    # observed: 1.6 to 2.5 % of the force with 3 points; orders from 1.94 to 2.15, which the first halving has
+    # observed: 1.6 to 2.5 % of the force with 3 points; orders from 1.94 to 2.17, which the first halving has
     assert difference[0] < 0.03 * largest
+    if kind is TetherCatenary:  # beyond, the difference is that of its quadratures
+        assert difference.pop() < 1e-3 * largest
     np.testing.assert_allclose(-np.diff(np.log2(difference)), 2.0, atol=0.2)
 
 

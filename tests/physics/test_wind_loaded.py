@@ -4,9 +4,8 @@ A shallow line of unstretched length L0 = r c over the chord c under w = 1/2 rho
 
     (r/EA) F^3 + (r - 1) F^2 = (1 - 1/n^2) w^2 c^2/24,     n -> infinity for the line.
 
-It neglects, relative to F, terms of the order of the strain F/EA and of the slack r - 1. Of an inextensible catenary with
-the whole load w L0, sinh(z)/z = r, H = w c/(2 z):  H/F = 1 + z^2/40 + ... = 1 + 0.15 (r - 1). Drag that acts across
-the bent segments only, as the chain has it, changes F by as much the other way.
+It neglects, relative to F, terms of the order of the strain F/EA and of the slack r - 1: 0.15 (r - 1) where drag acts
+across the bent line only. Such a load changes no tension, so that F is that at the ends, too.
 Columns of the file: L0 is the unstretched length, L the chord, r = L0/L, forces are means over the segments.
 """
 
@@ -49,10 +48,11 @@ def test_chain_has_the_tension_of_the_reference(variant, n, row):
 
 @every_row
 def test_catenary_has_the_tension_of_the_closed_form(row):
-    _, tether, outputs = held("TetherCatenary", row, 1)
-    pull, formula = outputs.ground_force[0], row["F_formula_inf"]
+    """And the forces of a chain of 100 segments, whose error is 1e-4 of them; found: 6e-4 at most."""
+    _, _, outputs = held("TetherCatenary", row, 1)
+    formula = row["F_formula_inf"]
     # 0.15 of the docstring; the next term of the series adds less than 0.01 at the largest slack, 10 %
-    assert np.isclose(pull, formula, rtol=0.16 * abs(row["r"] - 1.0) + formula / row["EA"])
-    # the load is known per chord and shared over the unstretched length: each end holds half of w L0
-    for force in (outputs.ground_force, outputs.kite_force):
-        assert np.isclose(force[1], 0.5 * row["w"] * tether.initial_length, rtol=1e-9)
+    assert np.isclose(outputs.ground_tension, formula, rtol=0.16 * abs(row["r"] - 1.0) + formula / row["EA"] + 1e-3)
+    _, _, chain = held("TetherQuasiSteady", row, 100)
+    for force, expected in ((outputs.ground_force, chain.ground_force), (outputs.kite_force, chain.kite_force)):
+        assert np.abs(force - expected).max() <= 1e-3 * chain.max_tension

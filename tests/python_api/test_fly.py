@@ -48,7 +48,7 @@ def stepped(model, inputs):
 
 
 def magnitude(force):
-    return np.sqrt(force[0] ** 2 + force[1] ** 2 + force[2] ** 2)
+    return np.sqrt(force[0] * force[0] + force[1] * force[1] + force[2] * force[2])  # a power may be rounded
 
 
 @every_variant

@@ -23,7 +23,7 @@ SCALARS = {
         *("slack_segments", "kite_end_mass", "kite_stiffness", "kite_damping", "wave_time", "sag"),
         *("winch_speed", "grounded_length"),
     ],
-    "local": ["solver_steps", "solver_rejections", "solver_iterations", "solver_iteration_limit"],
+    "local": ["solver_steps", "solver_rejections", "solver_iterations", "solver_iteration_limit", "fallback_steps"],
 }
 SHAPE = [f"shape[{k},{i}]" for k in range(1, 22) for i in (1, 2, 3)]
 PARAMETERS = {  # name: (start, unit), as the page says

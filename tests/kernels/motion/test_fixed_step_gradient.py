@@ -47,7 +47,7 @@ def attempt_of(reel_out_speed, law, slack):
 @pytest.mark.parametrize("reel_out_speed", [0.0, 20.0, -20.0])
 def test_is_the_gradient_of_the_potential(reel_out_speed, law, slack):
     attempt, w, x = attempt_of(reel_out_speed, law, slack)
-    incremental_potential.linearize(attempt, x, w)
+    incremental_potential.linearize(attempt, x, False, w)
     gradient = -w.move.copy()
     # central differences: error delta^2 x''' / 6 of springs of 1e4 N/m over metres, and rounding of 1e4 J over delta
     delta = 1e-5
@@ -64,10 +64,10 @@ def test_the_damper_pulls_with_its_tension(reel_out_speed):
     """Where no segment turns, the gradient of the damper is c (dl/dt - (l/l0) dl0/dt), as in `segment.tension`."""
     attempt, w, _ = attempt_of(reel_out_speed, "strain_rate", False)
     x = w.old * 1.1  # all vectors keep their directions
-    incremental_potential.linearize(attempt, x, w)
+    incremental_potential.linearize(attempt, x, False, w)
     with_damper = w.move.copy()
     attempt.chain.parameters[at.PARAMETER_SCALARS + at.DAMPING * N : at.PARAMETER_SCALARS + (at.DAMPING + 1) * N] = 0.0
-    incremental_potential.linearize(attempt, x, w)
+    incremental_potential.linearize(attempt, x, False, w)
     damper = (with_damper - w.move).reshape(-1, 3)
     r = np.diff(x.reshape(-1, 3), axis=0)
     length, rest = np.linalg.norm(r, axis=1), attempt.chain.length / N

@@ -29,7 +29,8 @@ def noted(model):
     """Values that were noted, by kind."""
     state = model.get_state()
     kinds = plausibility.kinds(state)
-    kinds &= ~(1 << plausibility.GROUND_IGNORED)  # has tests of its own: the station is at z = 0, and slack tethers hang
+    # have tests of their own: the station is at z = 0, and slack tethers hang; ends that are faster than sound bend them
+    kinds &= ~(1 << plausibility.GROUND_IGNORED | 1 << plausibility.LOAD_OFF_CHORD)
     return {k: state[at.WARNED_VALUES + k] for k in range(at.WARNING_KINDS) if kinds >> k & 1}
 
 

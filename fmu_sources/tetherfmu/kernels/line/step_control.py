@@ -134,14 +134,16 @@ def allowed_errors(conditions, v):
     """Error that one step may make in a position [m] and in a velocity [m/s] at the tolerance in the parameters.
 
     relative_tolerance times the mean segment length, and times the largest of: speed of a node and of the wind relative to
-    the first node, and the speed after falling freely over one segment.
+    an end, the one from which it is smaller, and the speed after falling freely over one segment.
     """
-    tolerance, first = conditions.parameters[at.RELATIVE_TOLERANCE], get(v, 0)
-    segment_length = conditions.reeling[0] / conditions.n
-    square = max(2.0 * conditions.parameters[at.GRAVITY] * segment_length, square_of_wind(conditions, first))
-    for i in range(1, conditions.n + 1):
-        velocity = sub(get(v, i), first)
-        square = max(square, dot(velocity, velocity))
+    tolerance, segment_length = conditions.parameters[at.RELATIVE_TOLERANCE], conditions.reeling[0] / conditions.n
+    first, last = get(v, 0), get(v, conditions.n)
+    from_first, from_last = square_of_wind(conditions, first), square_of_wind(conditions, last)
+    for i in range(conditions.n + 1):
+        velocity = get(v, i)
+        way, back = sub(velocity, first), sub(velocity, last)
+        from_first, from_last = max(from_first, dot(way, way)), max(from_last, dot(back, back))
+    square = max(2.0 * conditions.parameters[at.GRAVITY] * segment_length, min(from_first, from_last))
     return tolerance * segment_length, tolerance * sqrt(square) + 1e-12
 
 

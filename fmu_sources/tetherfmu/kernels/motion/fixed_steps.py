@@ -28,6 +28,7 @@ from ..equations.lines import (
     segments_of,
     state_of,
 )
+from ..equations.notes import note
 from ..equations.properties import rest_length, stiffest
 from ..line import backward_euler, second_order
 from ..line.backward_euler import EXPECTED, STAGE, WHOLE
@@ -58,7 +59,6 @@ from ..points.system_room import (
     scratch_of,
     stages_of,
 )
-from ..step.plausibility import note
 from . import turning
 from .adaptive_steps import work_of
 

@@ -36,6 +36,7 @@ from ..compilation import kernel
 from ..equations import winch
 from ..equations.boundary import are_derived, distance_of_ends, spring_at_ground
 from ..equations.ground import has_ground
+from ..equations.notes import note
 from ..equations.properties import chain_of, property_of, rest_length
 from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, dot, get, put_at, scale, sub, vector_at
 
@@ -49,14 +50,6 @@ OF_KITE = (
     *(limits.KITE_ACCELERATION, limits.KITE_RESIDUE),
 )
 WAY, SQUARE_BEFORE = 3, 4  # places behind the sum of r: the sum of the ways [m]; what the way before was judged by, squared
-
-
-@kernel
-def note(state, kind, square, limit):
-    """Keep the first value beyond a limit in the state (modified); `square` is that of the value."""
-    if square > limit * limit and state[at.WARNED_VALUES + kind] == 0.0:
-        state[at.WARNED_VALUES + kind] = sqrt(square)
-        state[at.WARNINGS] += 1 << kind
 
 
 @kernel

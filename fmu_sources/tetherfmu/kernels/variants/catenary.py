@@ -13,16 +13,16 @@ from ..compilation import kernel
 from ..equations import node_loads, segment, winch
 from ..equations.boundary import move_ends
 from ..equations.ground import has_ground
+from ..equations.notes import note
 from ..equations.properties import property_of
 from ..linear_algebra.vectors import add, add_scaled, dot, norm, put_at, scale, sub, vector_at
 from ..motion.drum_in_equilibrium import drum_at
 from ..rest.elastic_catenary import hang, point_in_space
 from ..step.outputs import write_direction
-from ..step.plausibility import note
 from .chord import chord_load, chord_of, no_work_size, write_common
 from .curve import crossing_and_sag
 from .shape_load import end_forces, load_on_shape
-from .touchdown import lowest, rest_on_ground, write_lying
+from .touchdown import lowest, part_in_air, rest_on_ground, write_lying
 
 LIGHTEST = 1e-12  # load over EA below which the catenary is a straight line
 
@@ -110,10 +110,12 @@ def initialize(n, parameters, inputs, state, work):
 def forces_of(line, ground, chord, state):
     """Forces of the tether on its ends [N] of a state in equilibrium; tension vector of its shape [N] and load [N/m]."""
     tension, load = vector_at(state, at.GROUND_TENSION_VECTOR), load_of(line, state)
-    if has_ground(line.parameters) or norm(load) == 0.0:
+    lies = has_ground(line.parameters) and state[at.LYING_LENGTH] > 0.0
+    if lies or norm(load) == 0.0:
         return tension, vector_at(state, at.KITE_TENSION_VECTOR), tension, load
+    part = part_in_air(line, load, state) if has_ground(line.parameters) else 1.0
     mean, moment = load_on_shape(line, ground, state, tension, load)
-    return *end_forces(line, chord, tension, load, mean, moment), tension, load
+    return *end_forces(line, chord, tension, load, mean, moment, part), tension, load
 
 
 @kernel

@@ -22,13 +22,14 @@ from ..equations.lines import (
     store_conditions,
     with_states,
 )
+from ..equations.notes import note
 from ..equations.properties import chain_of
 from ..line import step_control
 from ..line.backward_euler import FixedSteps, given_steps
 from ..motion import adaptive_steps, fixed_steps
 from ..points import system_room
 from ..rest import compressed_chain, end_tensions
-from ..step.plausibility import note, note_stiff_and_slack, note_unconverged
+from ..step.plausibility import note_stiff_and_slack, note_unconverged
 
 
 @view

@@ -5,12 +5,14 @@ and the place r(s) from there, in units of weight and drag per unstretched lengt
 
     f(s) = m g + (1 + |t|/EA) 1/2 rho cd d |w| w,   w across t/|t|, in the air and with the velocity at r(s)
 
-Its mean F and M, the mean of r x (f - q), are found at `PLACES`. The tether hangs with F in the place of q. That f is not
+Its mean F and M, the mean of r x (f - q), are found at some places. The tether hangs with F in the place of q. That f is not
 the same all along it shifts the forces on the ends, as on a beam, across the chord c by -L c x M/c^2; along it each end
 has half of L (F - q).
 
 Source: docs/models/theory.md, "Elastic catenary".
 """
+
+from math import sqrt
 
 import numpy as np
 
@@ -36,6 +38,7 @@ WEIGHTS = np.array(
         *(0.181341891689180991, 0.156853322938943644, 0.111190517226687235, 0.050614268145188130),
     )
 )
+BETWEEN = 0.5 - 0.5 / sqrt(3.0)  # the same with two points
 SHORTEST_CHORD = 0.1  # of the length: the shift of forces across a shorter chord is not extrapolated
 
 
@@ -54,26 +57,42 @@ def load_at(line, height, state, part, tension):
 
 
 @kernel
+def count_of_places(parameters):
+    """Number of places along the tether where its load is found: `PLACES`, or two between wind points if these are more."""
+    return max(len(PLACES), 2 * (wind_points.count_of(parameters) - 1))
+
+
+@kernel
+def place_of(i, count):
+    """The i-th of so many places, as a part of the unstretched length, and its weight."""
+    if count == len(PLACES):
+        return PLACES[i], WEIGHTS[i]
+    return 2.0 / count * (i // 2 + (1.0 - BETWEEN if i % 2 == 1 else BETWEEN)), 1.0 / count
+
+
+@kernel
 def load_on_shape(line, ground, state, tension, load):
     """F [N/m] and M [N] on the catenary from the ground end [m] with the tension vector t0 [N] and the load q [N/m]."""
-    stiffness = property_of(line, 0, at.STIFFNESS)
+    stiffness, count = property_of(line, 0, at.STIFFNESS), count_of_places(line.parameters)
     mean = moment = ZERO_VECTOR
-    for i in range(len(PLACES)):
-        arc = PLACES[i] * line.length
+    for i in range(count):
+        part, weight = place_of(i, count)
+        arc = part * line.length
         r = point_in_space(ZERO_VECTOR, tension, load, arc, stiffness)
-        f = load_at(line, ground[2] + r[2], state, PLACES[i], add_scaled(tension, -arc, load))
-        mean = add_scaled(mean, WEIGHTS[i], f)
-        moment = add_scaled(moment, WEIGHTS[i], cross(r, sub(f, load)))
+        f = load_at(line, ground[2] + r[2], state, part, add_scaled(tension, -arc, load))
+        mean = add_scaled(mean, weight, f)
+        moment = add_scaled(moment, weight, cross(r, sub(f, load)))
     return mean, moment
 
 
 @kernel
-def end_forces(line, chord, tension, load, mean, moment):
-    """Forces of the tether on its ends [N], on the catenary with t0 [N] and q [N/m], with F [N/m] and M [N] on it."""
-    square = dot(chord, chord)
-    change = sub(mean, load)
-    kite_force = add_scaled(scale(-1.0, tension), line.length, load)
-    across = scale(-line.length / max(square, (SHORTEST_CHORD * line.length) ** 2), cross(chord, moment))
-    along = scale(0.5 * line.length * dot(change, chord) / max(square, LEAST), chord)
-    kite_force = add(kite_force, add(across, along))
-    return sub(scale(line.length, mean), kite_force), kite_force
+def end_forces(line, chord, tension, load, mean, moment, part):
+    """Forces of the tether on its ends [N], on the catenary with t0 [N] and q [N/m], with F [N/m] and M [N] on it.
+
+    part : of the shift of the forces that is made [-].
+    """
+    square, change = max(dot(chord, chord), (SHORTEST_CHORD * line.length) ** 2), sub(mean, load)
+    shift = sub(scale(0.5 * dot(change, chord), chord), cross(chord, moment))
+    shift = scale(part * line.length / square, shift)
+    kite_force = add(add_scaled(scale(-1.0, tension), line.length, load), shift)
+    return sub(add_scaled(tension, part * line.length, change), shift), kite_force

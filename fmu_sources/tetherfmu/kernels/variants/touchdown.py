@@ -19,6 +19,8 @@ from ..rest.grounded_catenary import hang_on_ground, lying_span, parts_with, sce
 from ..step.outputs import away_from_chord, wave_time, write_direction
 from .curve import SAMPLES, crossing_and_sag
 
+CLEAR = 0.02  # see `part_in_air`
+
 Lying = namedtuple(
     "Lying", "ground kite plane load stiffness ground_force kite_force near far length ground_is_high start end pull fall"
 )
@@ -45,6 +47,31 @@ def lowest(ground, tension, load, length, stiffness):
     if not 0.0 < arc < length:
         return ground, tension
     return point_in_space(ground, tension, load, arc, stiffness), add_scaled(tension, -arc, load)
+
+
+@kernel
+def part_in_air(line, load, state):
+    """How far a catenary that lies nowhere is from it [-]: 0 where it touches the ground, 1 from CLEAR of its length on.
+
+    By the height of its lowest point above the ground, and where that is an end, by the length that is missing to where the
+    tether would be level.
+    """
+    x, _ = positions_and_velocities(1, state)
+    ground, kite = get(x, 0), get(x, 1)
+    if not load[2] < 0.0:
+        return 1.0
+    arc = vector_at(state, at.GROUND_TENSION_VECTOR)[2] / load[2]
+    point = point_in_space(
+        ground,
+        vector_at(state, at.GROUND_TENSION_VECTOR),
+        load,
+        min(line.length, max(0.0, arc)),
+        property_of(line, 0, at.STIFFNESS),
+    )
+    missing = max(0.0, -arc, arc - line.length)
+    clear = (point[2] - plane_of(line.parameters, ground, kite) + missing) / (CLEAR * line.length)
+    part = min(1.0, max(0.0, clear))
+    return part * part * (3.0 - 2.0 * part)
 
 
 @kernel
