@@ -31,12 +31,6 @@ SCENE = {  # nothing at zero, nothing along an axis, all that a wind profile rea
 LENGTHS = (495.0, 499.416, 499.5, 520.0)
 ON_GROUND = {"ground_contact": 2, "ground_friction": 0.2, "longest_length": 0.0}
 LENGTHS_ON_GROUND = (630.0, 650.0, 700.0, 800.0, 1200.0)  # the tether touches it: chains at 800 m, catenaries at 1200 m
-    630.0,
-    650.0,
-    700.0,
-    800.0,
-    1200.0,
-)  # the tether touches it, of chains that of 800 m, of catenaries the last one
 SHAPES, LAWS = (1, 2, 3), (1, 2)
 LIMITING = ("fixed_step", "fixed_step_method", "winch_control")  # what counts for the work of a step
 STEADY = ("ground_elevation", "ground_azimuth", "sag", "shape", "grounded_length", "kite_position")
