@@ -47,7 +47,8 @@ def test_an_fmu_without_shape_is_held_in_the_wind(fmu_folder, place, tmp_path):
         fmu_folder,
         f"from at_rest import forces_over_wind_and_slack as e; e.main(['--fmu', {str(own)!r}, '--out', {str(tmp_path)!r}])",
     )
-    assert [line.split(":")[0] for line in said.splitlines()] == ["dynamic", "TetherCatenary"]
+    names = [line.split(":")[0] for line in said.splitlines() if "the load on the shape" not in line]
+    assert names == ["dynamic", "TetherCatenary"]
     assert (tmp_path / "forces_over_wind_and_slack.png").exists()
 
 

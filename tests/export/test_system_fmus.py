@@ -96,6 +96,7 @@ def as_fmu(system, outputs):
         found |= {f"{line.name}.{name}": getattr(own, OF_A_LINE[name]) for name in OF_A_LINE}
         found[f"{line.name}.shape"] = own.shape.ravel().tolist()
     found["solver_iteration_limit"] = outputs.solver_iteration_limit
+    found["fallback_steps"] = next(iter(outputs.lines.values())).fallback_steps
     return {**found, **{f"solver_{name}": count for name, count in system.counters.items()}}
 
 

@@ -51,7 +51,7 @@ DrumError = namedtuple("DrumError", "length growth mass")
 DrumError.__doc__ = """Error estimates of the drum of a line in the last step.
 
 length : of the length over gamma h [m/s].  growth : of the relative rate of the length, as dampers see it [1/s].
-mass : of the drum [kg], inf without one or without mass.
+mass : of the drum [kg], inf without one and where it is held; 0: it keeps the tension of the first segment what it is to be.
 """
 
 
@@ -102,6 +102,8 @@ def errors_of_segments(conditions, chain, h, speed, drum, w):
         of_damper = c * (dot(e, sub(get(w.velocity_error, s + 1), get(w.velocity_error, s))) - length * drum.growth)
         mass = lighter_free_node(s, conditions, w)
         harmless = HARMLESS * min(mass, mass_of_drum) * speed / h
+        if mass_of_drum == 0.0:
+            wrong = 0.0
         mass_of_drum = inf
         finest = FINEST * tolerance * rest
         if property_of(chain, s, at.STIFFNESS) > STIFF:

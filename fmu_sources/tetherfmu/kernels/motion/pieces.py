@@ -94,7 +94,7 @@ def drum_error(system, k):
     numbers, mass = numbers_of(system, k), drum_at(system, k).mass
     seen = sees_reeling(conditions_of(system, k).parameters)
     growth = numbers[INCREMENT] / numbers[LENGTH] if seen else 0.0
-    return DrumError(numbers[SOLUTION], growth, mass if mass > 0.0 else inf)
+    return DrumError(numbers[SOLUTION], growth, inf if numbers[DIRECTION] == HELD else mass)
 
 
 @kernel
