@@ -70,10 +70,14 @@ def go_back(system, before):
 
 @kernel
 def move_coarsely(system, step, before):
-    """As `move`, from the start of a communication step [s] that the adaptive solver has given up: with fixed steps."""
+    """As `move`, from the start of a communication step [s] that the adaptive solver has given up: with fixed steps.
+
+    Of order 2, or backward Euler in a stiff tether, whose waves these do not resolve.
+    """
     h = step * adaptive_steps.work_of(system) / at.COARSE_WORK
     go_back(system, before)
-    status = move(system, FixedSteps(h, float(at.SECOND_ORDER)), step)
+    method = at.BACKWARD_EULER if fixed_steps.stiff_swing(system, h) > 0.0 else at.SECOND_ORDER
+    status = move(system, FixedSteps(h, float(method)), step)
     memory = state_of(system, 0)
     memory[at.SOLVER_STEP], memory[at.SOLVER_ERROR] = 0.0, step_control.UNRESOLVED
     note(memory, limits.UNRESOLVED, h * h, 0.0)
