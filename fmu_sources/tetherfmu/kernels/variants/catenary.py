@@ -10,7 +10,7 @@ from tetherfmu.runtime import plausibility as limits
 from tetherfmu.runtime.status import NO_EQUILIBRIUM, OK
 
 from ..compilation import kernel
-from ..equations import node_loads, segment, winch
+from ..equations import segment, winch
 from ..equations.boundary import move_ends
 from ..equations.ground import has_ground
 from ..equations.notes import note
@@ -19,21 +19,14 @@ from ..linear_algebra.vectors import add, add_scaled, dot, norm, put_at, scale, 
 from ..motion.drum_in_equilibrium import drum_at
 from ..rest.elastic_catenary import hang, point_in_space
 from ..step.outputs import write_direction
-from .chord import chord_load, chord_of, no_work_size, write_common
+from .chord import chord_of, no_work_size, write_common
 from .curve import crossing_and_sag
-from .shape_load import end_forces, load_on_shape
+from .shape_load import end_forces, load_on_chord, load_on_shape
 from .touchdown import lowest, part_in_air, rest_on_ground, write_lying
 
 LIGHTEST = 1e-12  # load over EA below which the catenary is a straight line
 
 work_size = no_work_size
-
-
-@kernel
-def load_on_chord(line, state):
-    """Weight plus mean drag per unstretched length [N/m]; a slack tether catches the wind with all its length."""
-    mean, _ = chord_load(line.parameters, state)
-    return add(mean, node_loads.weight(line, property_of(line, 0, at.LINE_DENSITY)))
 
 
 @kernel
@@ -43,7 +36,7 @@ def hang_in_wind(line, ground, chord, state):
     Of a catenary with the mean load on the shape that it has under that along its chord.
     """
     stiffness = property_of(line, 0, at.STIFFNESS)
-    load = load_on_chord(line, state)
+    load = load_on_chord(line, ground, chord, state)
     if norm(load) * line.length <= LIGHTEST * stiffness:
         distance, e = segment.geometry(chord)
         pull = stiffness * max(distance / line.length - 1.0, 0.0)

@@ -1,4 +1,4 @@
-"""What the tethers without nodes share: they know the drag only along their chord.
+"""What the tethers without nodes share, and the drag along the chord, the only one that the straight tether knows.
 
 Load of the air per length of the chord, with W the wind at the height of the point less its velocity, and e the chord:
 
@@ -6,7 +6,7 @@ Load of the air per length of the chord, with W the wind at the height of the po
 
 A wind that is given at points is the one at the same part of the chord as of the unstretched length, s = xi.
 
-Source: docs/models/theory.md, "Straight line" and "Elastic catenary".
+Source: docs/models/theory.md, "Straight line".
 """
 
 import numpy as np

@@ -43,14 +43,12 @@ SHORTEST_CHORD = 0.1  # of the length: the shift of forces across a shorter chor
 
 
 @kernel
-def load_at(line, height, state, part, tension):
-    """f [N/m] at a part of the unstretched length and a height [m], where the tension vector is `tension` [N]."""
+def load_at(line, height, state, part, e, size):
+    """f [N/m] at a part of the unstretched length and a height [m], where the tension has a direction and a size [N]."""
     start, more = motion_along(state)
     wind, density, _, _ = segment.air_of(line, 0, height)
     if wind_points.count_of(line.parameters) > 0:
         wind = wind_points.wind_between(1, line.parameters, state, part, 0.0)
-    size = norm(tension)
-    e = scale(1.0 / max(size, LEAST), tension)
     half = segment.half_drag_in(line, 0, 1.0, e, wind, density, add_scaled(start, part, more))
     weight = node_loads.weight(line, property_of(line, 0, at.LINE_DENSITY))
     return add_scaled(weight, 2.0 * (1.0 + size / property_of(line, 0, at.STIFFNESS)), half)
@@ -71,6 +69,17 @@ def place_of(i, count):
 
 
 @kernel
+def load_on_chord(line, ground, chord, state):
+    """Mean of f [N/m], were the tether straight and without tension, from the ground end [m] along the chord [m]."""
+    count, mean = count_of_places(line.parameters), ZERO_VECTOR
+    _, e = segment.geometry(chord)
+    for i in range(count):
+        part, weight = place_of(i, count)
+        mean = add_scaled(mean, weight, load_at(line, ground[2] + part * chord[2], state, part, e, 0.0))
+    return mean
+
+
+@kernel
 def load_on_shape(line, ground, state, tension, load):
     """F [N/m] and M [N] on the catenary from the ground end [m] with the tension vector t0 [N] and the load q [N/m]."""
     stiffness, count = property_of(line, 0, at.STIFFNESS), count_of_places(line.parameters)
@@ -79,7 +88,9 @@ def load_on_shape(line, ground, state, tension, load):
         part, weight = place_of(i, count)
         arc = part * line.length
         r = point_in_space(ZERO_VECTOR, tension, load, arc, stiffness)
-        f = load_at(line, ground[2] + r[2], state, part, add_scaled(tension, -arc, load))
+        pull = add_scaled(tension, -arc, load)
+        size = norm(pull)
+        f = load_at(line, ground[2] + r[2], state, part, scale(1.0 / max(size, LEAST), pull), size)
         mean = add_scaled(mean, weight, f)
         moment = add_scaled(moment, weight, cross(r, sub(f, load)))
     return mean, moment
