@@ -1,39 +1,29 @@
 """Fixed steps: three stages of all lines (`second_order.py`), or backward Euler (`backward_euler.py`).
 
 What makes a step of one line one of backward Euler (a drum that comes to rest, a stiffness, a stage that does not converge,
-energy that nobody put in) makes that of all lines one; the energy is that of all lines and points together. Such steps are
-counted, and where they are many it is noted why.
+energy that nobody put in) makes that of all lines one, see `fallback.py`.
 """
 
-from math import inf, pi, sqrt
+from math import inf, sqrt
 
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import plausibility as limits
-from tetherfmu.runtime.limits import FINEST, LAST_ITERATIONS, MOST_ITERATIONS, STAGES, STIFF
+from tetherfmu.runtime.limits import FINEST, LAST_ITERATIONS, MOST_ITERATIONS, STAGES
 from tetherfmu.runtime.status import FIXED_STEPS_TOO_MANY, OK, STATE_NOT_FINITE
 
 from ..arrays import copy
 from ..compilation import kernel
-from ..equations import segment
-from ..equations.boundary import chain_during, place_ends
-from ..equations.ground import ground_of, has_ground
+from ..equations.boundary import place_ends
 from ..equations.lines import (
     conditions_of,
-    is_at_point,
     lines_of,
-    load_at,
     motion_of,
-    point_at,
-    points_of,
-    segments_of,
     state_of,
 )
 from ..equations.notes import note
-from ..equations.properties import rest_length, stiffest
 from ..line import backward_euler, second_order
 from ..line.backward_euler import EXPECTED, STAGE, WHOLE
-from ..line.second_order import ENDS, GAMMA, ROUNDING, TO_NEXT
-from ..linear_algebra.vectors import get, norm, sub
+from ..line.second_order import ENDS, GAMMA, TO_NEXT
 from ..points.system_descent import (
     EARLY,
     HELD,
@@ -52,8 +42,6 @@ from ..points.system_room import (
     Step,
     any_drum,
     attempt_of,
-    drum_at,
-    has_drum,
     moves,
     numbers_of,
     scratch_of,
@@ -61,15 +49,22 @@ from ..points.system_room import (
 )
 from . import turning
 from .adaptive_steps import work_of
+from .fallback import (
+    ASKED,
+    AT_STOP,
+    HARD,
+    ON_GROUND,
+    RESOLVED,
+    WELL_RESOLVED,
+    bounces,
+    count_fallback,
+    crosses,
+    hard_at,
+    is_explained,
+    stiff_swing,
+)
 
-# why a step is one of backward Euler; but for the first, after stages that were left
-ASKED, AT_STOP, ON_GROUND, HARD = 1, 2, 3, 4
-RESOLVED, WELL_RESOLVED = (
-    1.0,
-    0.35,
-)  # h times the frequency of a stiff line along itself: with stages; within 1 % of the force
 HELD_FROM = LAST_ITERATIONS - MOST_ITERATIONS  # of the iterations of the finest parts: so that they come to an end
-RECENT_STEPS = 1000.0  # of which it counts how many are of backward Euler, in a mean that forgets
 
 # --- backward Euler
 
@@ -170,125 +165,6 @@ def subdivided_step(system, time, h):
     return iterations
 
 
-# --- whether a step is one of backward Euler
-
-
-@kernel
-def nodes_on_ground(system, is_at_start):
-    """How many nodes that move freely are on the ground or below it; is_at_start : of the step, else now."""
-    count = 0
-    for k in range(lines_of(system)):
-        conditions, (x, _) = conditions_of(system, k), motion_of(system, k)
-        if has_ground(conditions.parameters):
-            height, place = ground_of(conditions.parameters).height, stages_of(system, k).x if is_at_start else x
-            for i in range(conditions.first, conditions.last + 1):
-                count += place[3 * i + 2] <= height
-    return count
-
-
-@kernel
-def least_swing(system, k):
-    """Square of the lowest frequency [1/s2] with which line k swings along itself, at its stiffest; about, and not above it.
-
-    Its stiffness over the mass of its nodes and its free ends: less where it swings against one end that is driven, more
-    where between two.
-    """
-    conditions, mass, n = conditions_of(system, k), scratch_of(system, k).mass, segments_of(system, k)
-    moving, ends = 0.0, 0
-    for i in range(1, n):
-        moving += mass[i]
-    for end in range(2):
-        if conditions.first <= n * end <= conditions.last:
-            ends += 1
-            moving += points_of(system).mass[point_at(system, k, end)] if is_at_point(system, k, end) else mass[n * end]
-    if has_drum(system, k):
-        ends += 1
-        moving += drum_at(system, k).mass
-    chain = chain_during(conditions, 0.0)
-    factor = pi**2 if ends == 0 else (1.0 if ends == 1 else 4.0)
-    return factor * stiffest(chain) / (chain.length * moving) if moving > 0.0 else inf
-
-
-@kernel
-def stiff_swing(system, h):
-    """The same of the line that swings fastest of those that are as stiff as `limits.STIFF`; 0 without one.
-
-    h : of the fixed steps [s].  Masses stand in the scratch space afterwards.
-    """
-    is_stiff = False
-    for k in range(lines_of(system)):
-        if moves(system, k) and stiffest(chain_during(conditions_of(system, k), 0.0)) >= STIFF:
-            is_stiff = True
-    if not is_stiff:
-        return 0.0
-    turning.attempt_whole_step(system, h)
-    start(system, Step(0.0, h, WHOLE, any_drum(system)))
-    fastest = 0.0
-    for k in range(lines_of(system)):
-        if moves(system, k) and stiffest(chain_during(conditions_of(system, k), 0.0)) >= STIFF:
-            fastest = max(fastest, least_swing(system, k))
-    return fastest
-
-
-@kernel
-def crosses(system, start, end):
-    """Whether a segment went slack or taut, or nodes to the ground, since the step was started; start, end : times [s]."""
-    for k in range(lines_of(system)):
-        if moves(system, k):
-            old, (new, _), conditions = stages_of(system, k).x, motion_of(system, k), conditions_of(system, k)
-            before, after = chain_during(conditions, start), chain_during(conditions, end)
-            for s in range(conditions.n):
-                beyond = segment.beyond_rest(sub(get(old, s + 1), get(old, s)), rest_length(before, s))
-                if beyond * segment.beyond_rest(sub(get(new, s + 1), get(new, s)), rest_length(after, s)) < 0.0:
-                    return True
-    return nodes_on_ground(system, True) != nodes_on_ground(system, False)
-
-
-# --- energy
-
-
-@kernel
-def energy_and_power_of_line(system, k, time, is_new):
-    """Energy [J] and largest power [W] of line k with its drum and its parts of the loads on points, by masses."""
-    points, w, (x, v) = points_of(system), stages_of(system, k), motion_of(system, k)
-    here, speed = (x, v) if is_new else (w.x, w.v)
-    of_drum, grown = 0.0, 0.0
-    if has_drum(system, k):
-        of_drum, grown = turning.energy_and_power(system, k, is_new, here, speed)
-    energy, power = second_order.energy_and_power(conditions_of(system, k), time, here, speed, w.chain.mass)
-    for end in range(2):
-        if is_at_point(system, k, end):
-            point, node = point_at(system, k, end), segments_of(system, k) * end
-            share = w.chain.mass[node] / points.mass[point]
-            power += share * norm(load_at(system, point, time)) * norm(get(speed, node))
-    return energy + of_drum, power + grown
-
-
-@kernel
-def energy_and_power(system, time, is_new):
-    """Energy [J] and largest power [W] as in `second_order.energy_and_power`, of all lines, points and drums.
-
-    is_new : whether of the state, else of that at the start of the step.
-    """
-    energy, power = 0.0, 0.0
-    for k in range(lines_of(system)):
-        if moves(system, k):
-            own, given = energy_and_power_of_line(system, k, time, is_new)
-            energy += own
-            power += given
-    return energy, power
-
-
-@kernel
-def is_explained(system, time, h):
-    """Whether the energy after a step of h [s] at a time [s] is at most that before it and what was put in."""
-    before, power = energy_and_power(system, time, False)
-    after, later = energy_and_power(system, time + h, True)
-    motors = turning.work_of_motors(system, time, h)
-    rounding = ROUNDING * (abs(before) + abs(after) + abs(motors))
-    return after - before - motors <= h * (power + later) + rounding
-
-
 # --- the stages
 
 
@@ -325,29 +201,6 @@ def place_all_ends(system, time):
     for k in range(lines_of(system)):
         x, v = motion_of(system, k)
         place_ends(conditions_of(system, k), time, x, v)
-
-
-@kernel
-def bounces(system, h):
-    """Whether a node that came to the ground in a step of h [s] by stages leaves it faster than the ground lets go of one.
-
-    The start of a stage continues the accelerations of those before, and so a strong impact: upwards.
-    """
-    for k in range(lines_of(system)):
-        conditions, (_, v), w = conditions_of(system, k), motion_of(system, k), stages_of(system, k)
-        if has_ground(conditions.parameters):
-            ground = ground_of(conditions.parameters)
-            for i in range(conditions.first, conditions.last + 1):
-                z = 3 * i + 2
-                if w.v[z] < 0.0 and w.x[z] + h * w.v[z] < ground.height and v[z] * ground.damping > 1.0:
-                    return True
-    return False
-
-
-@kernel
-def hard_at(system):
-    """Why a step is left whose iteration or energy is not as it should be."""
-    return ON_GROUND if nodes_on_ground(system, False) > 0 else HARD
 
 
 @kernel
@@ -406,19 +259,6 @@ def truncated_step(system, time, h):
     turning.end_whole_step(system, h)
     note_unconverged(system, True, 0.0)
     return iterations
-
-
-@kernel
-def count_fallback(memory, why):
-    """Count a step, done by backward Euler if there is a reason `why`, in the state (modified); note if they are many."""
-    fell_back = 0.0 if why == 0 else 1.0
-    memory[at.FALLBACKS] += fell_back
-    memory[at.RECENT_FALLBACKS] += (fell_back - memory[at.RECENT_FALLBACKS]) / RECENT_STEPS
-    part = memory[at.RECENT_FALLBACKS]
-    if why >= AT_STOP and part > limits.MOST_FALLBACKS:
-        kind = limits.FALLBACK_AT_STOP if why == AT_STOP else limits.FALLBACK_HARD
-        note(memory, limits.FALLBACK_ON_GROUND if why == ON_GROUND else kind, part * part, 0.0)
-    memory[at.REJECTIONS] += 1.0 if why >= AT_STOP else 0.0
 
 
 @kernel

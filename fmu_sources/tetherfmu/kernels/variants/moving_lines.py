@@ -26,7 +26,7 @@ from ..equations.notes import note
 from ..equations.properties import chain_of
 from ..line import step_control
 from ..line.backward_euler import FixedSteps, given_steps
-from ..motion import adaptive_steps, fixed_steps
+from ..motion import adaptive_steps, fallback, fixed_steps
 from ..points import system_room
 from ..rest import compressed_chain, end_tensions
 from ..step.plausibility import note_stiff_and_slack, note_unconverged
@@ -76,7 +76,7 @@ def move_coarsely(system, step, before):
     """
     h = step * adaptive_steps.work_of(system) / at.COARSE_WORK
     go_back(system, before)
-    method = at.BACKWARD_EULER if fixed_steps.stiff_swing(system, h) > 0.0 else at.SECOND_ORDER
+    method = at.BACKWARD_EULER if fallback.stiff_swing(system, h) > 0.0 else at.SECOND_ORDER
     status = move(system, FixedSteps(h, float(method)), step)
     memory = state_of(system, 0)
     memory[at.SOLVER_STEP], memory[at.SOLVER_ERROR] = 0.0, step_control.UNRESOLVED

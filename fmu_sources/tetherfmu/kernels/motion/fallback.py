@@ -1,0 +1,198 @@
+"""Why a fixed step of three stages is left for one of backward Euler, and how such steps are counted.
+
+A drum comes to rest or to a stop in it; a stage does not converge; a node bounces off the ground; or a segment goes slack or
+taut, a node touches down or lifts off, or the iteration is long, and the energy of all lines and points together grows by
+more than ends, winches, wind and loads can have put in. Steps that are too long for a stiff line are not tried with stages.
+"""
+
+from math import inf, pi
+
+from tetherfmu.runtime import layout as at
+from tetherfmu.runtime import plausibility as limits
+from tetherfmu.runtime.limits import STIFF
+
+from ..compilation import kernel
+from ..equations import segment
+from ..equations.boundary import chain_during
+from ..equations.ground import ground_of, has_ground
+from ..equations.lines import (
+    conditions_of,
+    is_at_point,
+    lines_of,
+    load_at,
+    motion_of,
+    point_at,
+    points_of,
+    segments_of,
+)
+from ..equations.notes import note
+from ..equations.properties import rest_length, stiffest
+from ..line import second_order
+from ..line.backward_euler import WHOLE
+from ..line.second_order import ROUNDING
+from ..linear_algebra.vectors import get, norm, sub
+from ..points.system_guess import start
+from ..points.system_room import Step, any_drum, drum_at, has_drum, moves, scratch_of, stages_of
+from . import turning
+
+# why a step is one of backward Euler; but for the first, after stages that were left
+ASKED, AT_STOP, ON_GROUND, HARD = 1, 2, 3, 4
+RESOLVED, WELL_RESOLVED = 1.0, 0.35  # h times the frequency of a stiff line along itself: by stages; to 1 % of the force
+RECENT_STEPS = 1000.0  # of which it counts how many are of backward Euler, in a mean that forgets
+
+# --- what happens in a step
+
+
+@kernel
+def nodes_on_ground(system, is_at_start):
+    """How many nodes that move freely are on the ground or below it; is_at_start : of the step, else now."""
+    count = 0
+    for k in range(lines_of(system)):
+        conditions, (x, _) = conditions_of(system, k), motion_of(system, k)
+        if has_ground(conditions.parameters):
+            height, place = ground_of(conditions.parameters).height, stages_of(system, k).x if is_at_start else x
+            for i in range(conditions.first, conditions.last + 1):
+                count += place[3 * i + 2] <= height
+    return count
+
+
+@kernel
+def least_swing(system, k):
+    """Square of the lowest frequency [1/s2] with which line k swings along itself, at its stiffest; about, and not above it.
+
+    Its stiffness over the mass of its nodes and its free ends: less where it swings against one end that is driven, more
+    where between two.
+    """
+    conditions, mass, n = conditions_of(system, k), scratch_of(system, k).mass, segments_of(system, k)
+    moving, ends = 0.0, 0
+    for i in range(1, n):
+        moving += mass[i]
+    for end in range(2):
+        if conditions.first <= n * end <= conditions.last:
+            ends += 1
+            moving += points_of(system).mass[point_at(system, k, end)] if is_at_point(system, k, end) else mass[n * end]
+    if has_drum(system, k):
+        ends += 1
+        moving += drum_at(system, k).mass
+    chain = chain_during(conditions, 0.0)
+    factor = pi**2 if ends == 0 else (1.0 if ends == 1 else 4.0)
+    return factor * stiffest(chain) / (chain.length * moving) if moving > 0.0 else inf
+
+
+@kernel
+def stiff_swing(system, h):
+    """The same of the line that swings fastest of those that are as stiff as `limits.STIFF`; 0 without one.
+
+    h : of the fixed steps [s].  Masses stand in the scratch space afterwards.
+    """
+    is_stiff = False
+    for k in range(lines_of(system)):
+        if moves(system, k) and stiffest(chain_during(conditions_of(system, k), 0.0)) >= STIFF:
+            is_stiff = True
+    if not is_stiff:
+        return 0.0
+    turning.attempt_whole_step(system, h)
+    start(system, Step(0.0, h, WHOLE, any_drum(system)))
+    fastest = 0.0
+    for k in range(lines_of(system)):
+        if moves(system, k) and stiffest(chain_during(conditions_of(system, k), 0.0)) >= STIFF:
+            fastest = max(fastest, least_swing(system, k))
+    return fastest
+
+
+@kernel
+def crosses(system, start, end):
+    """Whether a segment went slack or taut, or nodes to the ground, since the step was started; start, end : times [s]."""
+    for k in range(lines_of(system)):
+        if moves(system, k):
+            old, (new, _), conditions = stages_of(system, k).x, motion_of(system, k), conditions_of(system, k)
+            before, after = chain_during(conditions, start), chain_during(conditions, end)
+            for s in range(conditions.n):
+                beyond = segment.beyond_rest(sub(get(old, s + 1), get(old, s)), rest_length(before, s))
+                if beyond * segment.beyond_rest(sub(get(new, s + 1), get(new, s)), rest_length(after, s)) < 0.0:
+                    return True
+    return nodes_on_ground(system, True) != nodes_on_ground(system, False)
+
+
+@kernel
+def bounces(system, h):
+    """Whether a node that came to the ground in a step of h [s] by stages leaves it faster than the ground lets go of one.
+
+    The start of a stage continues the accelerations of those before, and so a strong impact: upwards.
+    """
+    for k in range(lines_of(system)):
+        conditions, (_, v), w = conditions_of(system, k), motion_of(system, k), stages_of(system, k)
+        if has_ground(conditions.parameters):
+            ground = ground_of(conditions.parameters)
+            for i in range(conditions.first, conditions.last + 1):
+                z = 3 * i + 2
+                if w.v[z] < 0.0 and w.x[z] + h * w.v[z] < ground.height and v[z] * ground.damping > 1.0:
+                    return True
+    return False
+
+
+@kernel
+def hard_at(system):
+    """Why a step is left whose iteration or energy is not as it should be."""
+    return ON_GROUND if nodes_on_ground(system, False) > 0 else HARD
+
+
+# --- energy
+
+
+@kernel
+def energy_and_power_of_line(system, k, time, is_new):
+    """Energy [J] and largest power [W] of line k with its drum and its parts of the loads on points, by masses."""
+    points, w, (x, v) = points_of(system), stages_of(system, k), motion_of(system, k)
+    here, speed = (x, v) if is_new else (w.x, w.v)
+    of_drum, grown = 0.0, 0.0
+    if has_drum(system, k):
+        of_drum, grown = turning.energy_and_power(system, k, is_new, here, speed)
+    energy, power = second_order.energy_and_power(conditions_of(system, k), time, here, speed, w.chain.mass)
+    for end in range(2):
+        if is_at_point(system, k, end):
+            point, node = point_at(system, k, end), segments_of(system, k) * end
+            share = w.chain.mass[node] / points.mass[point]
+            power += share * norm(load_at(system, point, time)) * norm(get(speed, node))
+    return energy + of_drum, power + grown
+
+
+@kernel
+def energy_and_power(system, time, is_new):
+    """Energy [J] and largest power [W] as in `second_order.energy_and_power`, of all lines, points and drums.
+
+    is_new : whether of the state, else of that at the start of the step.
+    """
+    energy, power = 0.0, 0.0
+    for k in range(lines_of(system)):
+        if moves(system, k):
+            own, given = energy_and_power_of_line(system, k, time, is_new)
+            energy += own
+            power += given
+    return energy, power
+
+
+@kernel
+def is_explained(system, time, h):
+    """Whether the energy after a step of h [s] at a time [s] is at most that before it and what was put in."""
+    before, power = energy_and_power(system, time, False)
+    after, later = energy_and_power(system, time + h, True)
+    motors = turning.work_of_motors(system, time, h)
+    rounding = ROUNDING * (abs(before) + abs(after) + abs(motors))
+    return after - before - motors <= h * (power + later) + rounding
+
+
+# --- how many
+
+
+@kernel
+def count_fallback(memory, why):
+    """Count a step, done by backward Euler if there is a reason `why`, in the state (modified); note if they are many."""
+    fell_back = 0.0 if why == 0 else 1.0
+    memory[at.FALLBACKS] += fell_back
+    memory[at.RECENT_FALLBACKS] += (fell_back - memory[at.RECENT_FALLBACKS]) / RECENT_STEPS
+    part = memory[at.RECENT_FALLBACKS]
+    if why >= AT_STOP and part > limits.MOST_FALLBACKS:
+        kind = limits.FALLBACK_AT_STOP if why == AT_STOP else limits.FALLBACK_HARD
+        note(memory, limits.FALLBACK_ON_GROUND if why == ON_GROUND else kind, part * part, 0.0)
+    memory[at.REJECTIONS] += 1.0 if why >= AT_STOP else 0.0
