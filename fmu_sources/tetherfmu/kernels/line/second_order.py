@@ -17,14 +17,10 @@ its curve after the step, from which x3 is O(h^3) away.
 The accelerations of the last two stages, also of those of the step before, are continued linearly for the first guess of a
 stage: in smooth flight one iteration does.
 
-A step is taken anew by `fixed_steps.subdivided_step` over the whole of h, and then has order 1, where
-
-- a stage does not converge within `limits.MOST_ITERATIONS`,
-- a segment is as stiff as `limits.STIFF`, and the step longer than its line swings along itself (`is_unresolved`): there
-  stages keep the nodes at the distances of rods, but not the tensions that these take,
-- a segment goes slack or taut, a node touches down or lifts off, or a stage takes more than two iterations, and the energy
-  grows by more than ends, winch, wind and load can have put in: the start of a stage is an extrapolation, which knows
-  neither of the transition nor of a chain that turns far in a step.
+A step is taken anew by `fixed_steps.subdivided_step` over the whole of h, and then has order 1, where `motion/fallback.py`
+says why: the start of a stage is an extrapolation, which knows neither of transitions nor of a chain that turns far in a
+step; and where a step is too long for a stiff line, stages keep the nodes at the distances of rods, but not the tensions
+that these take.
 
 Sources: Alexander, Diagonally implicit Runge-Kutta methods for stiff O.D.E.'s, SIAM J. Numer. Anal. 14 (1977);
 Hairer and Wanner, Solving Ordinary Differential Equations II, section IV.6. See docs/models/numerics.md, "Fixed step".

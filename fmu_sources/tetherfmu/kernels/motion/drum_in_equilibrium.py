@@ -352,7 +352,7 @@ def drum_at(settle, tension):
                     return status
                 h = 0.25 * h_now
                 continue
-            if error > 1.0:
+            if not error <= 1.0:
                 h = h_now * max(STRONGEST_CUT, SAFETY * error ** (-1.0 / 3.0))
                 state[at.REJECTIONS] += 1.0
                 if h < SMALLEST_PIECE * duration:

@@ -35,8 +35,9 @@ from ..points.system_guess import start
 from ..points.system_room import Step, any_drum, drum_at, has_drum, moves, scratch_of, stages_of
 from . import turning
 
-# why a step is one of backward Euler; but for the first, after stages that were left
-ASKED, AT_STOP, ON_GROUND, HARD = 1, 2, 3, 4
+# why a step is one of backward Euler: at once, or after stages that were left, which is what is noted
+ASKED = 1
+AT_STOP, ON_GROUND, HARD = limits.FALLBACK_AT_STOP, limits.FALLBACK_ON_GROUND, limits.FALLBACK_HARD
 RESOLVED, WELL_RESOLVED = 1.0, 0.35  # h times the frequency of a stiff line along itself: by stages; to 1 % of the force
 RECENT_STEPS = 1000.0  # of which it counts how many are of backward Euler, in a mean that forgets
 
@@ -44,16 +45,28 @@ RECENT_STEPS = 1000.0  # of which it counts how many are of backward Euler, in a
 
 
 @kernel
-def nodes_on_ground(system, is_at_start):
-    """How many nodes that move freely are on the ground or below it; is_at_start : of the step, else now."""
-    count = 0
+def is_any_on_ground(system):
+    """Whether a node that moves freely is on the ground or below it."""
     for k in range(lines_of(system)):
         conditions, (x, _) = conditions_of(system, k), motion_of(system, k)
         if has_ground(conditions.parameters):
-            height, place = ground_of(conditions.parameters).height, stages_of(system, k).x if is_at_start else x
+            height = ground_of(conditions.parameters).height
             for i in range(conditions.first, conditions.last + 1):
-                count += place[3 * i + 2] <= height
-    return count
+                if x[3 * i + 2] <= height:
+                    return True
+    return False
+
+
+@kernel
+def lands_or_lifts_off(system, k):
+    """Whether a node of line k that moves freely came to the ground since the step was started, or left it."""
+    conditions, old, (new, _) = conditions_of(system, k), stages_of(system, k).x, motion_of(system, k)
+    if has_ground(conditions.parameters):
+        height = ground_of(conditions.parameters).height
+        for z in range(3 * conditions.first + 2, 3 * conditions.last + 3, 3):
+            if (old[z] <= height) != (new[z] <= height):
+                return True
+    return False
 
 
 @kernel
@@ -80,29 +93,34 @@ def least_swing(system, k):
 
 
 @kernel
+def is_stiff(system, k):
+    """Whether line k moves and is as stiff as `limits.STIFF`."""
+    return moves(system, k) and stiffest(chain_during(conditions_of(system, k), 0.0)) >= STIFF
+
+
+@kernel
 def stiff_swing(system, h):
     """The same of the line that swings fastest of those that are as stiff as `limits.STIFF`; 0 without one.
 
     h : of the fixed steps [s].  Masses stand in the scratch space afterwards.
     """
-    is_stiff = False
+    count = 0
     for k in range(lines_of(system)):
-        if moves(system, k) and stiffest(chain_during(conditions_of(system, k), 0.0)) >= STIFF:
-            is_stiff = True
-    if not is_stiff:
+        count += is_stiff(system, k)
+    if count == 0:
         return 0.0
     turning.attempt_whole_step(system, h)
     start(system, Step(0.0, h, WHOLE, any_drum(system)))
     fastest = 0.0
     for k in range(lines_of(system)):
-        if moves(system, k) and stiffest(chain_during(conditions_of(system, k), 0.0)) >= STIFF:
+        if is_stiff(system, k):
             fastest = max(fastest, least_swing(system, k))
     return fastest
 
 
 @kernel
 def crosses(system, start, end):
-    """Whether a segment went slack or taut, or nodes to the ground, since the step was started; start, end : times [s]."""
+    """Whether a segment went slack or taut, or a node to the ground or off, since the step was started; its times [s]."""
     for k in range(lines_of(system)):
         if moves(system, k):
             old, (new, _), conditions = stages_of(system, k).x, motion_of(system, k), conditions_of(system, k)
@@ -111,7 +129,9 @@ def crosses(system, start, end):
                 beyond = segment.beyond_rest(sub(get(old, s + 1), get(old, s)), rest_length(before, s))
                 if beyond * segment.beyond_rest(sub(get(new, s + 1), get(new, s)), rest_length(after, s)) < 0.0:
                     return True
-    return nodes_on_ground(system, True) != nodes_on_ground(system, False)
+            if lands_or_lifts_off(system, k):
+                return True
+    return False
 
 
 @kernel
@@ -134,7 +154,7 @@ def bounces(system, h):
 @kernel
 def hard_at(system):
     """Why a step is left whose iteration or energy is not as it should be."""
-    return ON_GROUND if nodes_on_ground(system, False) > 0 else HARD
+    return ON_GROUND if is_any_on_ground(system) else HARD
 
 
 # --- energy
@@ -192,7 +212,6 @@ def count_fallback(memory, why):
     memory[at.FALLBACKS] += fell_back
     memory[at.RECENT_FALLBACKS] += (fell_back - memory[at.RECENT_FALLBACKS]) / RECENT_STEPS
     part = memory[at.RECENT_FALLBACKS]
-    if why >= AT_STOP and part > limits.MOST_FALLBACKS:
-        kind = limits.FALLBACK_AT_STOP if why == AT_STOP else limits.FALLBACK_HARD
-        note(memory, limits.FALLBACK_ON_GROUND if why == ON_GROUND else kind, part * part, 0.0)
-    memory[at.REJECTIONS] += 1.0 if why >= AT_STOP else 0.0
+    if why > ASKED:
+        memory[at.REJECTIONS] += 1.0
+        note(memory, why, part * part, limits.MOST_FALLBACKS)

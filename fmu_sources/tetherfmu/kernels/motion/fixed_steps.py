@@ -104,10 +104,9 @@ def take_step(system, step, most, in_any_case):
         unconverged = unconverged_lines(system, taken) + unconverged_drums(system, step) if taken < inf else 1
     else:
         phi = guess(system, step)
-    phase, rests = EARLY, True
+    phase = EARLY
     while iterations < most and not (step.turns and taken == STUCK):
-        rests = phase == HELD or rests_on_ground(system, step)
-        if unconverged == 0 and rests and holds(system, step):
+        if unconverged == 0 and (phase == HELD or rests_on_ground(system, step)) and holds(system, step):
             break
         phase = (EARLY if iterations < MOST_ITERATIONS else LATE) if iterations < HELD_FROM else HELD
         phi, taken = descend(system, step, phi, phase)
@@ -115,8 +114,8 @@ def take_step(system, step, most, in_any_case):
         if taken == inf:
             return False, -1
         unconverged = unconverged_lines(system, taken) + unconverged_drums(system, step)
-    rests = rests or phase == HELD or rests_on_ground(system, step)
-    if not (in_any_case or (unconverged == 0 and rests and taken != STUCK)):
+    has_converged = unconverged == 0 and taken != STUCK and (phase == HELD or rests_on_ground(system, step))
+    if not (in_any_case or has_converged):
         return False, iterations
     note_unconverged(system, False, taken)
     take_all(system, step)

@@ -39,12 +39,9 @@ from . import system_fixed_drums
 from .at_points import add_column, place_matrix, take_ends
 from .system_room import CHANGE, GOAL, attempt_of, is_turning, moves, numbers_of, room_in_step, scratch_of
 
-EARLY, LATE, HELD = (
-    0,
-    1,
-    2,
-)  # phases of an iteration: from LATE on drums only change their speeds where the lines converge with
-# them, from HELD on the friction on the ground is that of the iteration before
+# phases of an iteration: from LATE on drums only change their speeds where the lines converge with them, from HELD on the
+# friction on the ground is that of the iteration before
+EARLY, LATE, HELD = 0, 1, 2
 STUCK = -1.0  # instead of the part of a move that was taken: no part of it goes down
 
 # --- the potential and its minimum
