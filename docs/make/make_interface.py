@@ -55,8 +55,9 @@ range.
 
 One warning each is logged, and the numbers are not changed, when a segment is stretched by more than 5 %, an end is
 accelerated beyond 1000 g or moves faster than sound, positions contradict velocities, the winch reels in a slack tether, or
-`winch_length` is far too long ([Plausibility](../models/theory.md#plausibility)). One more tells that a step
-would have taken [too many internal steps](../models/numerics.md#too-many-internal-steps) and was done with fixed steps.
+`winch_length` is far too long ([Plausibility](../models/theory.md#plausibility)). Others tell that a step
+would have taken [too many internal steps](../models/numerics.md#too-many-internal-steps), that fixed steps
+[fall back](../models/numerics.md#three-stages), and that the load on a catenary is not that along its chord.
 
 ## The winch
 
