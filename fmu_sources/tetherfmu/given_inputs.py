@@ -64,12 +64,40 @@ def starts(wind_points):
     return given | {WIND_AT.name: np.zeros((wind_points, 3))} if wind_points else given
 
 
+_LEADS = {  # the inputs that lead a winch: their choice of `winch_control`
+    "reel_out_speed": at.WINCH_BY_SPEED,
+    "winch_force": at.WINCH_BY_FORCE,
+    "winch_length": at.WINCH_BY_LENGTH,
+}
+
+
+def check_effect(name, value, parameters, at_start=False, label=""):
+    """ValueError if an input is given, is not 0, and has no effect with these parameters.
+
+    value : a number or an array.  at_start : where a winch takes `reel_out_speed` in any case.  label : its name there.
+    """
+    if value is None or not np.any(value):
+        return
+    control, why = parameters[at.WINCH_CONTROL], ""
+    if _LEADS.get(name, control) != control and not (at_start and name == "reel_out_speed"):
+        why = f"winch_control is {control:.0f}; it must be {_LEADS[name]}"
+    elif name == "kite_load" and parameters[at.KITE_IS_FREE] == 0.0:
+        why = "the kite end is driven; it must be free, as that of TetherDynamicFree"
+    elif name in ("kite_velocity", "ground_velocity") and parameters[at.END_VELOCITIES] == at.DERIVED:
+        at_kite = name == "kite_velocity" and parameters[at.KITE_IS_FREE] != 0.0
+        why = "" if at_kite else "end_velocities is 2 (derived); it must be 1 (given)"
+    if why:
+        raise ValueError(f"{label or name} is {value!r} and has no effect: {why}")
+
+
 def put(to, given, at_start=False):
     """Set those inputs that are not None; ValueError if a shape is wrong, TypeError if there is no such input.
 
     given : dict by name.  at_start : whether a free kite has a position and a velocity among them.
     """
     check_names(to.name, given, OF_FREE_KITE if to.variant.kite_is_free and not at_start else OF_ANY)
+    for name, value in given.items():
+        check_effect(name, value, to.instance.parameters, at_start)
     numbers = {name: value for name, value in given.items() if name not in ("wind_velocity", WIND_AT.name)}
     for start, end, values in arguments.numbers_at(numbers):
         to.places[start:end] = values

@@ -163,6 +163,8 @@ def pack(tethers, kites, quantities, tolerance, has_nodes, has_waves, parameters
     for t in range(tethers):
         length += quantities[t * QUANTITIES_OF_TETHER + LENGTH]
     parameters[at.INITIAL_LENGTH] = length
+    if parameters[at.SLACK_STIFFNESS_RATIO] == 0.0:  # a damper alone would hold a slack rope up for seconds
+        parameters[at.SLACK_DAMPING_RATIO] = 0.0
     if parameters[at.RELATIVE_TOLERANCE] == 0.0:
         parameters[at.RELATIVE_TOLERANCE] = tolerance if tolerance != 0.0 else DEFAULT_TOLERANCE
     if parameters[at.LONGEST_LENGTH] == 0.0:

@@ -6,6 +6,7 @@ AT_NODES = 5  # no choice of `Environment`: the wind is given at each node, or a
 STATIC_EQUILIBRIUM, QUASI_STEADY, STRAIGHT = 1, 2, 3
 GIVEN, DERIVED = 1, 2
 START_GIVEN, START_AT_REST = 1, 2  # of a free kite, or of a free point of a system
+WINCH_GIVEN, WINCH_IN_BALANCE = 1, 2  # the length at the start
 LINEAR, HELD = 1, 2
 SECOND_ORDER, BACKWARD_EULER = 1, 2
 WINCH_BY_SPEED, WINCH_BY_FORCE, WINCH_BY_LENGTH = 1, 2, 3

@@ -191,6 +191,7 @@ def facts_of(inputs, parameters, length, segments):
         "winch_force": inputs[at.WINCH_FORCE],
         "winch_length": inputs[at.WINCH_LENGTH],
         "friction": parameters[at.WINCH_FRICTION],
+        "ground_height": parameters[at.GROUND_HEIGHT],
         "shortest_stop": parameters[at.SHORTEST_LENGTH],
         "longest_stop": inf if longest == at.NO_STOP else longest,
         "length": length,

@@ -38,9 +38,12 @@ from .enumerations import (  # noqa: F401 - for those who look for them here, as
     WINCH_BY_FORCE,
     WINCH_BY_LENGTH,
     WINCH_BY_SPEED,
+    WINCH_GIVEN,
+    WINCH_IN_BALANCE,
 )
 from .limits import (  # noqa: F401 - likewise
     COARSE_WORK,
+    DEEPEST_START,
     ITERATION_BUDGET,
     LARGEST_INPUT,
     LARGEST_INTEGER,
@@ -87,7 +90,7 @@ SHAPE = outputs.PLACES["shape"]  # the last one: its size is a build option
 
 # state: header, then node positions, then node velocities; with wind points the winds there at the end of the last step
 # [m/s], then their derivatives that are given for the next step [m/s2]
-WARNING_KINDS = 20
+WARNING_KINDS = 34
 LENGTH = 0  # unstretched [m]
 REELING = 1  # rate of the unstretched length at the end of the last step [m/s]
 WIND = 2  # wind of the last step [m/s]
@@ -120,10 +123,12 @@ LONGEST_SO_FAR = LAST_WINCH_LENGTH + 1  # longest communication step since the s
 CORRECTION_LEFT = LONGEST_SO_FAR + 1  # time in which the ends and the length still come to theirs [s], see `end_motion.py`
 FALLBACKS = CORRECTION_LEFT + 1  # fixed steps of lower order than asked for since the start
 RECENT_FALLBACKS = FALLBACKS + 1  # part of about the last 1000 fixed steps that they are [-]
-GIVEN_DERIVATIVES = FALLBACKS + 2  # sum of 2**k, k of the inputs whose derivatives are given for the next step
+PEAK_SO_FAR = FALLBACKS + 2  # largest tension [N] after the internal steps but the last of the last communication step
+GIVEN_DERIVATIVES = FALLBACKS + 3  # sum of 2**k, k of the inputs whose derivatives are given for the next step
 INPUT_DERIVATIVES = GIVEN_DERIVATIVES + 1  # those derivatives [1/s times the unit of the input], in the order of the inputs
 STATE_HEADER = INPUT_DERIVATIVES + INPUTS
 
+NO_TENSION = -1e300  # [N]: the PEAK_SO_FAR of no internal step
 NEVER, AT_ROWS, ALWAYS = 0, 1, 2  # when `fly` computes outputs
 
 

@@ -122,6 +122,9 @@ class Outputs(NamedTuple):
         "step); 0 with adaptive steps, which have no such bound"
     )
     fallback_steps: int = counter("fixed steps since the start that a method of lower order took over")
+    peak_tension: float = output(
+        "N", "largest tension of all segments since the last communication point, over all internal steps", FORCE
+    )
 
 
 def _declared(record):

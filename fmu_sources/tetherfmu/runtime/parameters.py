@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from math import pi
 
-from .enumerations import EXPLOG, LOGARITHMIC
+from .enumerations import EXPLOG, LOGARITHMIC, WINCH_BY_FORCE
 from .limits import MAX_SEGMENTS, MIN_SEGMENT_LENGTH
 from .quantities import check, checked, documented, quantities, quantity
 
@@ -37,8 +37,12 @@ class Tether:
     density: float = quantity(724.0, "kg/m3", "density of the tether material", 1e-3, 1e5)
     axial_stiffness: float = quantity(614600.0, "N", "stiffness E A: force per strain", 1e-3, 1e12)
     axial_damping: float = quantity(473.0, "N.s", "damping constant times length: force per strain rate", 0.0, 1e9)
-    slack_stiffness_ratio: float = quantity(0.01, "", "stiffness of a slack segment relative to a taut one", 0.0, 1.0)
-    slack_damping_ratio: float = quantity(1.0, "", "damping of a slack segment relative to a taut one", 0.0, 1.0)
+    slack_stiffness_ratio: float = quantity(
+        0.01, "", "stiffness of a slack segment relative to a taut one; 0: it carries nothing", 0.0, 1.0
+    )
+    slack_damping_ratio: float = quantity(
+        1.0, "", "damping of a slack segment relative to a taut one; 0 where slack_stiffness_ratio is", 0.0, 1.0
+    )
     damping_law: int = quantity(
         1,
         "",
@@ -128,8 +132,8 @@ class Environment:
 class Solver:
     """How the motion is computed. ValueError if a number is out of range.
 
-    >>> Solver(relative_tolerance=1e-5, initial_shape="quasi_steady").initial_shape
-    2
+    >>> Solver(relative_tolerance=1e-5, initial_shape="straight").initial_shape
+    3
     """
 
     relative_tolerance: float = quantity(
@@ -148,12 +152,12 @@ class Solver:
         },
     )
     initial_shape: int = quantity(
-        1,
+        2,
         "",
         "shape at the start",
         choices={
             "static_equilibrium": "at rest, whatever the ends do",
-            "quasi_steady": "rotating with the kite, no transient (with ends at rest that of static_equilibrium)",
+            "quasi_steady": "moving with its ends, so no start-up jump (with ends at rest that of static_equilibrium)",
             "straight": "straight line between the ends",
         },
     )
@@ -196,6 +200,16 @@ class Winch:
             "length": "it pays out or reels in to winch_length",
         },
     )
+    winch_start: int = quantity(
+        1,
+        "",
+        "force control: unstretched length at the start",
+        choices={
+            "given": "initial_length",
+            "equilibrium": "the one at which the winch is in balance with winch_force (initial_length is where the search "
+            "begins)",
+        },
+    )
     winch_mass: float = quantity(
         0.0,
         "kg",
@@ -218,6 +232,10 @@ class Winch:
         if 0.0 < self.longest_length <= self.shortest_length:
             shortest, longest = self.shortest_length, self.longest_length
             raise ValueError(STOPS_CROSSED.format(shortest_stop=shortest, longest_stop=longest))
+        if self.winch_control != WINCH_BY_FORCE:
+            for name, _ in quantities(Winch):
+                if name != "winch_control" and getattr(self, name) != getattr(Winch, name):
+                    raise ValueError(f"{name} is {getattr(self, name)!r} and has no effect: winch_control is not 2 (force)")
 
 
 @documented

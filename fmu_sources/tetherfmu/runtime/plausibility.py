@@ -20,18 +20,31 @@ NEARBY = 10.0  # such an excess that nobody need hear of [m]: loads are set down
 LARGEST_PART_OF_DAMPING = 0.1  # E A h of backward Euler with fixed steps h over the damping of a segment [-]
 MOST_OFF_CHORD = 0.05  # of its load, by which that on the shape of a catenary differs from that along its chord [-]
 MOST_FALLBACKS = 0.01  # part of the last 1000 fixed steps that may be of lower order [-]
+LARGEST_JUMP = 1e-3  # of the length, by which the first step may begin beside where the initialization was [-]
+MOST_OFF_BALANCE = 0.2  # of its force, by which the tension of the start may move a winch without mass [-]
+STANDARD_GRAVITY = 9.81  # [m/s2] for what a tether weighs
+LONGEST_USUAL_STEP = 10.0  # [s]
+FASTEST_WINCH = 50.0  # [m/s]: several times as fast as winches of kites, cranes and gliders are
 STATE_IMPOSSIBLE = "contains impossible numbers"
 
 STRETCH, GROUND_ACCELERATION, KITE_ACCELERATION, GROUND_SPEED, KITE_SPEED, GROUND_RESIDUE, KITE_RESIDUE = range(7)
 STIFF_AND_SLACK, WINCH_REELS_IN_SLACK, WINCH_TOO_LONG, GROUND_IGNORED, END_UNDER_GROUND = range(7, 12)
 FIXED_STEP_DAMPS, FIXED_STEP_UNCONVERGED, UNRESOLVED, LOAD_OFF_CHORD, STIFF_STEP = range(12, 17)
-FALLBACK_AT_STOP, FALLBACK_ON_GROUND, FALLBACK_HARD = range(17, at.WARNING_KINDS)
+FALLBACK_AT_STOP, FALLBACK_ON_GROUND, FALLBACK_HARD = range(17, 20)
+GROUND_JUMP, KITE_JUMP, LENGTH_JUMP, STARTED_AT_REST, WINCH_OFF_BALANCE, FAST_WINCH, SLACK_PRESSES = range(20, 27)
+LONG_STEP = 27
+IDLE_REEL_OUT_SPEED, IDLE_WINCH_FORCE, IDLE_WINCH_LENGTH, IDLE_VELOCITY, IDLE_WIND, IDLE_DRUM = range(28, at.WARNING_KINDS)
 
 _ACCELERATION = (
     "the {end} end is accelerated by {value:.3g} m/s2, more than 1000 times gravity; check {end}_position and "
     "{end}_velocity for jumps and wrong units"
 )
 _SPEED = "the {end} end moves at {value:.3g} m/s, faster than sound; check its motion and the units"
+_JUMP = (
+    "the first step begins {value:.3g} m from where the initialization put the {end} end; set {end}_position before the "
+    "initialization ends"
+)
+_IDLE = "{name} is {{value:.6g}} and has no effect: {why}"
 _FALLBACK = (
     "{{percent:.2g}} % of the last 1000 fixed steps were not of order 2, but taken by backward Euler, as {reason}; "
     "fallback_steps counts them; use a shorter fixed_step, or adaptive steps"
@@ -99,8 +112,40 @@ SENTENCES = {
     FALLBACK_AT_STOP: _FALLBACK.format(reason="the drum of the winch came to rest or to a stop"),
     FALLBACK_ON_GROUND: _FALLBACK.format(reason="the tether met the ground too fast for them"),
     FALLBACK_HARD: _FALLBACK.format(reason="they did not converge, or gained energy from nothing"),
+    GROUND_JUMP: _JUMP,
+    KITE_JUMP: _JUMP,
+    LENGTH_JUMP: (
+        "the first step asks for a winch_length that is {value:.3g} m from the length of the start; set winch_length before "
+        "the initialization ends"
+    ),
+    STARTED_AT_REST: (
+        "no shape was found that moves with its ends, so the tether starts at rest (static_equilibrium) while they move; "
+        "its first tensions are those of that jump"
+    ),
+    WINCH_OFF_BALANCE: (
+        "the tether pulls with {value:.3g} N at the start, more than {off_balance:g} % off from winch_force, which a winch "
+        "without winch_mass makes good at once; set winch_start to 2 (equilibrium), or another initial_length"
+    ),
+    FAST_WINCH: (
+        "the winch runs at {value:.3g} m/s, more than {fastest:g} m/s; speeds of a winch are in m/s: check reel_out_speed, "
+        "winch_force and winch_length for mm/s, m/min and revolutions per minute"
+    ),
+    SLACK_PRESSES: (
+        "a slack segment presses its ends apart with {value:.3g} N, more than the tether weighs; a rope cannot do that: set "
+        "slack_damping_ratio (and slack_stiffness_ratio) to less, or use more segments"
+    ),
+    LONG_STEP: "a communication step is {value:g} s long, more than {long:g} s; steps are in s: 20 ms are 0.02",
+    IDLE_REEL_OUT_SPEED: _IDLE.format(name="reel_out_speed", why="winch_control is not 1 (speed)"),
+    IDLE_WINCH_FORCE: _IDLE.format(name="winch_force", why="winch_control is not 2 (force)"),
+    IDLE_WINCH_LENGTH: _IDLE.format(name="winch_length", why="winch_control is not 3 (length)"),
+    IDLE_VELOCITY: _IDLE.format(name="the velocity of an end", why="end_velocities is 2 (derived)"),
+    IDLE_WIND: _IDLE.format(name="wind_velocity", why="wind_at gives the wind"),
+    IDLE_DRUM: (
+        "a parameter of the drum (winch_start, winch_mass, winch_damping, winch_friction or longest_length) is set and has "
+        "no effect: winch_control is not 2 (force)"
+    ),
 }
-_END = {GROUND_ACCELERATION: "ground", GROUND_SPEED: "ground", GROUND_RESIDUE: "ground"}
+_END = dict.fromkeys((GROUND_ACCELERATION, GROUND_SPEED, GROUND_RESIDUE, GROUND_JUMP), "ground")
 
 
 def facts(kind):
@@ -112,6 +157,9 @@ def facts(kind):
         "excess": 100.0 * LARGEST_EXCESS,
         "off": 100.0 * MOST_OFF_CHORD,
         "part": 100.0 * LARGEST_PART_OF_DAMPING,
+        "off_balance": 100.0 * MOST_OFF_BALANCE,
+        "fastest": FASTEST_WINCH,
+        "long": LONGEST_USUAL_STEP,
     }
 
 

@@ -35,6 +35,10 @@ NO_EQUILIBRIUM_OF_POINT = 22
 NO_POINT_IS_GIVEN = 23
 # of a free kite
 NO_EQUILIBRIUM_OF_KITE = 24
+# of a start
+NO_BALANCE_AT_START = 25
+KITE_AND_WINCH_SOUGHT = 26
+START_UNDER_GROUND = 27
 
 SENTENCES = {
     OK: "done",
@@ -107,9 +111,23 @@ SENTENCES = {
         "(tether_length {length} m) and axial_stiffness, give an initial_kite_position closer to it, or set kite_start to 1 "
         "(given)"
     ),
+    NO_BALANCE_AT_START: (
+        "no unstretched length was found at which the tether between the given ends, {distance:.6g} m apart, pulls with "
+        "winch_force, {winch_force} N; a longer tether pulls with its own weight and drag at least: check winch_force and "
+        "the positions of the ends, or set winch_start to 1 (given)"
+    ),
+    KITE_AND_WINCH_SOUGHT: (
+        "winch_start is 2 (equilibrium) and a free end starts in equilibrium, too, which it has at any length that the "
+        "winch may pay out: set winch_start to 1 (given), or give the end a position"
+    ),
+    START_UNDER_GROUND: (
+        "{name} is {value} m, more than {under:g} m below ground_height ({ground_height} m); a free end cannot start under "
+        "the ground"
+    ),
 }
 
 LIMITS = {  # in the sentences
+    "under": limits.DEEPEST_START,
     "largest": limits.LARGEST_INPUT,
     "longest": limits.LONGEST_STEP,
     "shortest": limits.MIN_SEGMENT_LENGTH,

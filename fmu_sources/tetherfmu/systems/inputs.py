@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 from tetherfmu.arguments import node_vectors
 from tetherfmu.compiled_flight import put_node_winds
 from tetherfmu.fmi.system_variables import GIVEN
+from tetherfmu.given_inputs import check_effect
 from tetherfmu.naming import check_names
 from tetherfmu.results import StepRefused
 from tetherfmu.runtime import layout as at
@@ -78,6 +79,8 @@ def put(given, arrays, points, lines, inputs=None, at_start=False):
     for what, own in (("positions", "position"), ("velocities", "velocity")):
         for name, value in given.get(what, {}).items():
             _check_known(f"{own} of a {'point' if at_start else 'driven point'}", name, movable)
+            if what == "velocities" and name not in arrays.instance.free:
+                check_effect("ground_velocity", value, arrays.instance.parameters_of(0), at_start, f"{name}.velocity")
             arrays.put_point_in(rows, name, own, _numbers(f"{name}.{own}", value, (3,), steps))
     for name, value in given.get("loads", {}).items():
         _check_known("load on a free point", name, arrays.instance.free)
@@ -93,6 +96,8 @@ def put(given, arrays, points, lines, inputs=None, at_start=False):
     for each, what in _WINCHES.items():
         for name, value in given.get(each, {}).items():
             _check_known(f"{what} of a line", name, names)
+            own = arrays.instance.parameters_of(names.index(name))
+            check_effect(what, value, own, at_start, f"{name}.{what}")
             rows[names.index(name)][..., PLACES[what]] = _numbers(f"{name}.{what}", value, (), steps)
     points = arrays.instance.lines[0].wind_points
     for name, value in given.get("wind_at", {}).items():

@@ -74,7 +74,9 @@ def test_a_tether_flies_by_them(ground, kite, load, reeling):
 
 def test_a_tether_between_driven_ends_flies_by_them():
     """Ends at constant velocities, which steps between inputs keep exactly."""
-    model, kite, velocity = TetherDynamic(TETHER, solver=EXACT), np.array((30.0, 0.0, 40.0)), np.array((4.0, 3.0, -2.0))
+    # a start at rest, which lets no end turn in its first step
+    model = TetherDynamic(TETHER, solver=EXACT, initial_shape="static_equilibrium")
+    kite, velocity = np.array((30.0, 0.0, 40.0)), np.array((4.0, 3.0, -2.0))
     model.initialize(kite, velocity, GROUND_END, wind_velocity=WIND, reel_out_speed=1.5)
     expected = flown(model, (0.0, 0.0, 0.0), 1.5, [0, -1])
     for k in range(50):

@@ -24,7 +24,7 @@ from ..arrays import positions_and_velocities
 from ..compilation import kernel, view
 from ..linear_algebra.vectors import ZERO_VECTOR, add_scaled, get, norm, put, scale, sub, vector_at
 from . import segment
-from .continuation import given_derivatives, is_continued
+from .continuation import followed, given_derivatives, is_continued
 from .end_motion import (
     centripetal_accelerations,
     curve,
@@ -132,14 +132,17 @@ def rates_from(k, now, times, step, state):
 
 
 @kernel
-def motion_of_end(parameters, inputs, place, velocity, acceleration, state):
+def motion_of_end(parameters, inputs, place, k, velocity, acceleration, correction, state):
     """Position [m], velocity [m/s] and acceleration [m/s2] that are prescribed for an end at the start of a step.
 
-    place : of its position among the inputs; its velocity stands behind.  velocity : of `end_velocities`.  acceleration : of
-    `rates_of_inputs`.
+    place : of its position among the inputs; its velocity stands behind.  velocity : of `end_velocities`; k : its place
+    behind `layout.LAST_RATED`.  acceleration : of `rates_of_inputs`.  correction : time in which it comes there [s].
     """
     if are_derived(parameters):
-        velocity = given_derivatives(state, place, add_scaled(velocity, 0.5 * state[at.LAST_STEP], acceleration))
+        x = followed(parameters, k, velocity[0], acceleration[0], correction, state)
+        y = followed(parameters, k + 1, velocity[1], acceleration[1], correction, state)
+        z = followed(parameters, k + 2, velocity[2], acceleration[2], correction, state)
+        velocity, acceleration = given_derivatives(state, place, (x[0], y[0], z[0])), (x[1], y[1], z[1])
     return vector_at(inputs, place), velocity, given_derivatives(state, place + 3, acceleration)
 
 
@@ -203,8 +206,8 @@ def inputs_of_step(parameters, inputs, step, state):
     return StepInputs(
         step,
         correction,
-        motion_of_end(parameters, inputs, at.GROUND_POSITION, ground, of_ground, state),
-        motion_of_end(parameters, inputs, at.KITE_POSITION, kite, of_kite, state),
+        motion_of_end(parameters, inputs, at.GROUND_POSITION, 3, ground, of_ground, correction, state),
+        motion_of_end(parameters, inputs, at.KITE_POSITION, 0, kite, of_kite, correction, state),
         reeling_of_step(parameters, inputs, speed, of_winch, correction, state),
         force,
         force_rate(parameters, inputs, of_winch[2] if continued else 0.0, step, state),

@@ -7,6 +7,7 @@ them. Theory: docs/models/theory.md, "Inputs within a step".
 from tetherfmu.runtime import layout as at
 
 from ..compilation import kernel
+from .end_motion import limited_motion
 
 
 @kernel
@@ -42,3 +43,19 @@ def consume_given_derivatives(state):
 def is_continued(parameters):
     """Whether inputs continue linearly within a step, and are not held."""
     return parameters[at.INPUT_CONTINUATION] != at.HELD
+
+
+@kernel
+def followed(parameters, k, rate, acceleration, correction, state):
+    """Velocity [m/s] and acceleration [m/s2] of what is known by positions only, after the time `correction` [s].
+
+    k : place of its rate [m/s] behind `layout.LAST_RATED`.  acceleration : of `rates_of_inputs` [m/s2].  With
+    `input_continuation = held` it stays where it is. In its first step and in its second there is nothing to compare with.
+    """
+    last, before = state[at.LAST_STEP], state[at.STEP_BEFORE]
+    if last > 0.0 and not is_continued(parameters):
+        return 0.0, 0.0
+    if before <= 0.0:
+        return rate + 0.5 * last * acceleration, acceleration
+    known = state[at.LAST_RATED + k], state[at.RECENT_RATES + k]
+    return limited_motion(rate, known[0], acceleration, known[1], last, correction)

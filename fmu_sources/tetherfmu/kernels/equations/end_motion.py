@@ -22,6 +22,11 @@ Where the importer knows positions only, the differences u = (p - p_last)/h_last
 
     a = (u - u_last)/((h_last + h_before)/2),   v = u + a h_last/2
 
+That u is what positions have in the place of a velocity, so the way e = v H + a H^2/2 to the target is limited: to between 0
+and H times the smaller one of u and u_last, or 0 where they have different signs, and beyond that by as much as the
+curvature explains, `CURVED` H (H + h_last) times the smaller one of a and of its last value, or 0 where these have different
+signs. So a jump among positions is not extrapolated at all, and smooth motion is as it was, also where it turns round.
+
 Theory: docs/models/theory.md, "Driven ends".
 """
 
@@ -30,6 +35,7 @@ from tetherfmu.runtime.limits import SHORTEST_LAST_STEP
 from ..compilation import kernel
 from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, dot, scale, sub
 
+CURVED = 1.5
 LARGEST_ANGLE = 2.0  # [rad] of the chord in a first step: beyond, half of the square is further off than no turning at all
 
 
@@ -75,6 +81,31 @@ def centripetal_accelerations(ground, kite, step):
     across = add_scaled(velocity, -dot(chord, velocity) / square, chord)
     turning = scale(min(dot(across, across) / square, (LARGEST_ANGLE / step) ** 2) / speeds, chord)
     return scale(dot(ground[1], ground[1]), turning), scale(-dot(kite[1], kite[1]), turning)
+
+
+@kernel
+def smaller(a, b):
+    """The one of two numbers that is nearer to 0, or 0 if they have different signs."""
+    if a * b <= 0.0:
+        return 0.0
+    return a if abs(a) < abs(b) else b
+
+
+@kernel
+def limited_motion(rate, last_rate, acceleration, last_acceleration, last_step, time):
+    """Velocity [m/s] and acceleration [m/s2] of what is known by positions only, for a way of a time [s] from now on.
+
+    rate, last_rate : over the last step and the one before it [m/s].  acceleration, last_acceleration : from these, and
+    before [m/s2].  last_step : [s]
+    """
+    velocity = rate + 0.5 * last_step * acceleration
+    way = time * (velocity + 0.5 * time * acceleration)
+    steady = time * smaller(rate, last_rate)
+    curved = CURVED * time * (time + last_step) * abs(smaller(acceleration, last_acceleration))
+    allowed = max(min(0.0, steady) - curved, min(max(0.0, steady) + curved, way))
+    if allowed == way:
+        return velocity, acceleration
+    return allowed / time, 0.0
 
 
 @kernel

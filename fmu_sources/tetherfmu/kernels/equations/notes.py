@@ -13,3 +13,9 @@ def note(state, kind, square, limit):
     if square > limit * limit and state[at.WARNED_VALUES + kind] == 0.0:
         state[at.WARNED_VALUES + kind] = sqrt(square)
         state[at.WARNINGS] += 1 << kind
+
+
+@kernel
+def note_peak(state, tension):
+    """Keep the largest tension of the internal steps [N] in the state (modified)."""
+    state[at.PEAK_SO_FAR] = max(state[at.PEAK_SO_FAR], tension)

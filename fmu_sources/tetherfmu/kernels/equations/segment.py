@@ -20,7 +20,7 @@ A = 1/4 rho cd d l (|w| (1 - e e) + w w/|w|):
     dF_drag  = G dr - A (dv_p + dv_q)/2 + a (dz_p + dz_q)/2
 """
 
-from math import sqrt
+from math import inf, sqrt
 
 from tetherfmu.runtime import layout as at
 
@@ -28,7 +28,7 @@ from ..arrays import SEGMENT_RECORD
 from ..compilation import kernel
 from ..linear_algebra.matrices import add_to_diagonal, apply, get_matrix, outer, scale_matrix, skew, subtract, symmetric
 from ..linear_algebra.pairs import broadcast, select
-from ..linear_algebra.vectors import add, add_scaled, cross, dot, scale, sub
+from ..linear_algebra.vectors import add, add_scaled, cross, dot, get, scale, sub
 from .air import varying_air, varying_density
 from .properties import has_node_winds, node_wind, property_of, rest_length
 
@@ -194,6 +194,16 @@ def tension_of(chain, s, mode, length, length_rate):
     mode = select(mode * mode, mode, length - rest)
     k, c = stiffness(chain, s, mode, rest)
     return tension(chain, length, length_rate, rest, k, c)
+
+
+@kernel
+def largest_tension(chain, x, v):
+    """Largest tension [N] of all segments with nodes at x [m] and velocities v [m/s]."""
+    largest = -inf
+    for s in range(chain.n):
+        length, e = geometry(sub(get(x, s + 1), get(x, s)))
+        largest = max(largest, tension_of(chain, s, BY_LENGTH, length, dot(e, sub(get(v, s + 1), get(v, s)))))
+    return largest
 
 
 @kernel

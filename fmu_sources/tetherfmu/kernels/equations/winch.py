@@ -20,8 +20,10 @@ from tetherfmu.runtime import layout as at
 
 from ..compilation import kernel
 from ..linear_algebra.vectors import NEUTRAL
-from .continuation import given_derivative, is_continued
+from .continuation import followed, given_derivative, is_continued
 from .end_motion import curve
+
+RATE_OF_LENGTH = 10  # place of the rate of `winch_length` behind `layout.LAST_RATED`
 
 
 @kernel
@@ -78,6 +80,12 @@ def follows_force(parameters):
 
 
 @kernel
+def is_sought(parameters):
+    """Whether the length at the start is the one at which the winch is in balance."""
+    return follows_force(parameters) and parameters[at.WINCH_START] == at.WINCH_IN_BALANCE
+
+
+@kernel
 def given_length(parameters, inputs, state):
     """Length [m] that the winch should have paid out: `winch_length`; `initial_length` as long as it has been 0."""
     if inputs[at.WINCH_LENGTH] == 0.0 and state[at.LAST_WINCH_LENGTH] == 0.0:
@@ -123,7 +131,7 @@ def following(parameters, inputs, speed, acceleration, correction, state):
 
     speed, acceleration : `winch_speed` [m/s] and its rate [m/s2], which belong to the middle of the last step.
     """
-    speed += 0.5 * state[at.LAST_STEP] * acceleration
+    speed, acceleration = followed(parameters, RATE_OF_LENGTH, speed, acceleration, correction, state)
     length, rate = given_length(parameters, inputs, state), given_derivative(state, at.WINCH_LENGTH, speed)
     given = on_axis(length), on_axis(rate), on_axis(acceleration)
     c0, c1, c2, c3 = curve(on_axis(state[at.LENGTH]), on_axis(state[at.REELING]), *given, correction)

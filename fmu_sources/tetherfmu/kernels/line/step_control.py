@@ -40,12 +40,12 @@ ROUNDING = 1e-15  # of positions, relative, as far as it shows in the error esti
 UNRESOLVED = 2.0  # in the place of the last error after a communication step that was given up
 TINY = 1e-200  # what keeps a quotient from 0/0
 
-SegmentErrors = namedtuple("SegmentErrors", "damper_velocity damper tension is_stiff has_crossed")
+SegmentErrors = namedtuple("SegmentErrors", "damper_velocity damper tension largest is_stiff has_crossed")
 SegmentErrors.__doc__ = """What the segments of a line say of the last step; see `errors_of_segments`.
 
 damper_velocity, damper : error estimate of a damper's tension as a velocity [m/s], and over the largest tension [-].
-tension : of any tension over what is allowed [-].  is_stiff : whether the line is.  has_crossed : whether a segment went
-over the taut-slack transition.
+tension : of any tension over what is allowed [-].  largest : tension of all segments [N].  is_stiff : whether the line is.
+has_crossed : whether a segment went over the taut-slack transition.
 """
 DrumError = namedtuple("DrumError", "length growth mass")
 DrumError.__doc__ = """Error estimates of the drum of a line in the last step.
@@ -90,14 +90,15 @@ def errors_of_segments(conditions, chain, h, speed, drum, w):
     ground, kite = get(w.x, 0), get(w.x, chain.n)
     rounding = ROUNDING * sqrt(max(dot(ground, ground), dot(kite, kite)))
     has_stiff = is_stretched = has_crossed = False
-    square, impedance, of_dampers, of_both, largest = 0.0, 1.0, 0.0, 0.0, TINY
+    square, impedance, of_dampers, of_both, largest, highest = 0.0, 1.0, 0.0, 0.0, TINY, -inf
     for s in range(chain.n):
         length, e = segment.geometry(sub(get(w.x, s + 1), get(w.x, s)))
         rest, mode = rest_length(chain, s), w.modes[s]
         has_crossed = has_crossed or (length - rest) * mode < 0.0
         k, c = segment.stiffness(chain, s, mode, rest)
         taut, _ = segment.stiffness(chain, s, segment.TAUT, rest)
-        largest = max(largest, abs(segment.tension(chain, length, dot(e, sub(get(w.v, s + 1), get(w.v, s))), rest, k, c)))
+        pull = segment.tension(chain, length, dot(e, sub(get(w.v, s + 1), get(w.v, s))), rest, k, c)
+        largest, highest = max(largest, abs(pull)), max(highest, pull)
         wrong = reach * (dot(e, sub(get(w.q, s + 1), get(w.q, s))) - rest / chain.length * drum.length)
         of_damper = c * (dot(e, sub(get(w.velocity_error, s + 1), get(w.velocity_error, s))) - length * drum.growth)
         mass = lighter_free_node(s, conditions, w)
@@ -115,7 +116,7 @@ def errors_of_segments(conditions, chain, h, speed, drum, w):
         of_both = max(of_both, abs(k * wrong + of_damper) - max(harmless, k * max(rounding, finest)))
     is_stiff = has_stiff and not is_stretched
     allowed = min(TENSION, PER_TOLERANCE * tolerance) * largest * (IN_STIFF if is_stiff else 1.0)
-    return SegmentErrors(sqrt(square / impedance), of_dampers / largest, of_both / allowed, is_stiff, has_crossed)
+    return SegmentErrors(sqrt(square / impedance), of_dampers / largest, of_both / allowed, highest, is_stiff, has_crossed)
 
 
 @kernel
@@ -153,6 +154,8 @@ def allowed_errors(conditions, v):
 def error_of_step(conditions, chain, h, v, drum, w):
     """Error of the step of h [s] that `system_step.step` has made from the velocities v [m/s] over what is allowed [-].
 
+    And the largest tension of a segment after it [N].
+
     chain : at the end of the step.  drum : `DrumError`.  The result of the step, in w, is put right where segments went over
     the transition, see `taut_slack.keep_energy`.
     """
@@ -162,7 +165,7 @@ def error_of_step(conditions, chain, h, v, drum, w):
     if found.is_stiff and tension > 0.0:
         tension = tension ** (2 / 3)  # it falls with h^6, the other estimates with h^4
     if not conditions.first <= conditions.last:
-        return tension
+        return tension, found.largest
     damper, transition = found.damper_velocity / velocity_scale, 0.0
     if damper > 1.0:
         damper = min(damper, found.damper / DAMPER)
@@ -174,7 +177,7 @@ def error_of_step(conditions, chain, h, v, drum, w):
         transition = max(transition, contact.transition_error(conditions, chain, h, w) / velocity_scale)
     if transition > 1.0:
         error = max(error, transition * transition)  # it falls with h^2, the other estimate with h^4
-    return error
+    return error, found.largest
 
 
 @kernel

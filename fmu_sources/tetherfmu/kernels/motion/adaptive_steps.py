@@ -12,6 +12,7 @@ from tetherfmu.runtime.status import NO_LENGTH, OK, STEP_BUDGET_SPENT, STEP_TOO_
 from ..arrays import copy
 from ..compilation import kernel
 from ..equations.lines import clear, conditions_of, lines_of, motion_of, points_of, segments_of, state_of
+from ..equations.notes import note_peak
 from ..line.drum_events import SMALLEST_PIECE
 from ..line.step_control import (
     SMALLEST_STEP,
@@ -28,6 +29,7 @@ from ..linear_algebra.vectors import get
 from ..points import system_step
 from ..points.system_drums import chain_in_step
 from ..points.system_room import (
+    LARGEST,
     SPEED,
     drum_at,
     has_drum,
@@ -56,7 +58,8 @@ def error_of_line(system, k, time, h):
     error = error_of_drum(system, k, h) if has_drum(system, k) else 0.0
     if error < inf:
         w, chain, (_, v) = integrator_of(system, k), chain_in_step(system, k, time), motion_of(system, k)
-        error = larger_error(error, error_of_step(conditions_of(system, k), chain, h, v, drum_error(system, k), w))
+        of_line, largest = error_of_step(conditions_of(system, k), chain, h, v, drum_error(system, k), w)
+        error, numbers_of(system, k)[LARGEST] = larger_error(error, of_line), largest
         if turns(system, k) and not has_free_nodes(system, k):
             numbers_of(system, k)[SPEED] = keep_energy_of_drum(drum_at(system, k), chain, w)
     return error
@@ -95,13 +98,15 @@ def attempt(system, time, h):
 
 
 @kernel
-def accept(system):
-    """Let the lines and their drums (modified) have the results of the step."""
+def accept(system, is_last):
+    """Let the lines and their drums (modified) have the results of the step; is_last : of the communication step."""
     for k in range(lines_of(system)):
         if moves(system, k):
             w, (x, v) = integrator_of(system, k), motion_of(system, k)
             copy(w.x, x)
             copy(w.v, v)
+            if not is_last:
+                note_peak(state_of(system, k), numbers_of(system, k)[LARGEST])
         if has_drum(system, k):
             accept_drum(system, k)
 
@@ -161,7 +166,7 @@ def integrate(system, duration):
         if before_event < inf:
             beyond = 0.0
         idle = idle + 1 if h_now < SMALLEST_PIECE * duration and not is_any_turning(system) else 0
-        accept(system)
+        accept(system, is_last)
         is_new = True
         time = duration if is_last else time + h_now
         h = step_after_event(h, h_now, next_step(h, h_now, error, last_error, rejected_before), duration)

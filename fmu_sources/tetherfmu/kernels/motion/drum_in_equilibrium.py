@@ -27,6 +27,7 @@ from ..compilation import kernel
 from ..equations.boundary import distance_of_ends, put_ends
 from ..equations.drum import HELD, INWARDS, OUTWARDS, balance, drum_of, force_at, is_at_stop
 from ..equations.end_motion import target
+from ..equations.notes import note_peak
 from ..equations.properties import chain_of, property_of
 from ..line.backward_euler import count_of_steps, given_steps
 from ..line.drum_events import SHORTEST_PART, SMALLEST_PIECE, may_change, next_motion, part_of_piece, room_to_change
@@ -215,11 +216,12 @@ def come_to_rest(drum, direction, end, event):
     return Instant(end.time, end.length, speed, end.pull), turned_round and event != AT_STOP and drum.mass == 0.0
 
 
-def drum_at(settle, tension):
+def drum_at(settle, tension, largest):
     """The kernel advance(n, parameters, given, state, work) of a variant, which returns a status.
 
     settle : kernel (n, parameters, state, work) that brings a state (modified) into equilibrium between its ends and returns
-    a status.  tension : kernel (n, parameters, state) of the tension at the ground [N] of such a state.
+    a status.  tension : kernel (n, parameters, state) of the tension at the ground [N] of such a state.  largest : kernel
+    (n, parameters, state, work) of its largest tension [N].
     """
 
     @kernel
@@ -372,6 +374,7 @@ def drum_at(settle, tension):
                 if end.time >= duration:
                     state[at.LENGTH], state[at.REELING], state[at.SOLVER_STEP] = end.length, end.speed, h
                     return OK
+                note_peak(state, largest(n, parameters, state, work))
                 search = search_after(search, piece, event)
                 direction, start = turn(drum, end, is_held)
         return STEP_BUDGET_SPENT

@@ -13,14 +13,10 @@ from tetherfmu.runtime.status import FIXED_STEPS_TOO_MANY, OK, STATE_NOT_FINITE
 
 from ..arrays import copy
 from ..compilation import kernel
-from ..equations.boundary import place_ends
-from ..equations.lines import (
-    conditions_of,
-    lines_of,
-    motion_of,
-    state_of,
-)
-from ..equations.notes import note
+from ..equations import segment
+from ..equations.boundary import chain_during, chain_with, place_ends
+from ..equations.lines import conditions_of, lines_of, motion_of, state_of
+from ..equations.notes import note, note_peak
 from ..line import backward_euler, second_order
 from ..line.backward_euler import EXPECTED, STAGE, WHOLE
 from ..line.second_order import ENDS, GAMMA, TO_NEXT
@@ -42,6 +38,8 @@ from ..points.system_room import (
     Step,
     any_drum,
     attempt_of,
+    has_drum,
+    length_of,
     moves,
     numbers_of,
     scratch_of,
@@ -261,6 +259,15 @@ def truncated_step(system, time, h):
 
 
 @kernel
+def note_peaks(system, time):
+    """Keep the largest tensions of all lines at a time [s] of the communication step in their states (modified)."""
+    for k in range(lines_of(system)):
+        conditions, (x, v) = conditions_of(system, k), motion_of(system, k)
+        chain = chain_with(conditions, *length_of(system, k)) if has_drum(system, k) else chain_during(conditions, time)
+        note_peak(state_of(system, k), segment.largest_tension(chain, x, v))
+
+
+@kernel
 def integrate(system, steps, duration):
     """Advance all lines (modified) over a communication step of `duration` [s] with `backward_euler.FixedSteps`.
 
@@ -296,6 +303,8 @@ def integrate(system, steps, duration):
         spent += iterations
         if steps.method != at.BACKWARD_EULER:
             count_fallback(memory, why)
+        if i < count - 1:
+            note_peaks(system, i * h + h)
     memory[at.STEPS] += count
     memory[at.ITERATIONS] += spent
     return OK

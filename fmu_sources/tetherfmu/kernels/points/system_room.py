@@ -73,9 +73,10 @@ by_length, by_speed : F_L [N/m] and F_u [N s/m], flat arrays of 3 (n + 1) number
     ONWARD,  # u' as found [m/s]
     IS_FOUND,  # 1 if u' was found as it was sought, else 0
     TENSION,  # T + T_x p [N]
+    LARGEST,  # largest tension of a segment after a Rosenbrock step [N]
     _,
     NUMBERS,  # how many there are: an even number
-) = places_of(1, 3, *[1] * 9, 3, *[1] * 18)
+) = places_of(1, 3, *[1] * 9, 3, *[1] * 19)
 
 
 @kernel

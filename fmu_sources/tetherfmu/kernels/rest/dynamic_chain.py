@@ -1,12 +1,14 @@
 """What the dynamic tether and the lines of a system share: the first shape of a chain between its ends, and its outputs."""
 
 from tetherfmu.runtime import layout as at
+from tetherfmu.runtime import plausibility as limits
 from tetherfmu.runtime.status import OK
 
 from ..arrays import positions_and_velocities, shared_arrays
 from ..compilation import kernel
+from ..equations.notes import note
 from ..equations.properties import chain_of
-from ..linear_algebra.vectors import ZERO_VECTOR, get, put
+from ..linear_algebra.vectors import ZERO_VECTOR, get, norm, put
 from ..step.outputs import outputs_of_chain
 from ..step.plausibility import note_damping_of_steps
 from . import newton, solve
@@ -14,8 +16,17 @@ from .rigid_body import straighten
 
 
 @kernel
+def is_at_rest(ground_velocity, kite_velocity):
+    """Whether both ends have the velocity 0 [m/s]."""
+    return norm(ground_velocity) + norm(kite_velocity) == 0.0
+
+
+@kernel
 def initialize(n, parameters, shape, state, work):
-    """Give a new state (modified) a shape, as `initial_shape` has it; returns a status: OK or NO_EQUILIBRIUM."""
+    """Give a new state (modified) a shape, as `initial_shape` has it; returns a status: OK or NO_EQUILIBRIUM.
+
+    Where none is found that moves with its ends, it is the one at rest, which is noted.
+    """
     x, v = positions_and_velocities(n, state)
     chain = chain_of(n, parameters, state)
     note_damping_of_steps(chain, parameters, state)
@@ -23,11 +34,16 @@ def initialize(n, parameters, shape, state, work):
         straighten(chain, x)
         straighten(chain, v)
         return OK
+    w = newton.workspace(n, work)
+    if shape == at.QUASI_STEADY:
+        status = solve.settle(n, parameters, state, False, w)
+        if status == OK or is_at_rest(get(v, 0), get(v, n)):
+            return status
+        note(state, limits.STARTED_AT_REST, 1.0, 0.0)
     ground_velocity, kite_velocity = get(v, 0), get(v, n)
-    if shape == at.STATIC_EQUILIBRIUM:
-        put(v, 0, ZERO_VECTOR)
-        put(v, n, ZERO_VECTOR)
-    status = solve.settle(n, parameters, state, False, newton.workspace(n, work))
+    put(v, 0, ZERO_VECTOR)
+    put(v, n, ZERO_VECTOR)
+    status = solve.settle(n, parameters, state, False, w)
     put(v, 0, ground_velocity)
     put(v, n, kite_velocity)
     return status

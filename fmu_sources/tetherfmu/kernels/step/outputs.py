@@ -168,6 +168,7 @@ def complete(n, state, outputs):
     put_at(outputs, at.OUTPUT_KITE_POSITION, get(x, n))
     put_at(outputs, at.OUTPUT_KITE_VELOCITY, get(v, n))
     outputs[at.WINCH_SPEED] = state[at.REELING]
+    outputs[at.PEAK_TENSION] = max(outputs[at.MAX_TENSION], state[at.PEAK_SO_FAR])
     outputs[at.SOLVER_STEPS] = min(state[at.STEPS], at.LARGEST_INTEGER)
     outputs[at.SOLVER_REJECTIONS] = min(state[at.REJECTIONS], at.LARGEST_INTEGER)
     outputs[at.FALLBACK_STEPS] = min(state[at.FALLBACKS], at.LARGEST_INTEGER)

@@ -12,6 +12,11 @@
     unresolved     h of the fixed steps of a communication step that the adaptive solver has given up
     contradiction  |sum r| / sum max(|d|, |m h|),   d = p - p_last,   r = d - m h,   m = v_last + theta (v - v_last)
     slack winch    W of a winch with mass that is controlled by force and reels in, where d < 0.99 L and T < 0.1 (W - F)
+    jump           distance of an end, or of the length that a winch follows, in the first step from where it was initialized
+    fast winch     |u| of the unstretched length, now or as the mean of a step
+    pressing       largest -T of a slack segment, where that is more than the weight of the tether
+    long           a communication step
+    no effect      an input or a parameter that is set and is not read
     too long       L - d of a winch that is controlled by length, above 5 % of d and above `NEARBY`; d: distance of the ends
 
 The last one compares the positions p that the importer gives with the velocities v given with them: m is the mean velocity
@@ -33,7 +38,7 @@ from tetherfmu.runtime import plausibility as limits
 
 from ..arrays import positions_and_velocities
 from ..compilation import kernel
-from ..equations import winch
+from ..equations import segment, winch
 from ..equations.boundary import are_derived, distance_of_ends, spring_at_ground
 from ..equations.ground import has_ground
 from ..equations.notes import note
@@ -43,11 +48,11 @@ from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, dot, get, put
 # of each end: whether it is free among the parameters; its last inputs and its sums in the state; its warnings
 OF_GROUND = (
     *(at.GROUND_IS_FREE, at.LAST_GROUND_POSITION, at.LAST_GROUND_VELOCITY, at.GROUND_RESIDUE),
-    *(limits.GROUND_ACCELERATION, limits.GROUND_RESIDUE),
+    *(limits.GROUND_ACCELERATION, limits.GROUND_RESIDUE, limits.GROUND_JUMP),
 )
 OF_KITE = (
     *(at.KITE_IS_FREE, at.LAST_KITE_POSITION, at.LAST_KITE_VELOCITY, at.KITE_RESIDUE),
-    *(limits.KITE_ACCELERATION, limits.KITE_RESIDUE),
+    *(limits.KITE_ACCELERATION, limits.KITE_RESIDUE, limits.KITE_JUMP),
 )
 WAY, SQUARE_BEFORE = 3, 4  # places behind the sum of r: the sum of the ways [m]; what the way before was judged by, squared
 
@@ -188,7 +193,7 @@ def note_contradiction(way, last_velocity, velocity, step, place, kind, state):
 @kernel
 def note_end(n, i, places, parameters, before, state):
     """Note what is implausible in the motion of an end in the state (modified): node i, `OF_GROUND` or `OF_KITE`."""
-    is_free, position, velocity, sums, acceleration, residue = places
+    is_free, position, velocity, sums, acceleration, residue, _ = places
     if parameters[is_free] == 0.0:
         x, v = positions_and_velocities(n, before)
         reached, _ = positions_and_velocities(n, state)
@@ -200,15 +205,105 @@ def note_end(n, i, places, parameters, before, state):
 
 
 @kernel
+def note_jump(n, i, places, parameters, before, state):
+    """Note in the state (modified) how far the first step begins from where an end was initialized [m].
+
+    What its velocity explains within a step is no jump. Other arguments as of `note_end`.
+    """
+    is_free, position, velocity, _, _, _, jump = places
+    if parameters[is_free] == 0.0:
+        x, _ = positions_and_velocities(n, before)
+        way = sub(vector_at(state, position), get(x, i))
+        off = unexplained(way, ZERO_VECTOR, vector_at(state, velocity), state[at.LAST_STEP])
+        note(state, jump, dot(off, off), limits.LARGEST_JUMP * before[at.LENGTH])
+
+
+@kernel
+def note_jump_of_length(parameters, before, state):
+    """The same of the length that a winch follows; 0 stands for `initial_length`."""
+    if winch.follows_length(parameters) and state[at.LAST_WINCH_LENGTH] != 0.0:
+        off = state[at.LAST_WINCH_LENGTH] - before[at.LENGTH]
+        explained = abs(before[at.REELING]) * state[at.LAST_STEP]
+        off = max(0.0, abs(off) - explained)
+        note(state, limits.LENGTH_JUMP, off * off, limits.LARGEST_JUMP * before[at.LENGTH])
+
+
+@kernel
+def note_winch_speed(before, state):
+    """Note the speed of a winch [m/s], now or as the mean of a step, in the state (modified)."""
+    mean = (state[at.LENGTH] - before[at.LENGTH]) / state[at.LAST_STEP]
+    fastest = max(abs(mean), abs(state[at.REELING]))
+    note(state, limits.FAST_WINCH, fastest * fastest, limits.FASTEST_WINCH)
+
+
+@kernel
+def note_pressing(chain, x, v, state):
+    """Note with how much a slack segment presses [N], if it is more than the tether weighs, in the state (modified)."""
+    weight, most = 0.0, 0.0
+    for s in range(chain.n):
+        rest = rest_length(chain, s)
+        weight += property_of(chain, s, at.LINE_DENSITY) * rest * limits.STANDARD_GRAVITY
+        length, e = segment.geometry(sub(get(x, s + 1), get(x, s)))
+        if length < rest:
+            rate = dot(e, sub(get(v, s + 1), get(v, s)))
+            most = max(most, -segment.tension_of(chain, s, segment.BY_LENGTH, length, rate))
+    note(state, limits.SLACK_PRESSES, most * most, weight)
+
+
+@kernel
+def note_idle(state, kind, value):
+    """Note an input or a parameter that is not 0 and has no effect, in the state (modified)."""
+    note(state, kind, value * value, 0.0)
+
+
+@kernel
+def note_idle_inputs(parameters, inputs, state):
+    """Note inputs that are set and have no effect in the state (modified).
+
+    A reel-out speed that does not control the winch has one at the start; later, only a change of it is noted.
+    """
+    if not winch.follows_force(parameters):
+        note_idle(state, limits.IDLE_WINCH_FORCE, inputs[at.WINCH_FORCE])
+    if not winch.follows_length(parameters):
+        note_idle(state, limits.IDLE_WINCH_LENGTH, inputs[at.WINCH_LENGTH])
+    if parameters[at.WINCH_CONTROL] != at.WINCH_BY_SPEED and inputs[at.REEL_OUT_SPEED] != state[at.LAST_REEL_OUT_SPEED]:
+        note_idle(state, limits.IDLE_REEL_OUT_SPEED, inputs[at.REEL_OUT_SPEED])
+    if are_derived(parameters):
+        kite, ground = vector_at(inputs, at.KITE_VELOCITY), vector_at(inputs, at.GROUND_VELOCITY)
+        moving = dot(ground, ground) + (dot(kite, kite) if parameters[at.KITE_IS_FREE] == 0.0 else 0.0)
+        note(state, limits.IDLE_VELOCITY, moving, 0.0)
+    if parameters[at.WIND_POINTS] > 0.0:
+        wind = vector_at(inputs, at.WIND_VELOCITY)
+        note(state, limits.IDLE_WIND, dot(wind, wind), 0.0)
+
+
+@kernel
+def note_idle_parameters(parameters, state):
+    """Note parameters of a drum that does not turn by force, in the state (modified)."""
+    if not winch.follows_force(parameters):
+        is_stopped = parameters[at.LONGEST_LENGTH] != at.NO_STOP
+        numbers = parameters[at.WINCH_MASS] + parameters[at.WINCH_DAMPING] + parameters[at.WINCH_FRICTION]
+        is_set = numbers > 0.0 or is_stopped or parameters[at.WINCH_START] != at.WINCH_GIVEN
+        note(state, limits.IDLE_DRUM, 1.0 if is_set else 0.0, 0.0)
+
+
+@kernel
 def note_step(n, parameters, before, state):
     """Note what is implausible in a communication step from the state `before` to the state (modified).
 
     Driven ends are judged from the second step on (with derived velocities from the third): the first one begins where the
-    initialization was, wherever the ends are then.
+    initialization was, and how far that is from where the ends are then is noted.
     """
     note_shape(n, parameters, state)
     note_slack_winch(n, parameters, state)
-    if before[at.LAST_STEP] <= 0.0 or (are_derived(parameters) and before[at.STEP_BEFORE] <= 0.0):
+    note_winch_speed(before, state)
+    note(state, limits.LONG_STEP, state[at.LAST_STEP] ** 2, limits.LONGEST_USUAL_STEP)
+    if before[at.LAST_STEP] <= 0.0:
+        note_jump(n, 0, OF_GROUND, parameters, before, state)
+        note_jump(n, n, OF_KITE, parameters, before, state)
+        note_jump_of_length(parameters, before, state)
+        return
+    if are_derived(parameters) and before[at.STEP_BEFORE] <= 0.0:
         return
     note_end(n, 0, OF_GROUND, parameters, before, state)
     note_end(n, n, OF_KITE, parameters, before, state)

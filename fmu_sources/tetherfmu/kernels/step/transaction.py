@@ -11,6 +11,7 @@ from tetherfmu.runtime.status import (
     OK,
     REELED_TOO_SHORT,
     START_BEYOND_STOP,
+    START_UNDER_GROUND,
     STATE_NOT_FINITE,
     STEP_NOT_POSITIVE,
     WINCH_PUSHES,
@@ -22,9 +23,10 @@ from ..compilation import kernel, view
 from ..equations import winch, wind_points
 from ..equations.boundary import inputs_of_step, place_at_start, wind_of
 from ..equations.continuation import consume_given_derivatives
+from ..equations.ground import has_ground
 from ..equations.properties import chain_at, rest_length
 from ..linear_algebra.vectors import ZERO_VECTOR, add_scaled, put_at, vector_at
-from .plausibility import note_shape, note_step
+from .plausibility import note_idle_inputs, note_idle_parameters, note_shape, note_step
 
 ROUNDING = 1e-6  # of a force [N] that a controller, or its continuation within a step, makes 0
 
@@ -53,6 +55,18 @@ def check_state(n, state):
 
 
 @kernel
+def check_free_ends(parameters, inputs):
+    """OK, or START_UNDER_GROUND with the place of the height of a free end that starts below a flat ground."""
+    if has_ground(parameters):
+        lowest = parameters[at.GROUND_HEIGHT] - parameters[at.GROUND_SINK] - at.DEEPEST_START
+        if parameters[at.KITE_IS_FREE] != 0.0 and inputs[at.KITE_POSITION + 2] < lowest:
+            return START_UNDER_GROUND | (at.KITE_POSITION + 2) << 8
+        if parameters[at.GROUND_IS_FREE] != 0.0 and inputs[at.GROUND_POSITION + 2] < lowest:
+            return START_UNDER_GROUND | (at.GROUND_POSITION + 2) << 8
+    return OK
+
+
+@kernel
 def start(n, parameters, inputs, state):
     """Check the inputs and fill a new state (modified): header and ends; inner nodes at 0. Returns a status."""
     status = check_inputs(inputs)
@@ -63,21 +77,28 @@ def start(n, parameters, inputs, state):
     place_at_start(n, parameters, inputs, state)
     state[at.LENGTH] = winch.first_length(parameters, inputs, state)
     state[at.LAST_WINCH_LENGTH] = inputs[at.WINCH_LENGTH]
-    state[at.REELING] = inputs[at.REEL_OUT_SPEED]
+    state[at.REELING] = state[at.LAST_REEL_OUT_SPEED] = inputs[at.REEL_OUT_SPEED]
+    state[at.PEAK_SO_FAR] = at.NO_TENSION
     put_at(state, at.WIND, wind_of(inputs))
     wind_points.start(n, parameters, inputs, state)
+    status = check_free_ends(parameters, inputs)
+    if status != OK:
+        return status
     if not winch.follows_force(parameters):
         return check_length(n, parameters, state[at.LENGTH])
-    return OK if parameters[at.SHORTEST_LENGTH] <= state[at.LENGTH] <= parameters[at.LONGEST_LENGTH] else START_BEYOND_STOP
+    is_between = parameters[at.SHORTEST_LENGTH] <= state[at.LENGTH] <= parameters[at.LONGEST_LENGTH]
+    return OK if is_between or winch.is_sought(parameters) else START_BEYOND_STOP
 
 
 @kernel
-def commit_start(n, parameters, status, state):
+def commit_start(n, parameters, inputs, status, state):
     """Check a new state if the status is OK, and note in it (modified) what is implausible; returns the status."""
     if status == OK:
         status = check_state(n, state)
     if status == OK:
         note_shape(n, parameters, state)
+        note_idle_inputs(parameters, inputs, state)
+        note_idle_parameters(parameters, state)
     return status
 
 
@@ -92,6 +113,7 @@ def begin(n, parameters, inputs, step, is_mean, state):
     if status == OK:
         status = check_step(n, parameters, given)
     if status == OK:
+        note_idle_inputs(parameters, inputs, state)
         remember(parameters, inputs, given, state)
         wind_points.advance(n, parameters, inputs, step, is_mean, state)
     return status, given
@@ -136,6 +158,7 @@ def remember(parameters, inputs, given, state):
         put_at(state, at.RECENT_RATES + 3 * k, given.recent[k])
     state[at.STEP_BEFORE] = state[at.LAST_STEP]
     state[at.LAST_STEP] = step
+    state[at.PEAK_SO_FAR] = at.NO_TENSION
     state[at.LONGEST_SO_FAR] = max(state[at.LONGEST_SO_FAR], step)
     state[at.CORRECTION_LEFT] = given.correction - step
     put_at(state, at.WIND, add_scaled(given.wind, step, given.wind_rate))

@@ -112,14 +112,22 @@ def forces_of(line, ground, chord, state):
 
 
 @kernel
-def ground_tension(n, parameters, state):
+def tension_at_ground(n, parameters, state):
     """Tension at the ground [N] of a state in equilibrium. n is 1."""
     line, ground, chord, _ = chord_of(parameters, state)
     force, _, _, _ = forces_of(line, ground, chord, state)
     return norm(force)
 
 
-advance_drum = drum_at(settle, ground_tension)
+@kernel
+def largest_tension(n, parameters, state, work):
+    """Tension [N] at the end where it is larger. n is 1."""
+    line, ground, chord, _ = chord_of(parameters, state)
+    ground_force, kite_force, _, _ = forces_of(line, ground, chord, state)
+    return max(norm(ground_force), norm(kite_force))
+
+
+advance_drum = drum_at(settle, tension_at_ground, largest_tension)
 
 
 @kernel

@@ -8,6 +8,7 @@ from tetherfmu.runtime.status import OK
 
 from ..arrays import positions_and_velocities
 from ..compilation import kernel, view
+from ..equations.boundary import spring_at_ground as tension_at_ground  # noqa: F401 - of `winch_start`
 from ..equations.lines import System
 from ..equations.plan import OneLine
 from ..equations.winch import follows_force

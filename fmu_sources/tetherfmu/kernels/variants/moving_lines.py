@@ -29,7 +29,7 @@ from ..line.backward_euler import FixedSteps, given_steps
 from ..motion import adaptive_steps, fallback, fixed_steps
 from ..points import system_room
 from ..rest import compressed_chain, end_tensions
-from ..step.plausibility import note_stiff_and_slack, note_unconverged
+from ..step.plausibility import note_pressing, note_stiff_and_slack, note_unconverged
 
 
 @view
@@ -105,4 +105,6 @@ def end_line(system, k, step):
     x, v = motion_of(system, k)
     place_ends(conditions_of(system, k), step, x, v)
     end_tensions.forget(state)
-    compressed_chain.leave(chain_of(n, parameters, state), x, v)
+    chain = chain_of(n, parameters, state)
+    note_pressing(chain, x, v, state)
+    compressed_chain.leave(chain, x, v)

@@ -5,10 +5,13 @@ no waves and no damping. Source: P. Williams, Cable Modeling Approximations for 
 Dynamics 40 (2017) 1779; docs/models/theory.md, "Quasi-steady".
 """
 
+from tetherfmu.runtime import layout as at
+
 from ..arrays import positions_and_velocities
 from ..compilation import kernel, view
 from ..equations import winch
-from ..equations.boundary import move_ends, spring_at_ground
+from ..equations.boundary import move_ends
+from ..equations.boundary import spring_at_ground as tension_at_ground
 from ..equations.properties import chain_of
 from ..linear_algebra.vectors import add_scaled, get, put, scale, sub
 from ..motion.drum_in_equilibrium import drum_at
@@ -31,7 +34,18 @@ def settle(n, parameters, state, work):
     return solve.settle(n, parameters, state, True, newton.workspace(n, work))
 
 
-advance_drum = drum_at(settle, spring_at_ground)
+@kernel
+def largest_tension(n, parameters, state, work):
+    """Largest tension [N] of all segments of a state in equilibrium."""
+    x, _ = positions_and_velocities(n, state)
+    w, largest = newton.workspace(n, work), tension_at_ground(n, parameters, state)
+    spring_tensions(chain_of(n, parameters, state), x, w.tension)
+    for s in range(n):
+        largest = max(largest, w.tension[s] + state[at.MISSING_TENSION])
+    return largest
+
+
+advance_drum = drum_at(settle, tension_at_ground, largest_tension)
 
 
 @kernel

@@ -44,7 +44,7 @@ def end_forces(parameters, state):
 
 
 @kernel
-def ground_tension(n, parameters, state):
+def tension_at_ground(n, parameters, state):
     """Tension at the ground [N] of a state: the force there along the chord. n is 1."""
     _, _, chord, _ = chord_of(parameters, state)
     _, e = segment.geometry(chord)
@@ -52,7 +52,16 @@ def ground_tension(n, parameters, state):
     return dot(ground_force, e)
 
 
-advance_drum = drum_at(settle, ground_tension)
+@kernel
+def largest_tension(n, parameters, state, work):
+    """Tension [N] at the end where it is larger. n is 1."""
+    _, _, chord, _ = chord_of(parameters, state)
+    _, e = segment.geometry(chord)
+    ground_force, kite_force = end_forces(parameters, state)
+    return max(dot(ground_force, e), -dot(kite_force, e))
+
+
+advance_drum = drum_at(settle, tension_at_ground, largest_tension)
 
 
 @kernel

@@ -6,11 +6,12 @@ The lines are started, and their outputs are found, one by one as dynamic tether
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import plan_layout as places
 from tetherfmu.runtime.kernel_library import SYSTEM
-from tetherfmu.runtime.status import INPUT_NOT_FINITE, OK
+from tetherfmu.runtime.status import INPUT_NOT_FINITE, KITE_AND_WINCH_SOUGHT, OK
 
 from ..arrays import copy, inputs_size, outputs_size, parameters_size, state_size
 from ..compilation import kernel
 from ..equations import wind_points
+from ..equations.boundary import spring_at_ground
 from ..equations.lines import (
     free_points,
     inputs_of,
@@ -26,6 +27,7 @@ from ..equations.lines import (
     take_loads,
     with_states,
 )
+from ..equations.winch import is_sought
 from ..line.backward_euler import given_steps
 from ..motion import adaptive_steps, iteration_limit
 from ..points import system_room
@@ -33,6 +35,7 @@ from ..rest import dynamic_chain, resting_forces, resting_line, resting_points
 from ..step import power_balance, transaction
 from ..step.outputs import complete
 from . import moving_lines
+from .winch_start import winch_start
 
 name = SYSTEM
 
@@ -110,13 +113,35 @@ def energy(system, k, energies):
 
 
 @kernel
+def settle(n, parameters, inputs, state, work):
+    """Give a line in a new state (modified) its `initial_shape`; returns a status."""
+    return dynamic_chain.initialize(n, parameters, parameters[at.INITIAL_SHAPE], state, work)
+
+
+find_length, note_imbalance = winch_start(settle, spring_at_ground)
+
+
+@kernel
 def start_line(system, k):
     """First state of line k (modified) between its points as the inputs say; a status."""
     n, parameters, state = segments_of(system, k), parameters_of(system, k), state_of(system, k)
-    status = transaction.start(n, parameters, inputs_of(system, k), state)
+    inputs, work = inputs_of(system, k), room_of(system, k)
+    status = transaction.start(n, parameters, inputs, state)
+    if status == OK and is_sought(parameters):
+        status = find_length(n, parameters, inputs, state, work)
     if status == OK:
-        status = dynamic_chain.initialize(n, parameters, parameters[at.INITIAL_SHAPE], state, room_of(system, k))
-    return transaction.commit_start(n, parameters, status, state)
+        status = settle(n, parameters, inputs, state, work)
+    return transaction.commit_start(n, parameters, inputs, status, state)
+
+
+@kernel
+def check_sought(system):
+    """OK, or KITE_AND_WINCH_SOUGHT about the line whose length is sought as well as the point at an end of it."""
+    for k in range(lines_of(system)):
+        if is_sought(parameters_of(system, k)) and resting_line.is_any_sought(system, k):
+            system.plan[places.STATUS_LINE] = k
+            return KITE_AND_WINCH_SOUGHT
+    return OK
 
 
 @kernel
@@ -127,6 +152,8 @@ def initialize(system):
     is about.
     """
     status = check_loads(system)
+    if status == OK:
+        status = check_sought(system)
     if status == OK:
         status = resting_points.find(system, False)
     for k in range(lines_of(system)):
@@ -184,8 +211,10 @@ def commit(system, step, before):
     for k in range(lines_of(system)):
         if status == OK:
             system.plan[places.STATUS_LINE] = k
+            n, parameters, state = segments_of(system, k), parameters_of(system, k), state_of(system, k)
             old = state_of(with_states(system, before), k)
-            status = transaction.commit(segments_of(system, k), parameters_of(system, k), OK, old, state_of(system, k))
+            note_imbalance(n, parameters, old, state)
+            status = transaction.commit(n, parameters, OK, old, state)
     return status
 
 

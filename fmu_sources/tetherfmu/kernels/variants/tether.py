@@ -1,28 +1,32 @@
 """A tether alone: its plan, start, steps and outputs, as transactions around what its variant has.
 
 Of a variant they need the kernels work_size(n), initialize(n, parameters, inputs, state, work),
-advance(n, parameters, given, before, state, work), outputs_of(n, parameters, state, shape_points, outputs, work); with nodes
-the view velocities_of(n, parameters, state, work).
+advance(n, parameters, given, before, state, work), outputs_of(n, parameters, state, shape_points, outputs, work) and
+tension_at_ground(n, parameters, state); with nodes the view velocities_of(n, parameters, state, work).
 """
 
 from types import ModuleType
 
+from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import plan_layout as places
-from tetherfmu.runtime.status import OK
+from tetherfmu.runtime.status import KITE_AND_WINCH_SOUGHT, OK
 from tetherfmu.runtime.variants import BY_NAME
 
 from ..arrays import copy, inputs_size, outputs_size, parameters_size, state_size
 from ..compilation import kernel
 from ..equations import wind_points
 from ..equations.lines import number_of_line, segments_of
+from ..equations.winch import is_sought
 from ..step import power_balance, transaction
 from ..step.outputs import complete
+from .winch_start import winch_start
 
 
 def tether(variant):
     """What `entry_points` need of a tether alone, as `variants.system` has it of lines; variant : its module here."""
     name = variant.__name__.rpartition(".")[2]
     has_waves = BY_NAME[name].has_waves
+    find_length, note_imbalance = winch_start(variant.initialize, variant.tension_at_ground)
 
     @kernel
     def complete_plan(plan):
@@ -47,9 +51,13 @@ def tether(variant):
         """First state between two ends (modified); a status, and it has no meaning on any but OK."""
         n, parameters, state = segments_of(system, 0), system.parameters, system.state
         status = transaction.start(n, parameters, system.inputs, state)
+        if status == OK and is_sought(parameters):
+            if parameters[at.KITE_START] == at.START_AT_REST:
+                return KITE_AND_WINCH_SOUGHT
+            status = find_length(n, parameters, system.inputs, state, system.work)
         if status == OK:
             status = variant.initialize(n, parameters, system.inputs, state, system.work)
-        return transaction.commit_start(n, parameters, status, state)
+        return transaction.commit_start(n, parameters, system.inputs, status, state)
 
     @kernel
     def advance(system, step, before):
@@ -62,6 +70,7 @@ def tether(variant):
         status, given = transaction.begin(n, parameters, system.inputs, step, has_waves, state)
         if status == OK:
             status = variant.advance(n, parameters, given, before, state, system.work)
+            note_imbalance(n, parameters, before, state)
         return transaction.commit(n, parameters, status, before, state)
 
     @kernel

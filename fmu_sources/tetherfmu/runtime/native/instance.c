@@ -154,7 +154,7 @@ static void warn_of_diameter(Instance *instance)
 static void warn_of_line(Instance *instance, int line)
 {
     const double *state = state_of(instance->arrays, line);
-    uint32_t noted = (uint32_t)state[AT_WARNINGS], new = noted & ~instance->warned[line];
+    uint64_t noted = (uint64_t)state[AT_WARNINGS], new = noted & ~instance->warned[line];
     char text[LONGEST_TEXT];
     instance->warned[line] |= noted;
     for (int kind = 0; kind < AT_WARNING_KINDS; kind++) {

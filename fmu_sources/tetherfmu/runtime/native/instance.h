@@ -23,7 +23,7 @@ struct Instance {
     Phase phase;
     bool is_logging, has_written; /* whether the importer wants messages; whether the first refusal went to stderr */
     bool stop_is_defined, warned_of_time;
-    uint32_t warned[LINES];       /* what was implausible and has been said of each line, as bits */
+    uint64_t warned[LINES];       /* what was implausible and has been said of each line, as bits */
     double tolerance;             /* the importer's, 0 for none */
     double time;                  /* end of the last step [s], NaN before the first */
     double start_time, stop_time; /* [s] */

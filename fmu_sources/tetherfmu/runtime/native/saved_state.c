@@ -166,7 +166,7 @@ static Status check_integers(Instance *instance, const double *values)
 /* Whether a number of a state is a set of so many bits. */
 static bool is_set(double number, int count)
 {
-    return 0.0 <= number && number < (1 << count) && number == floor(number);
+    return 0.0 <= number && number < ldexp(1.0, count) && number == floor(number);
 }
 
 /* Whether a state array has what every tether can have, as `saved_state.check_state` has it. */
@@ -218,7 +218,7 @@ static Status restore_arrays(Instance *instance, const Head *head, const double 
         return refuse_state(instance, wrong);
     }
     take_arrays(instance, arrays);
-    for (int k = 0; k < LINES; k++) instance->warned[k] |= (uint32_t)state_of(arrays, k)[AT_WARNINGS];
+    for (int k = 0; k < LINES; k++) instance->warned[k] |= (uint64_t)state_of(arrays, k)[AT_WARNINGS];
     return OK;
 }
 

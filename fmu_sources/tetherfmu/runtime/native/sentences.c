@@ -27,6 +27,7 @@ void fill_sentence(char text[LONGEST_TEXT], int32_t result, double step, About a
         real("winch_force", about.inputs[AT_WINCH_FORCE]),
         real("winch_length", about.inputs[AT_WINCH_LENGTH]),
         real("friction", about.parameters[AT_WINCH_FRICTION]),
+        real("ground_height", about.parameters[AT_GROUND_HEIGHT]),
         real("shortest_stop", about.parameters[AT_SHORTEST_LENGTH]),
         real("longest_stop", longest == AT_NO_STOP ? INFINITY : longest),
         real("length", about.length),

@@ -1,0 +1,95 @@
+"""The start of a winch that is controlled by force: the unstretched length at which its drum is in balance.
+
+    T(L) = W + c u + F sign(u)      (`equations/drum.py`), with the reel-out speed u of the start
+
+T falls with L where the tether is taut; one that hangs on its winch pulls the more the longer it is, which no winch
+balances. The search begins at `initial_length`, then at the length d/(1 + W/EA) of a straight line between ends d apart.
+"""
+
+from tetherfmu.runtime import layout as at
+from tetherfmu.runtime import plausibility as limits
+from tetherfmu.runtime.status import NO_BALANCE_AT_START, OK
+
+from ..compilation import kernel
+from ..equations import winch
+from ..equations.boundary import distance_of_ends
+from ..equations.drum import HELD, INWARDS, OUTWARDS, balance, direction_of, drum_of
+from ..equations.notes import note
+from ..equations.properties import chain_of, property_of
+from ..motion import secant
+from ..motion.drum_in_equilibrium import EXACT, LONGEST, MOST_EVALUATIONS, NARROW, ROUNDING
+
+FARTHEST = 0.2  # change of the length, relative, between two of them
+
+
+@kernel
+def forget_notes(state):
+    """Forget what was noted of lengths that were tried, in the new state (modified)."""
+    state[at.WARNINGS] = 0.0
+    for kind in range(at.WARNING_KINDS):
+        state[at.WARNED_VALUES + kind] = 0.0
+
+
+def winch_start(settle, tension):
+    """The kernels `find` and `note_imbalance` of a variant.
+
+    settle : kernel (n, parameters, inputs, state, work) that gives a new state (modified) its shape and returns a status.
+    tension : kernel (n, parameters, state) of the tension at the ground [N] of such a state.
+    """
+
+    @kernel
+    def search(n, parameters, inputs, guess, state, work):
+        """Whether a length in balance is found, from a guess [m]: the state (modified) has it."""
+        drum, speed = drum_of(parameters, inputs[at.WINCH_FORCE], 0.0), state[at.REELING]
+        direction = HELD if speed == 0.0 else (OUTWARDS if speed > 0.0 else INWARDS)
+        stiffness = property_of(chain_of(n, parameters, state), 0, at.STIFFNESS)
+        exact = EXACT * (abs(drum.force) + drum.friction) + ROUNDING * stiffness
+        found, length = secant.begin(drum.shortest, min(drum.longest, LONGEST), guess, stiffness / guess)
+        for _ in range(MOST_EVALUATIONS):
+            state[at.LENGTH] = length
+            if settle(n, parameters, inputs, state, work) != OK:
+                return False
+            residual = -balance(drum, direction, tension(n, parameters, state), speed, 0.0)
+            if abs(residual) <= exact:
+                return True
+            if length == (found.highest if residual < 0.0 else found.lowest):  # the drum is at its stop
+                return length != LONGEST
+            found, onward = secant.go_on(found, length, residual, FARTHEST * length)
+            if onward == length:
+                break
+            length = onward
+        return secant.has_interval(found) and found.high - found.low <= NARROW * found.high
+
+    @kernel
+    def find(n, parameters, inputs, state, work):
+        """Give a new state (modified) the length at which the winch is in balance; OK or NO_BALANCE_AT_START.
+
+        Its shape has a meaning only after another `settle`.
+        """
+        given, force = parameters[at.INITIAL_LENGTH], max(0.0, inputs[at.WINCH_FORCE])
+        stiffness = property_of(chain_of(n, parameters, state), 0, at.STIFFNESS)
+        straight = distance_of_ends(n, state) / (1.0 + force / stiffness)
+        is_found = search(n, parameters, inputs, given, state, work)
+        if not is_found and straight > 0.0:
+            is_found = search(n, parameters, inputs, straight, state, work)
+        forget_notes(state)
+        if is_found:
+            return OK
+        state[at.LENGTH] = given
+        return NO_BALANCE_AT_START
+
+    @kernel
+    def note_imbalance(n, parameters, before, state):
+        """Note in the state (modified) the tension [N] at the start of the first step, if it moves a drum without mass far.
+
+        before : the state of the start.
+        """
+        if before[at.LAST_STEP] <= 0.0 and winch.follows_force(parameters) and parameters[at.WINCH_MASS] == 0.0:
+            force = state[at.LAST_WINCH_FORCE]
+            drum, pull = drum_of(parameters, force, 0.0), tension(n, parameters, before)
+            excess = abs(balance(drum, HELD, pull, before[at.REELING], 0.0)) - drum.friction
+            if direction_of(drum, before[at.LENGTH], before[at.REELING], pull, 0.0) != HELD and excess > 0.0:
+                off = excess > limits.MOST_OFF_BALANCE * abs(force)
+                note(state, limits.WINCH_OFF_BALANCE, pull * pull if off else 0.0, 0.0)
+
+    return find, note_imbalance
