@@ -5,7 +5,7 @@ force now has a kink, which the solver steps over without knowing. TetherDynamic
 when slack.
 """
 
-from lessons import DURATION, GRAVITY, TIMES, TOLERANCE, Lesson, command_line, curve, follow, over_time, timed
+from lessons import DURATION, GRAVITY, NO_SPRING, TIMES, TOLERANCE, Lesson, command_line, curve, follow, over_time, timed
 from scipy.integrate import solve_ivp
 from tether_02 import DAMPING, LENGTH, MASS, SPRING, STIFFNESS
 
@@ -31,7 +31,7 @@ def simulate(tolerance=TOLERANCE):
 
 def product(tolerance=TOLERANCE):
     """The same from TetherDynamic."""
-    tether = TetherDynamic(**SPRING, slack_stiffness_ratio=0.0, relative_tolerance=tolerance)
+    tether = TetherDynamic(**SPRING, slack_stiffness_ratio=NO_SPRING, relative_tolerance=tolerance)
     tether.initialize((0.0, 0.0, -LENGTH), (0.0, 0.0, SPEED))
     return follow(tether, DURATION)[:, 1, 2]
 

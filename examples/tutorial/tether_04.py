@@ -6,7 +6,20 @@ sees the whole relative velocity of its two masses, also across the segment; thi
 """
 
 import numpy as np
-from lessons import DURATION, GRAVITY, TIMES, TOLERANCE, Lesson, command_line, compare, curve, follow, over_time, timed
+from lessons import (
+    DURATION,
+    GRAVITY,
+    NO_SPRING,
+    TIMES,
+    TOLERANCE,
+    Lesson,
+    command_line,
+    compare,
+    curve,
+    follow,
+    over_time,
+    timed,
+)
 from scipy.integrate import solve_ivp
 from tether_02 import DAMPING, LENGTH, MASS, SPRING, STIFFNESS
 from tether_03 import SPEED
@@ -39,7 +52,7 @@ def simulate(tolerance=TOLERANCE):
 def product(tolerance=TOLERANCE):
     """The same from TetherDynamic."""
     both = {"segments": 2, "initial_length": 2.0 * LENGTH, "point_masses": {1: MASS, 2: MASS}}
-    tether = TetherDynamic(**{**SPRING, **both}, slack_stiffness_ratio=0.0, relative_tolerance=tolerance)
+    tether = TetherDynamic(**{**SPRING, **both}, slack_stiffness_ratio=NO_SPRING, relative_tolerance=tolerance)
     tether.initialize(positions=POSITIONS, velocities=VELOCITIES)
     return follow(tether, DURATION)
 

@@ -6,7 +6,20 @@ at 2 m/s. TetherDynamic has the same equations: EA = k l, D = c l, mass per metr
 """
 
 import numpy as np
-from lessons import DURATION, GRAVITY, TIMES, TOLERANCE, Lesson, Movie, beside_motion, command_line, compare, follow, timed
+from lessons import (
+    DURATION,
+    GRAVITY,
+    NO_SPRING,
+    TIMES,
+    TOLERANCE,
+    Lesson,
+    Movie,
+    beside_motion,
+    command_line,
+    compare,
+    follow,
+    timed,
+)
 from scipy.integrate import solve_ivp
 
 from tetherfmu import TetherDynamic
@@ -16,7 +29,12 @@ SPEED, ANGLE = 2.0, np.pi / 10.0  # m/s, rad
 UP = np.array([np.sin(ANGLE), 0.0, np.cos(ANGLE)])
 START = np.array([-LENGTH, SPEED / SEGMENTS])[:, None, None] * np.arange(SEGMENTS + 1.0)[:, None] * UP  # m, m/s
 MASSES = MASS * np.array([[0.5], *[[1.0]] * (SEGMENTS - 1), [0.5]])
-SAME = {"segments": SEGMENTS, "initial_length": SEGMENTS * LENGTH, "slack_stiffness_ratio": 0.0, "drag_coefficient": 0.0}
+SAME = {
+    "segments": SEGMENTS,
+    "initial_length": SEGMENTS * LENGTH,
+    "slack_stiffness_ratio": NO_SPRING,
+    "drag_coefficient": 0.0,
+}
 SAME |= {"axial_stiffness": STIFFNESS * LENGTH, "axial_damping": DAMPING * LENGTH}
 SAME |= {"diameter": 0.01, "density": MASS / LENGTH / (0.25 * np.pi * 0.01**2)}
 

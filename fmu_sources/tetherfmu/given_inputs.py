@@ -76,7 +76,7 @@ def check_effect(name, value, parameters, at_start=False, label=""):
 
     value : a number or an array.  at_start : where a winch takes `reel_out_speed` in any case.  label : its name there.
     """
-    if value is None or not np.any(value):
+    if value is None or not np.any(value) or not np.all(np.isfinite(value)):  # which the start or the step refuses
         return
     control, why = parameters[at.WINCH_CONTROL], ""
     if _LEADS.get(name, control) != control and not (at_start and name == "reel_out_speed"):
@@ -87,7 +87,8 @@ def check_effect(name, value, parameters, at_start=False, label=""):
         at_kite = name == "kite_velocity" and parameters[at.KITE_IS_FREE] != 0.0
         why = "" if at_kite else "end_velocities is 2 (derived); it must be 1 (given)"
     if why:
-        raise ValueError(f"{label or name} is {value!r} and has no effect: {why}")
+        shown = np.asarray(value).item() if np.size(value) == 1 else value
+        raise ValueError(f"{label or name} is {shown!r} and has no effect: {why}")
 
 
 def put(to, given, at_start=False):
@@ -96,11 +97,11 @@ def put(to, given, at_start=False):
     given : dict by name.  at_start : whether a free kite has a position and a velocity among them.
     """
     check_names(to.name, given, OF_FREE_KITE if to.variant.kite_is_free and not at_start else OF_ANY)
-    for name, value in given.items():
-        check_effect(name, value, to.instance.parameters, at_start)
     numbers = {name: value for name, value in given.items() if name not in ("wind_velocity", WIND_AT.name)}
     for start, end, values in arguments.numbers_at(numbers):
         to.places[start:end] = values
+    for name, value in numbers.items():
+        check_effect(name, value, to.instance.parameters, at_start)
     if given.get("wind_velocity") is not None:
         _put_wind(to, given["wind_velocity"])
     if given.get(WIND_AT.name) is not None:

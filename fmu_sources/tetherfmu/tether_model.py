@@ -77,6 +77,7 @@ class TetherModel(Running):
         kinds = {Environment: environment, Solver: solver, Winch: winch, Ground: ground}
         records = [arguments.record_of(name, record, kind) for kind, record in kinds.items()]
         tethers, *records = arguments.with_quantities(name, quantities, tethers, *records)
+        records[2].check_effect()
         if not variant.has_nodes and (len(tethers) > 1 or point_masses):
             raise ValueError(f"{name} is one uniform line: it takes one Tether and no point_masses")
         segments = sum(each.segments for each in tethers)
@@ -88,6 +89,7 @@ class TetherModel(Running):
             warn(sentence, PlausibilityWarning, stacklevel=2 if type(self).__init__ is TetherModel.__init__ else 3)
         self._kernels, self._points = kernels, points
         self.wind_points: int = arguments.wind_points(wind_points)
+        arguments.check_wind(records[0], self.wind_points)
         self._records = tethers, *records
         self._more = {"point_masses": tuple(masses.items()), "free_ends": self._free_ends}
         self._more["kite_start"] = self._kite.kite_start if self._kite else 0

@@ -46,7 +46,8 @@ from tetherfmu.study.measuring.tables import circumstances
 REFERENCE = Path(__file__).parents[1] / "reference"
 DEPTH = 100.0  # of MoorDyn's water [m]
 FRICTION, SINK, CREEP = 0.5, 0.002, 2e-4  # -, m, m/s
-TETHER = Tether(initial_length=60.0, slack_stiffness_ratio=0.0, drag_coefficient=0.0)
+NO_SPRING = 1e-12  # of a slack segment, which keeps its damper, as in MoorDyn
+TETHER = Tether(initial_length=60.0, slack_stiffness_ratio=NO_SPRING, drag_coefficient=0.0)
 AIR = Environment()
 FINE, EVERY = 0.001, 0.1  # communication step and time between rows of a file [s]
 FOLLOWED = (5, 10, 15)  # nodes

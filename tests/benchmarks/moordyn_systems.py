@@ -33,7 +33,8 @@ from tetherfmu.study.measuring.tables import circumstances
 
 DURATION, FINE = 6.0, 0.001  # of a scene, and of the converged communication step [s]
 DRAG = 1.2
-ROPE = Tether(slack_stiffness_ratio=0.0, drag_coefficient=0.0)
+NO_SPRING = 1e-12  # of a slack segment, which keeps its damper, as in MoorDyn
+ROPE = Tether(slack_stiffness_ratio=NO_SPRING, drag_coefficient=0.0)
 HEAD = f"""| scene | drag coefficient | from MoorDyn differs | free point mm | largest | forces N | largest |
 {"|---" * 7}|"""
 FILE = """--- MoorDyn input

@@ -232,10 +232,13 @@ class Winch:
         if 0.0 < self.longest_length <= self.shortest_length:
             shortest, longest = self.shortest_length, self.longest_length
             raise ValueError(STOPS_CROSSED.format(shortest_stop=shortest, longest_stop=longest))
-        if self.winch_control != WINCH_BY_FORCE:
-            for name, _ in quantities(Winch):
-                if name != "winch_control" and getattr(self, name) != getattr(Winch, name):
-                    raise ValueError(f"{name} is {getattr(self, name)!r} and has no effect: winch_control is not 2 (force)")
+
+    def check_effect(self):
+        """ValueError if a quantity of the drum is not its default, and has no effect with this `winch_control`."""
+        for name, _ in quantities(self):
+            drums = name != "winch_control" and self.winch_control != WINCH_BY_FORCE
+            if drums and getattr(self, name) != getattr(Winch, name):
+                raise ValueError(f"{name} is {getattr(self, name)!r} and has no effect: winch_control is not 2 (force)")
 
 
 @documented

@@ -79,9 +79,10 @@ def put(given, arrays, points, lines, inputs=None, at_start=False):
     for what, own in (("positions", "position"), ("velocities", "velocity")):
         for name, value in given.get(what, {}).items():
             _check_known(f"{own} of a {'point' if at_start else 'driven point'}", name, movable)
+            numbers = _numbers(f"{name}.{own}", value, (3,), steps)
+            arrays.put_point_in(rows, name, own, numbers)
             if what == "velocities" and name not in arrays.instance.free:
-                check_effect("ground_velocity", value, arrays.instance.parameters_of(0), at_start, f"{name}.velocity")
-            arrays.put_point_in(rows, name, own, _numbers(f"{name}.{own}", value, (3,), steps))
+                check_effect("ground_velocity", numbers, arrays.instance.parameters_of(0), at_start, f"{name}.velocity")
     for name, value in given.get("loads", {}).items():
         _check_known("load on a free point", name, arrays.instance.free)
         load = _numbers(f"{name}.load", value, (3,), steps)
@@ -96,9 +97,9 @@ def put(given, arrays, points, lines, inputs=None, at_start=False):
     for each, what in _WINCHES.items():
         for name, value in given.get(each, {}).items():
             _check_known(f"{what} of a line", name, names)
-            own = arrays.instance.parameters_of(names.index(name))
-            check_effect(what, value, own, at_start, f"{name}.{what}")
-            rows[names.index(name)][..., PLACES[what]] = _numbers(f"{name}.{what}", value, (), steps)
+            own = rows[names.index(name)][..., PLACES[what] : PLACES[what] + 1]
+            own[..., 0] = _numbers(f"{name}.{what}", value, (), steps)
+            check_effect(what, own, arrays.instance.parameters_of(names.index(name)), at_start, f"{name}.{what}")
     points = arrays.instance.lines[0].wind_points
     for name, value in given.get("wind_at", {}).items():
         _check_known("wind_at of a line", name, names)

@@ -114,7 +114,7 @@ class Line:
 
     def __post_init__(self):
         checked_name("line", self.name)
-        arguments.record_of("Line", self.winch, Winch)
+        arguments.record_of("Line", self.winch, Winch).check_effect()
         if self.start == self.end:
             raise ValueError(f"the line {self.name} goes from the point {self.start} to itself; it needs two points")
         if not abs(self.reel_out_speed) <= at.LARGEST_INPUT:

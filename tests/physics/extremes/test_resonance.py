@@ -39,9 +39,8 @@ def first_axial(n):
 
 def shaken(n, omega, direction, amplitude, damping, periods):
     """A `Run` of a line of n segments whose kite end is moved by amplitude sin(omega t), and node positions at each step."""
-    model = TetherDynamic(
-        Tether(segments=n, initial_length=LENGTH, axial_damping=damping), VOID, Solver(relative_tolerance=1e-7)
-    )
+    tether = Tether(segments=n, initial_length=LENGTH, axial_damping=damping)
+    model = TetherDynamic(tether, VOID, Solver(relative_tolerance=1e-7, initial_shape="static_equilibrium"))
     start, direction = np.array([LENGTH * (1.0 + STRAIN), 0.0, 0.0]), np.array(direction)
     model.initialize(start, amplitude * omega * direction)
     positions = []

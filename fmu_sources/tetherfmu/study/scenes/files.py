@@ -154,17 +154,19 @@ class Scene:
         time = step * np.arange(self.count * round(self.every / step))
         motion = self.flight.motion(time)
         speed = (self.flight.motion(time + step).reeled - motion.reeled) / step if exact else motion.reel_out_speed
+        if self.flight.has_force or (self.flight.has_length and not exact):
+            speed = np.full_like(speed, speed[:1])  # with which the winch starts, and no more
         given = {
             "kite_position": motion.kite,
-            "kite_velocity": motion.kite_velocity,
             "ground_position": motion.ground,
-            "ground_velocity": motion.ground_velocity,
             "reel_out_speed": speed[:, np.newaxis],
             "wind_velocity": self.wind(time + 0.5 * step * exact),
         }
+        if exact or self.flight.has_velocities:
+            given |= {"kite_velocity": motion.kite_velocity, "ground_velocity": motion.ground_velocity}
         if self.flight.has_force:
             given["winch_force"] = self.flight.force(time + 0.5 * step * exact)[:, np.newaxis]
-        if self.flight.has_length:
+        if self.flight.has_length and not exact:
             given["winch_length"] = (self.tether.initial_length + motion.reeled)[:, np.newaxis]
         if self.flight.kite_is_free:
             given["kite_position"] = self.flight.at_rest(self.tether, self.environment.gravity)
