@@ -6,12 +6,13 @@ import sys
 from tetherfmu.console.ending import FAILED, WrongUse, command, one_line
 from tetherfmu.console.options import Parser, amount, folder
 from tetherfmu.console.progress import now
-from tetherfmu.export import archive, example_fmus, ssp
+from tetherfmu.export import archive
 from tetherfmu.export.archive import SLAVES
 from tetherfmu.export.build_options import BuildOptions
 from tetherfmu.export.native import fmus as native
 from tetherfmu.libraries import ready
 from tetherfmu.libraries.ahead_of_time import TARGETS
+from tetherfmu.libraries.examples import example
 from tetherfmu.materials import MATERIALS, tether_of
 from tetherfmu.runtime.kernel_library import PYTHONFMU, this_platform
 from tetherfmu.runtime.limits import MAX_WIND_POINTS
@@ -238,8 +239,9 @@ def main(arguments=None, prog="tetherfmu build"):
     for name in names:
         build(wanted, name, options)
     if wanted.examples:
-        for name in example_fmus.SLAVES:
-            show(example_fmus.build(name, wanted.out), PYTHONFMU)
-        for path in ssp.write_all(wanted.out, BuildOptions(platforms=platforms)):
+        fmus = example("shared.example_fmus")
+        for name in fmus.SLAVES:
+            show(fmus.build(name, wanted.out), PYTHONFMU)
+        for path in example("shared.ssp").write_all(wanted.out, BuildOptions(platforms=platforms)):
             print(f"{path}  {path.stat().st_size / 1000:.0f} kB  a system of FMUs")
     return 0

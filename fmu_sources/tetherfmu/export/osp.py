@@ -5,12 +5,9 @@ libcosim reads NAME_OspModelDescription.xml beside the FMU or beside the system 
 
 from xml.etree.ElementTree import Element, SubElement
 
-from tetherfmu.fmi.model_description import number_text
-
 from .texts import xml_text
 
 NAMESPACE = "https://open-simulation-platform.com/OspModelDescription/1.0.1"
-NAMESPACE_OF_STRUCTURE = "http://opensimulationplatform.com/MSMI/OSPSystemStructure"
 WINCH = (  # kind and name of a group, and its variable
     ("LinearVelocity", "reel_out", "reel_out_speed"),
     ("Force", "winch_pull", "winch_force"),
@@ -18,7 +15,6 @@ WINCH = (  # kind and name of a group, and its variable
     ("LinearVelocity", "winch_speed", "winch_speed"),
     ("LinearDisplacement", "tether_length", "tether_length"),
 )
-STRUCTURE = "OspSystemStructure.xml"  # as libcosim looks for it
 
 
 def file_name(name):
@@ -59,27 +55,6 @@ def model_description_of_system(structure, table):
         _vector(groups, "LinearVelocity", "wind", units, "wind_velocity")
     for line in structure.lines:
         _winch(groups, units, f"{line.name}_", f"{line.name}.")
-    return xml_text(root)
-
-
-def system_structure(sources, connections, step, steps):
-    """Text of a system structure: FMUs that exchange their variables after each step, all from the same communication point.
-
-    sources : dict of simulators to the places of their FMUs, as seen from the file.  connections : dict of simulators to
-    dicts of their inputs to pairs (simulator, output).  step : shortest communication step [s].  steps : dict of the
-    simulators that have another one, a multiple of it [s].
-    """
-    root = Element("OspSystemStructure", xmlns=NAMESPACE_OF_STRUCTURE, version="0.1")
-    for name, text in (("StartTime", "0"), ("BaseStepSize", number_text(step)), ("Algorithm", "fixedStep")):
-        SubElement(root, name).text = text
-    simulators, joined = SubElement(root, "Simulators"), SubElement(root, "Connections")
-    for name, source in sources.items():
-        SubElement(simulators, "Simulator", name=name, source=source, stepSize=number_text(steps.get(name, step)))
-    for taker, inputs in connections.items():
-        for wanted, (giver, output) in inputs.items():
-            pair = SubElement(joined, "VariableConnection")
-            for simulator, name in ((giver, output), (taker, wanted)):
-                SubElement(pair, "Variable", simulator=simulator, name=name)
     return xml_text(root)
 
 
