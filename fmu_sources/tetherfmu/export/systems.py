@@ -6,6 +6,7 @@ from xml.etree import ElementTree
 
 from tetherfmu.fmi.resources import DEFAULT_OPTIONS
 from tetherfmu.fmi.system_variables import Line, Point, Structure, structure_of, table_of
+from tetherfmu.fmi.wiring import of_system
 from tetherfmu.runtime.inputs import ZERO
 from tetherfmu.runtime.kernel_library import SYSTEM
 from tetherfmu.runtime.layout import START_AT_REST, START_GIVEN
@@ -44,14 +45,13 @@ def build(path, folder, platforms, shape_points=None, native=None, with_header=F
     words = f"{structure.name}: {lines} line{'s' * (lines > 1)} between {points} points, of which {free} free."
     sets = _evidence_of(found, native == 3, wind_points)
     if native:
-        wiring = native_system.wiring_of(structure, table_of(structure))
+        wiring = of_system(structure)
         model = fmus.Model(structure.name, f"{ABOUT} {words}", wiring, native_system.terminals(structure), TIMES)
         files = documents(structure, model.about, platforms, sets, native)
         return fmus.written(files, model, folder, platforms, native, with_header, with_sources)
     folder.mkdir(parents=True, exist_ok=True)
     options = {"system": structure.as_dict(), "about": words}
-    facts = {"module": "system_slave", "kind": "SystemSlave", "variant": None, "description": ABOUT}
-    made = packed_with_kernels(SLAVE, facts, SYSTEM, platforms, options)
+    made = packed_with_kernels(SLAVE, None, ABOUT, SYSTEM, platforms, options)
     made.update(documents(structure, ElementTree.fromstring(made[DESCRIPTION]).get("description"), platforms, sets))
     seal(made)
     return write(made, folder, structure.name, None)

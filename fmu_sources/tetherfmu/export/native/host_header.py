@@ -42,7 +42,7 @@ def c_name(name):
 def text(file, identifier, wiring, fmi, token):
     """Text of the header of a native FMU.
 
-    file : name of the FMU without ending.  identifier : model identifier.  wiring : `tables.Wiring`.  fmi : 2 or 3.
+    file : name of the FMU without ending.  identifier : model identifier.  wiring : `fmi.wiring.Wiring`.  fmi : 2 or 3.
     token : guid of FMI 2, instantiation token of FMI 3.
     """
     listed = arrays(wiring)
