@@ -48,6 +48,8 @@ class TetherSlave(BaseSlave):
         self._kite_is_free = self._is_direct and wiring.record.kite_is_free
         room = count - self._parameters_at if self._is_direct else 0
         self._instance = Instance(self._kernels(), wiring.lines, wiring.free, wiring.band, room)
+        if self._is_direct:
+            self.advance = self._instance.advance  # at once: one call less in each step
         first = self._instance.outputs_at
         found = [(reference, [first + place for place in places]) for reference, places in wiring.outputs]
         self._sums = [each for each in found if len(each[1]) > 1]
@@ -106,9 +108,7 @@ class TetherSlave(BaseSlave):
         return problem
 
     def advance(self, step):
-        """One communication step [s]. Returns what is wrong, or None."""
-        if self._is_direct:
-            return self._instance.advance(step)
+        """One communication step [s] of a system. Returns what is wrong, or None."""
         self._give()
         return self._shown(self._instance.advance(step))
 
@@ -120,9 +120,9 @@ class TetherSlave(BaseSlave):
     def _packed(self, values, tolerance):
         """What `_set_up` takes, from an array of all values; ValueError names a variable that is not allowed."""
         wiring = self._wiring
-        for each, reference in zip(wiring.table, wiring.references, strict=True):
+        for each in () if self._is_direct else wiring.table:  # of a tether alone `pack` names what is wrong as well
             if each.causality == PARAMETER:
-                _check(each, values[reference])
+                _check(each, values[each.place])
         lines = (
             (
                 line.name,

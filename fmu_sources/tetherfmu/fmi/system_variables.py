@@ -18,6 +18,12 @@ from ..runtime.quantities import Quantity, quantities
 from ..runtime.variables import INPUT, OUTPUT, PARAMETER, Variable, parameters_of, without_effect
 from ..runtime.variants import DYNAMIC
 
+
+def inputs_at(*terminals):
+    """Names of the inputs of a tether that belong to terminals of FMI 3."""
+    return tuple(each.name for each in inputs.INPUT_TABLE if each.terminal.partition(".")[0] in terminals)
+
+
 ENDS = ("ground", "kite")  # of the tether of a line: its start and its end
 OF_THE_SYSTEM = (Environment, Solver, Ground)
 RECORDS_OF_A_LINE = (Tether, Winch)  # whose quantities it has as parameters
@@ -32,8 +38,8 @@ OF_A_LINE = {  # outputs of a tether that a line has, and their names there
 }
 MEANINGS = {"tension_from": "tension of the first segment, at {}", "tension_to": "tension of the last segment, at {}"}
 SUMMED = ("solver_iterations",)  # of all lines; the others are those of the first line
-GIVEN_TO_ALL = ("wind_velocity",)  # vectors that all lines share
-GIVEN = ("reel_out_speed", "winch_force", "winch_length")  # inputs of a tether that a line has
+GIVEN_TO_ALL = inputs_at("wind")  # vectors that all lines share
+GIVEN = inputs_at("winch")  # inputs of a tether that a line has
 HASH_DIGITS = 8  # hexadecimal: with them the name of a structure has the 15 letters that a saved state has room for
 
 
@@ -126,7 +132,7 @@ def input_name(name, line):
     for end, point in zip(ENDS, (line.start, line.end), strict=True):
         if name.startswith(f"{end}_"):
             return f"{point}.{name.removeprefix(f'{end}_')}"
-    return f"{line.name}.{name}" if name.startswith(("reel", "winch", "wind_at")) else name
+    return f"{line.name}.{name}" if name in GIVEN or name.startswith(inputs.WIND_AT.name) else name
 
 
 # --- the table
