@@ -1,11 +1,12 @@
 """Assemble the FMU of a system of tethers from its file: one library serves all systems, so that nothing is compiled."""
 
+from dataclasses import asdict
 from html import escape
 from pathlib import Path
 from xml.etree import ElementTree
 
 from tetherfmu.fmi.resources import DEFAULT_OPTIONS
-from tetherfmu.fmi.system_variables import Line, Point, Structure, structure_of, table_of
+from tetherfmu.fmi.system_variables import Line, Point, Structure, table_of
 from tetherfmu.fmi.wiring import of_system
 from tetherfmu.runtime.inputs import ZERO
 from tetherfmu.runtime.kernel_library import SYSTEM
@@ -18,8 +19,7 @@ from tetherfmu.systems.tether_system import TetherSystem
 from . import evidence, osp
 from .archive import DESCRIPTION, SLAVES, packed_with_kernels, seal, write
 from .documents import about, files_beside, page
-from .native import fmus
-from .native import system as native_system
+from .native import description_fmi3, fmus
 from .texts import filled
 
 SLAVE = TetherSystem.__name__
@@ -46,11 +46,13 @@ def build(path, folder, platforms, shape_points=None, native=None, with_header=F
     sets = _evidence_of(found, native == 3, wind_points)
     if native:
         wiring = of_system(structure)
-        model = fmus.Model(structure.name, f"{ABOUT} {words}", wiring, native_system.terminals(structure), TIMES)
+        model = fmus.Model(
+            structure.name, f"{ABOUT} {words}", wiring, description_fmi3.terminals_of_system(structure), TIMES
+        )
         files = documents(structure, model.about, platforms, sets, native)
         return fmus.written(files, model, folder, platforms, native, with_header, with_sources)
     folder.mkdir(parents=True, exist_ok=True)
-    options = {"system": structure.as_dict(), "about": words}
+    options = {"system": asdict(structure), "about": words}
     made = packed_with_kernels(SLAVE, None, ABOUT, SYSTEM, platforms, options)
     made.update(documents(structure, ElementTree.fromstring(made[DESCRIPTION]).get("description"), platforms, sets))
     seal(made)
@@ -99,7 +101,7 @@ def structure_from(found, positions, shape_points=None, wind_points=0):
         shown = each.tether.segments + 1 if shape_points is None else shape_points
         lines.append(Line(each.name, each.start, each.end, starts, shown, wind_points))
     starts = values_of(found.environment, found.solver, found.ground)
-    return structure_of(Structure(found.name, tuple(points), tuple(lines), tuple(free), band, starts).as_dict())
+    return Structure(found.name, tuple(points), tuple(lines), tuple(free), band, starts)
 
 
 def values_of(*records):
