@@ -45,10 +45,8 @@ def build(path, folder, platforms, shape_points=None, native=None, with_header=F
     words = f"{structure.name}: {lines} line{'s' * (lines > 1)} between {points} points, of which {free} free."
     sets = _evidence_of(found, native == 3, wind_points)
     if native:
-        wiring = of_system(structure)
-        model = fmus.Model(
-            structure.name, f"{ABOUT} {words}", wiring, description_fmi3.terminals_of_system(structure), TIMES
-        )
+        wiring, terminals = of_system(structure), description_fmi3.terminals_of_system(structure)
+        model = fmus.Model(structure.name, f"{ABOUT} {words}", wiring, terminals, TIMES)
         files = documents(structure, model.about, platforms, sets, native)
         return fmus.written(files, model, folder, platforms, native, with_header, with_sources)
     folder.mkdir(parents=True, exist_ok=True)
