@@ -11,7 +11,6 @@ import sys
 import tempfile
 import zipfile
 from pathlib import Path
-from xml.etree import ElementTree
 
 from pythonfmu.builder import FmuBuilder
 
@@ -19,7 +18,7 @@ from tetherfmu.fmi.resources import KERNELS_FOLDER, OPTIONS_FILE
 from tetherfmu.libraries import ready
 from tetherfmu.libraries.sources import PACKAGE
 from tetherfmu.runtime.kernel_library import NO_LIBRARY_OF_PYTHONFMU, PYTHONFMU, file_name
-from tetherfmu.runtime.variants import BY_NAME, EVERY_VARIANT, class_name, library_of
+from tetherfmu.runtime.variants import EVERY_VARIANT, class_name, library_of
 
 from . import osp
 from .build_options import BuildOptions
@@ -56,10 +55,9 @@ def build(name, folder, options=None):
     folder, options = Path(folder), options or BuildOptions()
     folder.mkdir(parents=True, exist_ok=True)
     variant = SLAVES[name]
-    about = BY_NAME[variant].description
+    about = options.description_of(variant)
     files = packed_with_kernels(name, variant, about, library_of(variant), options.platforms, options.as_dict())
-    description = ElementTree.fromstring(files[DESCRIPTION]).get("description")
-    files.update(documents(name, variant, description, options))
+    files.update(documents(name, variant, about, options))
     seal(files)
     return write(files, folder, name, options.purpose)
 

@@ -3,7 +3,6 @@
 from dataclasses import asdict
 from html import escape
 from pathlib import Path
-from xml.etree import ElementTree
 
 from tetherfmu.fmi.resources import DEFAULT_OPTIONS
 from tetherfmu.fmi.system_variables import Line, Point, Structure, table_of
@@ -17,7 +16,7 @@ from tetherfmu.systems.ordering import ordered
 from tetherfmu.systems.tether_system import TetherSystem
 
 from . import evidence, osp
-from .archive import DESCRIPTION, SLAVES, packed_with_kernels, seal, write
+from .archive import SLAVES, packed_with_kernels, seal, write
 from .documents import about, files_beside, page
 from .native import description_fmi3, fmus
 from .texts import filled
@@ -42,17 +41,16 @@ def build(path, folder, platforms, shape_points=None, native=None, with_header=F
     found, positions = read(path)
     structure, folder = structure_from(found, positions, shape_points, wind_points), Path(folder)
     points, lines, free = len(structure.points), len(structure.lines), len(structure.free)
-    words = f"{structure.name}: {lines} line{'s' * (lines > 1)} between {points} points, of which {free} free."
+    about = f"{ABOUT} {structure.name}: {lines} line{'s' * (lines > 1)} between {points} points, of which {free} free."
     sets = _evidence_of(found, native == 3, wind_points)
     if native:
         wiring, terminals = of_system(structure), description_fmi3.terminals_of_system(structure)
-        model = fmus.Model(structure.name, f"{ABOUT} {words}", wiring, terminals, TIMES)
-        files = documents(structure, model.about, platforms, sets, native)
+        model = fmus.Model(structure.name, about, wiring, terminals, TIMES)
+        files = documents(structure, about, platforms, sets, native)
         return fmus.written(files, model, folder, platforms, native, with_header, with_sources)
     folder.mkdir(parents=True, exist_ok=True)
-    options = {"system": asdict(structure), "about": words}
-    made = packed_with_kernels(SLAVE, None, ABOUT, SYSTEM, platforms, options)
-    made.update(documents(structure, ElementTree.fromstring(made[DESCRIPTION]).get("description"), platforms, sets))
+    made = packed_with_kernels(SLAVE, None, about, SYSTEM, platforms, {"system": asdict(structure)})
+    made.update(documents(structure, about, platforms, sets))
     seal(made)
     return write(made, folder, structure.name, None)
 

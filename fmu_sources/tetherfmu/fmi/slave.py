@@ -31,7 +31,6 @@ class TetherSlave(BaseSlave):
     def __init__(self, **kwargs):
         super().__init__(**kwargs)
         options = options_in(self.resources)
-        self._about = options["about"]
         self._importer_tolerance, self._doubts = 0.0, ()
         if self.variant is None:
             self._wiring = of_system(structure_of(options["system"]))
@@ -64,13 +63,6 @@ class TetherSlave(BaseSlave):
         except OSError as error:
             self._no_kernels = str(error)
             return None
-
-    def to_xml(self, model_options=None):
-        """Model description, with what an FMU for one scene says about it."""
-        root = super().to_xml(model_options)
-        if self._about:
-            root.set("description", f"{self.__class__.description} {self._about}")
-        return root
 
     def take_tolerance(self, tolerance):
         """Remember the importer's tolerance where it is tighter than the default; warn of one that is none."""

@@ -17,7 +17,6 @@ from tetherfmu.libraries.ahead_of_time import object_name
 from tetherfmu.libraries.native_shell import SHELL, native_library
 from tetherfmu.runtime.kernel_library import SUFFIXES
 from tetherfmu.runtime.variables import table_of
-from tetherfmu.runtime.variants import BY_NAME
 
 from ..archive import DESCRIPTION, SLAVES, guid_of, write
 from ..build_options import BuildOptions
@@ -48,8 +47,7 @@ def build(name, folder, options=None, fmi=2, with_header=False, with_sources=Fal
     """
     options = options or BuildOptions()
     variant, given = SLAVES[name], DEFAULT_OPTIONS | options.as_dict()
-    about = " ".join(filter(None, [BY_NAME[variant].description, given["about"]]))
-    table = table_of(variant, given)
+    about, table = options.description_of(variant), table_of(variant, given)
     wiring, terminals = of_tether(variant, table, given["shape_points"]), description_fmi3.terminals(table)
     model = Model(name, about, wiring, terminals, (given["step"], given["stop"]))
     files = documents(name, variant, about, options, native=fmi)
