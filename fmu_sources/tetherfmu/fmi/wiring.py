@@ -5,11 +5,11 @@ References are value references; -1 is none.
 """
 
 from dataclasses import fields
-from itertools import accumulate, count
+from itertools import accumulate
 from typing import NamedTuple
 
-from ..runtime import inputs, outputs
 from ..runtime import layout as at
+from ..runtime import outputs
 from ..runtime import plan_layout as plan
 from ..runtime.inputs import WIND_AT, components
 from ..runtime.instance import Line
@@ -18,7 +18,9 @@ from ..runtime.outputs import COUNTERS
 from ..runtime.parameters import Ground, Tether, Winch
 from ..runtime.variables import INPUT, PARAMETER, input_names, line_of_tether, parameters_at, references, wind_points_in
 from ..runtime.variants import BY_NAME, Variant, library_of
-from .system_variables import GIVEN, GIVEN_TO_ALL, OF_A_LINE, OF_THE_SYSTEM, SUMMED, input_name, table_of
+from .system_variables import OF_A_LINE, OF_THE_SYSTEM, SUMMED, input_name, table_of
+
+FORCES = ("force", "tension_from", "tension_to")  # of a system: on driven points, and of lines at their ends
 
 
 class Wiring(NamedTuple):
@@ -89,14 +91,14 @@ def of_system(structure):
         quantities=[_quantities_of(line, own) for line in structure.lines],
         diameters=[own[f"{name}.diameter"] for name in names],
         slack_segments=[own[f"{name}.slack_segments"] for name in names],
-        forces=[own[name] for name in _forces(structure)],
+        forces=[each.place for each in table if each.name.rpartition(".")[2].partition("[")[0] in FORCES],
         sizes=sizes,
         inputs=_inputs_of(structure, own),
         carried=[[own[f"{point}.mass"] if point else -1 for point in points] for points in carried(structure)],
         outputs=tuple(_outputs_of(structure, own)),
         motion=tuple(_motion_of(structure, own)),
         starts=tuple(_starts_of(structure, own)),
-        checked=tuple(table[own[name]] for name in _unpacked(structure)),
+        checked=tuple(each for each in table[-fixed:] if each.name.partition(".")[0] in structure.free),
         free=structure.free,
         band=structure.band,
     )
@@ -146,32 +148,16 @@ def _quantities_of(line, places):
     return found
 
 
-def _forces(structure):
-    """Names of the forces on driven points, and of those that lines have at their ends."""
-    for point in structure.points:
-        if not point.is_free:
-            yield from components(f"{point.name}.force", 3)
-    for line in structure.lines:
-        yield from (f"{line.name}.tension_from", f"{line.name}.tension_to")
-
-
 def _inputs_of(structure, places):
     """Rows of inputs; free points have the motion of their start there."""
-    free = {point.name for point in structure.points if point.is_free}
     found, first = [], 0
-    for k, line in enumerate(structure.lines):
-        named = {}  # place: name
-        for end, point in line.ends:
-            for what in ("position", "velocity"):
-                own = f"{point}.{'initial_' if point in free else ''}{what}"
-                named |= dict(zip(count(inputs.PLACES[f"{end}_{what}"]), components(own, 3), strict=False))
-        for name in GIVEN:
-            named[inputs.PLACES[name]] = f"{line.name}.{name}"
-        for each in (inputs.BY_NAME[name] for name in GIVEN_TO_ALL):
-            named |= dict(zip(count(inputs.PLACES[each.name]), components(each.name, each.size), strict=False))
-        named |= {at.INPUTS + i: f"{line.name}.{name}" for i, name in enumerate(inputs.wind_at_names(line.wind_points))}
-        found += [(first + own, places[name], k, own) for own, name in named.items()]
-        first += at.inputs_size(line.wind_points)
+    for k, line in enumerate(lines_of(structure)):
+        for own, name in enumerate(line.inputs):
+            point, _, what = name.partition(".")
+            name = f"{point}.initial_{what}" if point in structure.free else name
+            if name in places:
+                found.append((first + own, places[name], k, own))
+        first += len(line.inputs)
     loads = [name for point in structure.free for name in components(f"{point}.load", 3)]
     return found + [(first + own, places[name], -1, own) for own, name in enumerate(loads)]
 
@@ -216,12 +202,3 @@ def _starts_of(structure, places):
         for place, name in ((plan.START_IS_SOUGHT, line.start), (plan.END_IS_SOUGHT, line.end)):
             if name in structure.free:
                 yield row + place, places[f"{name}.start"]
-
-
-def _unpacked(structure):
-    """Names of the parameters of free points."""
-    for point in structure.points:
-        if point.is_free:
-            yield from (f"{point.name}.mass", f"{point.name}.start")
-            for what in ("position", "velocity"):
-                yield from components(f"{point.name}.initial_{what}", 3)
