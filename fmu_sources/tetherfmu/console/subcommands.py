@@ -26,8 +26,15 @@ SUBCOMMANDS = {
         "tetherfmu advise examples/scenes/circle.toml --fast",
     ),
     "tradeoff": Subcommand(
-        "measure error and cost of every configuration in a scene", "tetherfmu tradeoff examples/scenes/circle.toml"
+        "measure error and cost of every configuration in a scene",
+        "tetherfmu tradeoff examples/scenes/circle.toml",
     ),
-    "tutorial": Subcommand("list, run and copy the lessons of the tutorial", "tetherfmu tutorial 06 --out plots"),
-    "web": Subcommand("write a page in which one flies a tether in the browser", "tetherfmu web --serve"),
+    "tutorial": Subcommand(
+        "list, run and copy the lessons of the tutorial",
+        "tetherfmu tutorial 06 --out plots",
+    ),
+    "web": Subcommand(
+        "write a page in which one flies a tether in the browser",
+        "tetherfmu web --serve",
+    ),
 }
