@@ -144,11 +144,12 @@ def folder_of(built_once, flavour):
 def example_folder(built_once):
     """Folder with all FMUs of the examples."""
     from runtime.host import extract_all
-    from tetherfmu.export import example_fmus
+    from tetherfmu.libraries.examples import example
 
     def build(folder):
-        for name in example_fmus.SLAVES:
-            example_fmus.build(name, folder)
+        fmus = example("shared.example_fmus")
+        for name in fmus.SLAVES:
+            fmus.build(name, folder)
         extract_all(folder)
 
     return built_once("example_fmus", build)

@@ -6,8 +6,10 @@ from pathlib import Path
 from make_interface import table
 from tetherfmu.export import documents
 from tetherfmu.export.documents import allowed, folded, meaning, unit
-from tetherfmu.export.example_fmus import SLAVES, slave, table_of
+from tetherfmu.libraries.examples import example
 from tetherfmu.runtime.variables import INPUT, OUTPUT, PARAMETER
+
+example_fmus = example("shared.example_fmus")
 
 
 def start(each):
@@ -138,7 +140,7 @@ opens at once: it is mapped into memory, and a step reads what it needs.
 The grid of a Mann box is not in its files: set `points_along`, `spacing_along` and those across and upwards.
 
 `file` is a String parameter: set it before the initialization, or build the FMU with it
-(`build("TurbulentWind", folder, [("file", path)])` of `tetherfmu.export.example_fmus`). Without a file the FMU gives the
+(`build("TurbulentWind", folder, [("file", path)])` of `examples/shared/example_fmus.py`). Without a file the FMU gives the
 mean wind with its profile. A file that is missing, cut off or of another kind is refused at the initialization, a number in
 it that is no wind when it is read; each in one sentence. A saved state holds the name of the file, not its content; the file
 must not change during a run.
@@ -186,8 +188,8 @@ a step of the FMU with FMPy 0.1 ms (AMD EPYC, 2 cores with other load, Linux, Py
 
 Copy a file of `examples/fmus`: a class that declares inputs, outputs and records of parameters, and has two methods,
 `first` and `next`, from numbers to numbers. `model_slave.py` does the rest: range checks, refusals, states, the model
-description. Add its name to `SLAVES` in `export/example_fmus.py`, or call `build` there. A kite that need not be an FMU
-is ten lines of Python in `examples/first_flight/fly_your_kite.py`.
+description. Add its name to `SLAVES` in `examples/shared/example_fmus.py`, or call `build` there. A kite that need not be an
+FMU is ten lines of Python in `examples/first_flight/fly_your_kite.py`.
 
 ## Systems as SSP files
 
@@ -218,10 +220,10 @@ load on the kite, which must not be, is exchanged often."""
 
 def section(name):
     """Equations, sources and tables of an FMU."""
-    module = sys.modules[slave(name).__module__]
+    module = sys.modules[example_fmus.slave(name).__module__]
     parts = [f"## {name}", f"```text\n{module.__doc__.partition(': ')[2].strip()}\n```"]
     for causality, columns in COLUMNS.items():
-        listed = folded([variable for variable in table_of(name) if variable.causality == causality])
+        listed = folded([variable for variable in example_fmus.table_of(name) if variable.causality == causality])
         if listed:
             rows = [(f"`{vector}`", *(column(each) for column in columns)) for vector, each in listed]
             parts += [f"{TITLES[causality]}:", table(("name", *(column.__name__ for column in columns)), rows)]
@@ -230,13 +232,13 @@ def section(name):
 
 def aerodynamics():
     """What both kites share."""
-    text = sys.modules[slave("PointMassKite").__module__.replace("point_mass_kite", "aerodynamics")].__doc__
+    text = sys.modules[example_fmus.slave("PointMassKite").__module__.replace("point_mass_kite", "aerodynamics")].__doc__
     return f"## Aerodynamics of both kites\n\n```text\n{text.strip()}\n```"
 
 
 def page():
     """Text of docs/use/example_fmus.md."""
-    return "\n\n".join([TEXT.strip(), aerodynamics(), *map(section, SLAVES)]) + "\n"
+    return "\n\n".join([TEXT.strip(), aerodynamics(), *map(section, example_fmus.SLAVES)]) + "\n"
 
 
 if __name__ == "__main__":

@@ -5,8 +5,8 @@ from pathlib import Path
 from make_interface import table
 from tetherfmu.export.native.arrays import arrays
 from tetherfmu.export.native.host_header import TYPES, c_name
-from tetherfmu.export.native.tables import wiring_of
 from tetherfmu.fmi.resources import DEFAULT_OPTIONS
+from tetherfmu.fmi.wiring import of_tether
 from tetherfmu.runtime.variables import INPUT, LOCAL, OUTPUT, PARAMETER, variables
 
 PAGE = Path(__file__).resolve().parents[1] / "reference" / "value_references.md"
@@ -51,7 +51,7 @@ In FMI 3 the time has the value reference {time} ({free_time} in `TetherDynamicF
 
 def wiring(variant):
     """Where the variables of a tether stand."""
-    return wiring_of(variant, variables(variant, POINTS), POINTS)
+    return of_tether(variant, variables(variant, POINTS), POINTS)
 
 
 def rows(found):

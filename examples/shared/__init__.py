@@ -1,1 +1,3 @@
-"""What the rooms share: FMUs are found, loaded and read by name; flights are drawn, and shown on pages in space."""
+"""What the rooms share: FMUs are found, loaded and read by name; flights are drawn, and shown on pages in space.
+
+`example_fmus` builds the FMUs of the room `fmus`, `ssp` systems of them."""

@@ -37,8 +37,7 @@ def check_wind(environment, wind_points):
     """ValueError if a wind profile is given, and has no effect as the wind is given at points."""
     if wind_points and environment.wind_profile != at.UNIFORM:
         raise ValueError(
-            f"wind_profile is {environment.wind_profile} and has no effect with wind_points, at which wind_at gives the wind; "
-            "leave one of them out"
+            f"wind_profile is {environment.wind_profile} and has no effect with wind_points, at which wind_at gives the wind"
         )
 
 

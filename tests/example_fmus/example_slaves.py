@@ -1,6 +1,8 @@
 """Slaves of the examples without a host: by their names, with values by name."""
 
-from tetherfmu.export.example_fmus import slave
+from tetherfmu.libraries.examples import example
+
+example_fmus = example("shared.example_fmus")
 
 
 class Model:
@@ -10,7 +12,7 @@ class Model:
     """
 
     def __init__(self, name, file="", **values):
-        self.slave = slave(name)(instance_name=name, resources="")
+        self.slave = example_fmus.slave(name)(instance_name=name, resources="")
         self.places = dict(zip((each.name for each in self.slave.table), self.slave.references, strict=True))
         self.messages, self.time = [], 0.0
         self.slave.say = lambda message, level: self.messages.append(message)

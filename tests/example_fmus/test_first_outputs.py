@@ -4,8 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from example_fmus.example_slaves import Model
-from tetherfmu.export.example_fmus import SLAVES, table_of
+from example_fmus.example_slaves import Model, example_fmus
 
 # nothing is without effect: wind blows, the kite flies aside, the air thins, the profile has all laws, steering has no limit
 FIRST = {
@@ -22,24 +21,24 @@ BOX = Path(__file__).resolve().parents[1] / "reference" / "mann_u.turb"
 
 def outputs(name, **changes):
     """First outputs by name."""
-    known = {variable.name: variable for variable in table_of(name)}
+    known = {variable.name: variable for variable in example_fmus.table_of(name)}
     first = {each: value for each, value in FIRST.items() if each in known and known[each].causality != "output"}
     file = {"file": BOX, **GRID} if name == "TurbulentWind" else {}
     model = Model(name, **{**first, **file, **changes})
     return {each: model.get(each) for each, variable in known.items() if variable.causality == "output"}
 
 
-@pytest.mark.parametrize("name", list(SLAVES))
+@pytest.mark.parametrize("name", list(example_fmus.SLAVES))
 def test_first_outputs_depend_on_what_is_declared(name):
     before, found = outputs(name), {}
-    for variable in table_of(name):
+    for variable in example_fmus.table_of(name):
         if variable.causality != "output" and variable.name not in GRID:
             value = FIRST.get(variable.name, variable.start)
             changed = value % len(variable.quantity.choices) + 1 if variable.quantity.choices else 0.9 * value + 0.01
             for each, now in outputs(name, **{variable.name: changed}).items():
                 if now != before[each]:
                     found.setdefault(each, set()).add(variable.name)
-    declared = {each.name: set(each.depends_on) for each in table_of(name) if each.causality == "output"}
+    declared = {each.name: set(each.depends_on) for each in example_fmus.table_of(name) if each.causality == "output"}
     for each, names in found.items():
         assert names <= declared[each], each
     idle = set.union(*declared.values()) - set.union(*found.values(), set())

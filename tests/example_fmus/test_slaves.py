@@ -7,9 +7,9 @@ from fmpy import read_model_description
 from fmpy.fmi1 import FMICallException
 from fmpy.validation import validate_fmu
 
+from example_fmus.example_slaves import example_fmus
 from isolation import in_shared_process
 from runtime.host import Host, blob_of, restore
-from tetherfmu.export import example_fmus
 
 every_example = pytest.mark.parametrize("name", list(example_fmus.SLAVES))
 BLOWING = {"wind_velocity": (8.0, 1.0, 0.0), "kite_force": (-100.0, 0.0, -150.0), "ground_tension": 900.0, "depower": 0.3}

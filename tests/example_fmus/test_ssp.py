@@ -15,8 +15,9 @@ from lxml import etree
 
 from isolation import in_own_process, own_process
 from runtime import clients
-from tetherfmu.export import ssp
+from tetherfmu.libraries.examples import example
 
+ssp = example("shared.ssp")
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLES = ROOT / "examples"
 SPACES = {prefix: f"{ssp.NAMESPACE}{what}" for prefix, what in ssp.PREFIXES.items()}

@@ -9,7 +9,6 @@ from fmpy.ssp.ssd import read_ssd, validate_tree
 from lxml import etree
 
 from isolation import own_process
-from tetherfmu.export import ssp
 from tetherfmu.libraries.examples import example
 from tetherfmu.wind import frozen_turbulence as frozen
 from tetherfmu.wind import wind_boxes as boxes
@@ -21,7 +20,7 @@ every_system = pytest.mark.parametrize("name", SYSTEMS)
 
 @pytest.fixture(scope="session")
 def systems(built_once):
-    return built_once("ssp", lambda folder: ssp.write_all(folder))  # as for test_ssp.py
+    return built_once("ssp", lambda folder: example("shared.ssp").write_all(folder))  # as for test_ssp.py
 
 
 @every_system

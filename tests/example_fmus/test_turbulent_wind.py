@@ -9,10 +9,9 @@ import pytest
 from fmpy import read_model_description
 from fmpy.fmi1 import FMICallException
 
-from example_fmus.example_slaves import Model
+from example_fmus.example_slaves import Model, example_fmus
 from isolation import in_own_process
 from runtime.host import Host, blob_of, restore
-from tetherfmu.export import example_fmus
 from tetherfmu.wind import frozen_turbulence as frozen
 from tetherfmu.wind import wind_boxes as boxes
 

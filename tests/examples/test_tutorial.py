@@ -10,14 +10,14 @@ import pytest
 from running import assert_is_drawn, run
 
 from tetherfmu.__main__ import main as tetherfmu
-from tetherfmu.commands.tutorial import lessons
-from tetherfmu.libraries.examples import EXAMPLES
+from tetherfmu.libraries.examples import EXAMPLES, example
 
 MOST_WORK = 200_000  # evaluations and steps of a lesson: with 15 microseconds for each from Python, three seconds
 MOST_SIMULATED = 130.0  # seconds: 6500 rows of 20 ms to compute and to draw
 LEAST_LINES, MOST_LINES = 20, 60  # of its file: what a newcomer reads at a sitting
 MOVING = ("05", "06", "08", "11", "12")  # lessons with an animation
 LINE = re.compile(r"^(\w+): .+; ([\d.e+-]+) s in [\d.e+-]+ ms, [\d.e+-]+ times real time \((.+)\)$")
+lessons = example("tutorial.command").lessons
 NAMES = list(lessons())
 COSTS = [
     "solve_ivp without events: COST (published: Julia 0.606 ms, Python 20 ms)",

@@ -10,7 +10,6 @@ import pytest
 from running import EXAMPLES, assert_is_drawn, run
 
 from isolation import own_process
-from tetherfmu.export import ssp
 from tetherfmu.export.build_options import BuildOptions
 from tetherfmu.export.documents import OSP_FOLDER
 from tetherfmu.libraries.examples import example
@@ -19,6 +18,7 @@ sys.path.append(str(EXAMPLES))
 
 from fmus import winch_motor
 from power_system.kite_power_system import OWN_STEPS
+from shared import ssp
 
 SHORT = "{**kite_power_system.START, 'controller.longest_length': 225.0}"  # a cycle of half a minute
 POWER = """

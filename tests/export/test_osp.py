@@ -53,10 +53,11 @@ ECCO = {
     "p_gain": 0.2,
     "i_gain": 0.15,
 }
+OF_A_WINCH = ["LinearVelocity", "Force", "LinearDisplacement", "LinearVelocity", "LinearDisplacement"]
 # what the schema of OSP-IS 1.0.1 says of the elements that are used here: children in this order
 CHILDREN = {
     "OspModelDescription": ["VariableGroups"],
-    "VariableGroups": ["Generic", "Generic", "LinearVelocity", *(kind for kind, _, _ in osp.WINCH)],
+    "VariableGroups": ["Generic", "Generic", "LinearVelocity", *OF_A_WINCH],
     "Generic": ["Force", "LinearVelocity", "LinearDisplacement"],
 }
 

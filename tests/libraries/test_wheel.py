@@ -11,9 +11,9 @@ from pathlib import Path
 
 import pytest
 
-from tetherfmu.export.example_fmus import SLAVES as EXAMPLES
 from tetherfmu.libraries import c_kernels, ready, webassembly
 from tetherfmu.libraries.ahead_of_time import TARGETS, object_name
+from tetherfmu.libraries.examples import example
 from tetherfmu.runtime.kernel_library import file_name
 from tetherfmu.runtime.variants import EVERY_VARIANT, VARIANTS, class_name
 
@@ -97,7 +97,10 @@ def test_builds_and_flies_the_circle_without_a_compiler(clean, tmp_path):
     assert [Path(line.split()[0]).name for line in tethers] == [f"{class_name(variant)}.fmu" for variant in EVERY_VARIANT]
     assert all(line.endswith(f"for {', '.join(TARGETS)}") for line in tethers)
     systems = [f"{name}.ssp" for name in ("kite_power_system", "winch_inside", "circular_flight", *TURBULENT)]
-    assert [Path(line.split()[0]).name for line in examples] == [*(f"{name}.fmu" for name in EXAMPLES), *systems]
+    assert [Path(line.split()[0]).name for line in examples] == [
+        *(f"{name}.fmu" for name in example("shared.example_fmus").SLAVES),
+        *systems,
+    ]
     flown = done(clean / "tetherfmu", "fly", "--tether", "all", cwd=tmp_path).splitlines()
     assert sum("times real time" in line for line in flown) == len(VARIANTS)
     figures = [tmp_path / line for line in flown if line.endswith(".png")]

@@ -4,7 +4,8 @@ import shutil
 import subprocess
 
 from tetherfmu.export.native.fmus import HEADERS
-from tetherfmu.export.native.tables import header, wiring_of
+from tetherfmu.export.native.tables import header
+from tetherfmu.fmi.wiring import of_tether
 from tetherfmu.libraries import ready
 from tetherfmu.libraries.ahead_of_time import object_name
 from tetherfmu.libraries.native_shell import SHELL, unit
@@ -27,7 +28,7 @@ def compiled(folder, variant, fmi, source, options, segments=3, shape_points=5, 
     shell : whether the shell and the kernels are in the program.
     """
     table = table_of(variant, {"segments": segments, "shape_points": shape_points})
-    (folder / "tables.h").write_text(header(wiring_of(variant, table, shape_points), fmi, "{token}"))
+    (folder / "tables.h").write_text(header(of_tether(variant, table, shape_points), fmi, "{token}"))
     (folder / "unit.c").write_text(f'{unit(fmi) if shell else ""}#include "{source}"\n')
     library = library_of(variant)
     kernels = ready.folders([library], [this_platform()])[library] / object_name(this_platform())

@@ -2,10 +2,10 @@
 
 import pytest
 
-from example_fmus.example_slaves import Model
+from example_fmus.example_slaves import Model, example_fmus
 from tetherfmu import TetherDynamicFree
 from tetherfmu.energy import POWERS, EnergyAudit
-from tetherfmu.export.example_fmus import slave
+from tetherfmu.libraries.examples import example
 
 STEP = 0.01
 CONTROL = ("steering", "depower")
@@ -14,13 +14,10 @@ FELT = ("heading", "apparent_wind_speed")
 
 def flying():
     """Tether and models of the pumping cycle, with a short cycle; the models are started as the masters do it."""
-    slave("Winch")  # finds the folder of the examples
-    from power_system.kite_power_system import START
-
-    start = {**START, "longest_length": 225.0}
+    start = {**example("power_system.kite_power_system").START, "longest_length": 225.0}
     models = {}
     for name in ("PointMassKite", "FlightController", "Winch"):
-        known = {variable.name for variable in slave(name)(instance_name=name, resources="").table}
+        known = {variable.name for variable in example_fmus.slave(name)(instance_name=name, resources="").table}
         models[name] = Model(name, **{key: value for key, value in start.items() if key in known - {"heading"}})
     air = {key: start[key] for key in ("wind_profile", "wind_reference_height", "wind_exponent")}
     made = {key: start[key] for key in ("kite_mass", "segments", "initial_length", "initial_shape")}

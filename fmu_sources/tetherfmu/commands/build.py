@@ -6,12 +6,13 @@ import sys
 from tetherfmu.console.ending import FAILED, WrongUse, command, one_line
 from tetherfmu.console.options import Parser, amount, folder
 from tetherfmu.console.progress import now
-from tetherfmu.export import archive, example_fmus, ssp
+from tetherfmu.export import archive
 from tetherfmu.export.archive import SLAVES
 from tetherfmu.export.build_options import BuildOptions
 from tetherfmu.export.native import fmus as native
 from tetherfmu.libraries import ready
 from tetherfmu.libraries.ahead_of_time import TARGETS
+from tetherfmu.libraries.examples import example
 from tetherfmu.materials import MATERIALS, tether_of
 from tetherfmu.runtime.kernel_library import PYTHONFMU, this_platform
 from tetherfmu.runtime.limits import MAX_WIND_POINTS
@@ -84,69 +85,37 @@ def parse(arguments, prog="tetherfmu build"):
 
 def _add_start_values(option):
     """Declare the start values of the rope; option : adds one to the parser."""
-    option(
-        "--segments",
-        type=amount(SEGMENTS, whole=True),
-        metavar="N",
-        help=f"start value of segments (default: {BuildOptions.segments})",
-    )
-    option(
-        "--diameter",
-        type=amount(DIAMETER),
-        metavar="D",
-        help="start value of diameter [m]; those of stiffness and damping grow with its square (default: 0.004)",
-    )
-    option(
-        "--material",
-        choices=tuple(MATERIALS),
-        help="start values of density, stiffness and damping of a rope of this material (default: 724 kg/m3 and 49 GPa)",
-    )
+    about = f"start value of segments (default: {BuildOptions.segments})"
+    option("--segments", type=amount(SEGMENTS, whole=True), metavar="N", help=about)
+    about = "start value of diameter [m]; those of stiffness and damping grow with its square (default: 0.004)"
+    option("--diameter", type=amount(DIAMETER), metavar="D", help=about)
+    about = "start values of density, stiffness and damping of a rope of this material (default: 724 kg/m3 and 49 GPa)"
+    option("--material", choices=tuple(MATERIALS), help=about)
 
 
 def _add_points(option):
     """Declare the points of the shape and of the wind; see `_add_start_values`."""
-    option(
-        "--shape-points",
-        type=points(MAX_SHAPE_POINTS),
-        metavar="K",
-        help=f"points of the output shape, 0 for none (default: {BuildOptions.shape_points}; of a system, one at each node)",
-    )
-    option(
-        "--wind-points",
-        type=points(MAX_WIND_POINTS),
-        default=BuildOptions.wind_points,
-        metavar="K",
-        help="points of the input wind_at, which replaces wind_velocity and the profile; 0 for none (default: 0)",
-    )
+    usual = f"(default: {BuildOptions.shape_points}; of a system, one at each node)"
+    about = f"points of the output shape, 0 for none {usual}"
+    option("--shape-points", type=points(MAX_SHAPE_POINTS), metavar="K", help=about)
+    about = "points of the input wind_at, which replaces wind_velocity and the profile; 0 for none (default: 0)"
+    option("--wind-points", type=points(MAX_WIND_POINTS), default=BuildOptions.wind_points, metavar="K", help=about)
 
 
 def _add_flavours(option):
     """Declare for whom the FMUs are, and of what; see `_add_start_values`."""
-    option(
-        "--platforms",
-        type=platforms,
-        default=this_platform(),
-        metavar="P,...",
-        help=f"platforms to compile for, of {', '.join(TARGETS)}, or all (default: {this_platform()}, this one)",
-    )
+    here = this_platform()
+    about = f"platforms to compile for, of {', '.join(TARGETS)}, or all (default: {here}, this one)"
+    option("--platforms", type=platforms, default=here, metavar="P,...", help=about)
     option("--examples", action="store_true", help="also build the FMUs and systems (SSP) of the examples")
     option("--native", action="store_true", help="build FMUs that need no Python in their host")
     option("--fmi", type=int, choices=(2, 3), default=2, help="version of FMI, 3 with --native only (default: 2)")
-    option(
-        "--header",
-        action="store_true",
-        help="with --native: also write a C header for hosts, with value references and the guid or token",
-    )
-    option(
-        "--sources",
-        action="store_true",
-        help="with --native: also put C sources into the FMU, which importers compile for any other processor",
-    )
-    option(
-        "--system",
-        metavar="FILE",
-        help="build the one FMU of the system of tethers in this file; its lines and points have the names of the file",
-    )
+    about = "with --native: also write a C header for hosts, with value references and the guid or token"
+    option("--header", action="store_true", help=about)
+    about = "with --native: also put C sources into the FMU, which importers compile for any other processor"
+    option("--sources", action="store_true", help=about)
+    about = "build the one FMU of the system of tethers in this file; its lines and points have the names of the file"
+    option("--system", metavar="FILE", help=about)
     option("--scene", metavar="FILE", help="build the one FMU advised for this scene, omitting unused variables")
 
 
@@ -238,8 +207,9 @@ def main(arguments=None, prog="tetherfmu build"):
     for name in names:
         build(wanted, name, options)
     if wanted.examples:
-        for name in example_fmus.SLAVES:
-            show(example_fmus.build(name, wanted.out), PYTHONFMU)
-        for path in ssp.write_all(wanted.out, BuildOptions(platforms=platforms)):
+        fmus = example("shared.example_fmus")
+        for name in fmus.SLAVES:
+            show(fmus.build(name, wanted.out), PYTHONFMU)
+        for path in example("shared.ssp").write_all(wanted.out, BuildOptions(platforms=platforms)):
             print(f"{path}  {path.stat().st_size / 1000:.0f} kB  a system of FMUs")
     return 0

@@ -12,19 +12,11 @@ class Subcommand(NamedTuple):
 
 
 SUBCOMMANDS = {
-    "build": Subcommand(
-        "build FMUs: all, or those that are named",
-        "tetherfmu build dynamic --segments 20 --native",
-    ),
+    "build": Subcommand("build FMUs: all, or those that are named", "tetherfmu build dynamic --segments 20 --native"),
     "fly": Subcommand(
-        "fly a kite on a circle, or the flight of a CSV file, with tether FMUs",
-        "tetherfmu fly --tether all --wind 8 0 0",
+        "fly a kite on a circle, or the flight of a CSV file, with tether FMUs", "tetherfmu fly --tether all --wind 8 0 0"
     ),
-    "check": Subcommand(
-        "check FMUs on this machine",
-        "tetherfmu check dist/TetherDynamic.fmu",
-        "tetherfmu.check.__main__",
-    ),
+    "check": Subcommand("check FMUs on this machine", "tetherfmu check dist/TetherDynamic.fmu", "tetherfmu.check.__main__"),
     "replay": Subcommand(
         "fly a measured flight with the tethers, and compare them with its log",
         "tetherfmu replay examples/flights/kitepower_20191008_0012.csv --as kitepower_2019",

@@ -11,7 +11,6 @@ import sys
 import tempfile
 import zipfile
 from pathlib import Path
-from xml.etree import ElementTree
 
 from pythonfmu.builder import FmuBuilder
 
@@ -19,7 +18,7 @@ from tetherfmu.fmi.resources import KERNELS_FOLDER, OPTIONS_FILE
 from tetherfmu.libraries import ready
 from tetherfmu.libraries.sources import PACKAGE
 from tetherfmu.runtime.kernel_library import NO_LIBRARY_OF_PYTHONFMU, PYTHONFMU, file_name
-from tetherfmu.runtime.variants import BY_NAME, EVERY_VARIANT, class_name, library_of
+from tetherfmu.runtime.variants import EVERY_VARIANT, class_name, library_of
 
 from . import osp
 from .build_options import BuildOptions
@@ -28,10 +27,10 @@ from .documents import OSP_FOLDER, documents
 SLAVES = {class_name(each): each for each in EVERY_VARIANT}  # name of the FMU: variant
 SLAVE = '''"""PythonFMU slave."""
 
-from .fmi.{module} import {kind}
+from .fmi.slave import TetherSlave
 
 
-class {name}({kind}):
+class {name}(TetherSlave):
     variant, description = {variant!r}, {description!r}
 '''
 SHIPPED = ("runtime", "fmi")  # folders of the package that every FMU has
@@ -56,27 +55,26 @@ def build(name, folder, options=None):
     folder, options = Path(folder), options or BuildOptions()
     folder.mkdir(parents=True, exist_ok=True)
     variant = SLAVES[name]
-    facts = {"module": "slave", "kind": "TetherSlave", "variant": variant, "description": BY_NAME[variant].description}
-    files = packed_with_kernels(name, facts, library_of(variant), options.platforms, options.as_dict())
-    description = ElementTree.fromstring(files[DESCRIPTION]).get("description")
-    files.update(documents(name, variant, description, options))
+    about = options.description_of(variant)
+    files = packed_with_kernels(name, variant, about, library_of(variant), options.platforms, options.as_dict())
+    files.update(documents(name, variant, about, options))
     seal(files)
     return write(files, folder, name, options.purpose)
 
 
-def packed_with_kernels(name, facts, library, platforms, options):
+def packed_with_kernels(name, variant, about, library, platforms, options):
     """Files of an FMU with PythonFMU's model description, dict of path to bytes; RuntimeError if compiling fails.
 
     PythonFMU's libraries are in it for the platforms of the kernels only; RuntimeError if it has none for them.
-    name : class of the slave.  facts : on it, for `SLAVE`.  library : of its kernels.  options : dict that it reads when it
-    runs.
+    name : class of the slave.  variant : None for a system.  about : description.  library : of its kernels.  options : dict
+    that it reads when it runs.
     """
     compiled = ready.folders([library], platforms)[library]
     kernels = [compiled / file_name(library, platform) for platform in platforms]
-    file = f"tether_{facts['variant'] or library}.py"
+    text = SLAVE.format(name=name, variant=variant, description=about)
     with tempfile.TemporaryDirectory() as temporary:
         resources = Path(temporary) / "resources"
-        shipped = write_package(resources, name, file, SLAVE.format(name=name, **facts), kernels)
+        shipped = write_package(resources, name, f"tether_{variant or library}.py", text, kernels)
         (resources / KERNELS_FOLDER).mkdir()
         for each in kernels:
             shutil.copy(each, resources / KERNELS_FOLDER)

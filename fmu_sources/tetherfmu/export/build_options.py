@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 
 from tetherfmu.fmi.resources import DEFAULT_OPTIONS
 from tetherfmu.runtime.kernel_library import this_platform
+from tetherfmu.runtime.variants import BY_NAME
 
 
 @dataclass(frozen=True)
@@ -30,6 +31,10 @@ class BuildOptions:
     purpose: Purpose | None = None  # of an FMU for one scene or one system; all others have an evidence set
     wind_points: int = DEFAULT_OPTIONS["wind_points"]  # points of the input `wind_at`, at least 2; 0 leaves it out
 
+    def description_of(self, variant):
+        """Description of the FMU of a variant, one paragraph."""
+        return " ".join([BY_NAME[variant].description, *([self.purpose.about] if self.purpose else [])])
+
     def as_dict(self):
         """What the FMU itself must know, without defaults, as `fmi.resources.options_in` reads it."""
         options = {"segments": self.segments, "shape_points": self.shape_points}
@@ -39,5 +44,5 @@ class BuildOptions:
             options["starts"] = [list(each) for each in self.starts]
         if self.purpose:
             own = self.purpose
-            options |= {"left_out": list(own.left_out), "about": own.about, "step": own.step, "stop": own.stop}
+            options |= {"left_out": list(own.left_out), "step": own.step, "stop": own.stop}
         return options

@@ -5,20 +5,14 @@ libcosim reads NAME_OspModelDescription.xml beside the FMU or beside the system 
 
 from xml.etree.ElementTree import Element, SubElement
 
-from tetherfmu.fmi.model_description import number_text
+from tetherfmu.fmi.system_variables import inputs_at
 
 from .texts import xml_text
 
 NAMESPACE = "https://open-simulation-platform.com/OspModelDescription/1.0.1"
-NAMESPACE_OF_STRUCTURE = "http://opensimulationplatform.com/MSMI/OSPSystemStructure"
-WINCH = (  # kind and name of a group, and its variable
-    ("LinearVelocity", "reel_out", "reel_out_speed"),
-    ("Force", "winch_pull", "winch_force"),
-    ("LinearDisplacement", "winch", "winch_length"),
-    ("LinearVelocity", "winch_speed", "winch_speed"),
-    ("LinearDisplacement", "tether_length", "tether_length"),
-)
-STRUCTURE = "OspSystemStructure.xml"  # as libcosim looks for it
+KINDS = {"m/s": "LinearVelocity", "N": "Force", "m": "LinearDisplacement"}  # of groups, by the unit of their variables
+WINCH = (*inputs_at("winch"), "winch_speed", "tether_length")  # variables that have a group of their own
+GROUPS = {"reel_out_speed": "reel_out", "winch_force": "winch_pull", "winch_length": "winch"}  # those of other names
 
 
 def file_name(name):
@@ -27,7 +21,7 @@ def file_name(name):
 
 
 def model_description(table):
-    """Text of the file.
+    """Text of the file of a tether.
 
     Two Generic groups, `kite` and `ground`, each with a Force, a LinearVelocity and a LinearDisplacement in this order; and
     the LinearVelocity group `wind` and those of the winch, `WINCH`.
@@ -36,14 +30,8 @@ def model_description(table):
 
     table : of `variables.Variable`.
     """
-    units = {variable.name: variable.quantity.unit for variable in table}
-    root, groups = _root()
-    for end, force in (("kite", "load" if "kite_load[1]" in units else "force"), ("ground", "force")):
-        _port(groups, end, units, f"{end}_", force)
-    if "wind_at[1,1]" not in units:  # which replaces it, and has no group
-        _vector(groups, "LinearVelocity", "wind", units, "wind_velocity")
-    _winch(groups, units)
-    return xml_text(root)
+    force = "load" if any(variable.name == "kite_load[1]" for variable in table) else "force"
+    return _text(table, (("kite", "kite_", force), ("ground", "ground_", "force")), (("", ""),))
 
 
 def model_description_of_system(structure, table):
@@ -51,45 +39,27 @@ def model_description_of_system(structure, table):
 
     The force of a free point is its load.  structure : `system_variables.Structure`.  table : of `variables.Variable`.
     """
+    ports = [(point.name, f"{point.name}.", "load" if point.is_free else "force") for point in structure.points]
+    return _text(table, ports, [(f"{line.name}_", f"{line.name}.") for line in structure.lines])
+
+
+def _text(table, ports, winches):
+    """Text of a file; ports : arguments of `_port`.  winches : what the names of their groups and variables begin with."""
     units = {variable.name: variable.quantity.unit for variable in table}
-    root, groups = _root()
-    for point in structure.points:
-        _port(groups, point.name, units, f"{point.name}.", "load" if point.is_free else "force")
-    if not structure.has_wind_points:
-        _vector(groups, "LinearVelocity", "wind", units, "wind_velocity")
-    for line in structure.lines:
-        _winch(groups, units, f"{line.name}_", f"{line.name}.")
-    return xml_text(root)
-
-
-def system_structure(sources, connections, step, steps):
-    """Text of a system structure: FMUs that exchange their variables after each step, all from the same communication point.
-
-    sources : dict of simulators to the places of their FMUs, as seen from the file.  connections : dict of simulators to
-    dicts of their inputs to pairs (simulator, output).  step : shortest communication step [s].  steps : dict of the
-    simulators that have another one, a multiple of it [s].
-    """
-    root = Element("OspSystemStructure", xmlns=NAMESPACE_OF_STRUCTURE, version="0.1")
-    for name, text in (("StartTime", "0"), ("BaseStepSize", number_text(step)), ("Algorithm", "fixedStep")):
-        SubElement(root, name).text = text
-    simulators, joined = SubElement(root, "Simulators"), SubElement(root, "Connections")
-    for name, source in sources.items():
-        SubElement(simulators, "Simulator", name=name, source=source, stepSize=number_text(steps.get(name, step)))
-    for taker, inputs in connections.items():
-        for wanted, (giver, output) in inputs.items():
-            pair = SubElement(joined, "VariableConnection")
-            for simulator, name in ((giver, output), (taker, wanted)):
-                SubElement(pair, "Variable", simulator=simulator, name=name)
-    return xml_text(root)
-
-
-def _root():
-    """The root of a file, and its element of groups."""
     root = Element("OspModelDescription", xmlns=NAMESPACE, version="1.0")
-    return root, SubElement(root, "VariableGroups")
+    groups = SubElement(root, "VariableGroups")
+    for port in ports:
+        _port(groups, units, *port)
+    if not any("wind_at[" in name for name in units):  # which replaces it, and has no group
+        _vector(groups, "LinearVelocity", "wind", units, "wind_velocity")
+    for group, prefix in winches:
+        for name in (each for each in WINCH if f"{prefix}{each}" in units):
+            element = SubElement(groups, KINDS[units[f"{prefix}{name}"]], name=f"{group}{GROUPS.get(name, name)}")
+            SubElement(element, "Variable", ref=f"{prefix}{name}", unit=units[f"{prefix}{name}"])
+    return xml_text(root)
 
 
-def _port(groups, name, units, prefix, force):
+def _port(groups, units, name, prefix, force):
     """Add the group of force, velocity and position of an end or a point (`groups` is modified), unless the FMU has none.
 
     prefix : before these words in the names of the variables.  force : the word for the force.
@@ -99,17 +69,6 @@ def _port(groups, name, units, prefix, force):
         _vector(port, kind, f"{name}_{what}", units, f"{prefix}{what}")
     if len(port):
         groups.append(port)
-
-
-def _winch(groups, units, group_prefix="", prefix=""):
-    """Add the groups of a winch, of the variables that the FMU has (`groups` is modified).
-
-    group_prefix, prefix : before the names of groups and variables.
-    """
-    for kind, group, name in WINCH:
-        if f"{prefix}{name}" in units:
-            element = SubElement(groups, kind, name=f"{group_prefix}{group}")
-            SubElement(element, "Variable", ref=f"{prefix}{name}", unit=units[f"{prefix}{name}"])
 
 
 def _vector(parent, kind, group, units, vector):

@@ -1,11 +1,12 @@
 """Assemble the FMU of a system of tethers from its file: one library serves all systems, so that nothing is compiled."""
 
+from dataclasses import asdict
 from html import escape
 from pathlib import Path
-from xml.etree import ElementTree
 
 from tetherfmu.fmi.resources import DEFAULT_OPTIONS
-from tetherfmu.fmi.system_variables import Line, Point, Structure, structure_of, table_of
+from tetherfmu.fmi.system_variables import Line, Point, Structure, table_of
+from tetherfmu.fmi.wiring import of_system
 from tetherfmu.runtime.inputs import ZERO
 from tetherfmu.runtime.kernel_library import SYSTEM
 from tetherfmu.runtime.layout import START_AT_REST, START_GIVEN
@@ -15,10 +16,9 @@ from tetherfmu.systems.ordering import ordered
 from tetherfmu.systems.tether_system import TetherSystem
 
 from . import evidence, osp
-from .archive import DESCRIPTION, SLAVES, packed_with_kernels, seal, write
+from .archive import SLAVES, packed_with_kernels, seal, write
 from .documents import about, files_beside, page
-from .native import fmus
-from .native import system as native_system
+from .native import description_fmi3, fmus
 from .texts import filled
 
 SLAVE = TetherSystem.__name__
@@ -41,18 +41,16 @@ def build(path, folder, platforms, shape_points=None, native=None, with_header=F
     found, positions = read(path)
     structure, folder = structure_from(found, positions, shape_points, wind_points), Path(folder)
     points, lines, free = len(structure.points), len(structure.lines), len(structure.free)
-    words = f"{structure.name}: {lines} line{'s' * (lines > 1)} between {points} points, of which {free} free."
+    about = f"{ABOUT} {structure.name}: {lines} line{'s' * (lines > 1)} between {points} points, of which {free} free."
     sets = _evidence_of(found, native == 3, wind_points)
     if native:
-        wiring = native_system.wiring_of(structure, table_of(structure))
-        model = fmus.Model(structure.name, f"{ABOUT} {words}", wiring, native_system.terminals(structure), TIMES)
-        files = documents(structure, model.about, platforms, sets, native)
+        wiring, terminals = of_system(structure), description_fmi3.terminals_of_system(structure)
+        model = fmus.Model(structure.name, about, wiring, terminals, TIMES)
+        files = documents(structure, about, platforms, sets, native)
         return fmus.written(files, model, folder, platforms, native, with_header, with_sources)
     folder.mkdir(parents=True, exist_ok=True)
-    options = {"system": structure.as_dict(), "about": words}
-    facts = {"module": "system_slave", "kind": "SystemSlave", "variant": None, "description": ABOUT}
-    made = packed_with_kernels(SLAVE, facts, SYSTEM, platforms, options)
-    made.update(documents(structure, ElementTree.fromstring(made[DESCRIPTION]).get("description"), platforms, sets))
+    made = packed_with_kernels(SLAVE, None, about, SYSTEM, platforms, {"system": asdict(structure)})
+    made.update(documents(structure, about, platforms, sets))
     seal(made)
     return write(made, folder, structure.name, None)
 
@@ -99,7 +97,7 @@ def structure_from(found, positions, shape_points=None, wind_points=0):
         shown = each.tether.segments + 1 if shape_points is None else shape_points
         lines.append(Line(each.name, each.start, each.end, starts, shown, wind_points))
     starts = values_of(found.environment, found.solver, found.ground)
-    return structure_of(Structure(found.name, tuple(points), tuple(lines), tuple(free), band, starts).as_dict())
+    return Structure(found.name, tuple(points), tuple(lines), tuple(free), band, starts)
 
 
 def values_of(*records):

@@ -19,6 +19,6 @@ def asset(file):
     return (ASSETS / file).read_text(encoding="utf-8")
 
 
-def filled(file, **values):
+def filled(file, /, **values):
     """Text of an asset with its $names replaced."""
     return Template(asset(file)).substitute(values)

@@ -13,7 +13,6 @@ DEFAULT_OPTIONS = {
     "segments": Tether.segments,
     "shape_points": Tether.segments + 1,
     "wind_points": 0,
-    "about": "",
     "step": 0.02,  # of the default experiment [s], as its stop time
     "stop": 10.0,
 }

@@ -1,63 +1,68 @@
-"""The slave of every tether: `base_slave.BaseSlave` around an `Instance` with its compiled kernels."""
+"""The slave of every tether, and of systems of them: `base_slave.BaseSlave` around an `Instance` with compiled kernels."""
 
 from array import array
 from pathlib import Path
 
-from ..runtime import layout, refusals, saved_state, status, variables
+from ..runtime import layout, refusals, saved_state, status
 from ..runtime.instance import Instance, zeros
 from ..runtime.kernel_library import load
-from ..runtime.packing import pack
+from ..runtime.packing import pack_lines
 from ..runtime.parameters import DEFAULT_TOLERANCE, diameter_in_doubt
+from ..runtime.plan_layout import DRIVEN
+from ..runtime.quantities import NOT_WHOLE, checked
 from ..runtime.saved_state import STEPPING, SavedState
-from ..runtime.variants import BY_NAME, library_of
+from ..runtime.variables import PARAMETER, table_of
 from .base_slave import WARNING, BaseSlave
 from .resources import KERNELS_FOLDER, options_in
+from .system_variables import structure_of
+from .wiring import of_system, of_tether
 
 _KITE_END = slice(layout.KITE_POSITION, layout.KITE_VELOCITY + 3)  # inputs of the kernels, for a free kite its start
 
 
 class TetherSlave(BaseSlave):
-    """A tether as a PythonFMU slave. A variant is a subclass that sets `variant` and `description`."""
+    """A tether, or a system of tethers, as a PythonFMU slave. A subclass sets `variant` and `description`.
+
+    variant : None for a system, whose points and lines are a build option.
+    """
 
     variant = None
-    library = None  # with its kernels; None for that of the variant
 
     def __init__(self, **kwargs):
         super().__init__(**kwargs)
         options = options_in(self.resources)
-        self._about = options["about"]
-        self._importer_tolerance = 0.0
-        self._doubts = ()
-        self.make(options)
+        self._importer_tolerance, self._doubts = 0.0, ()
+        if self.variant is None:
+            self._wiring = of_system(structure_of(options["system"]))
+            self.modelName = options["system"]["name"]
+        else:
+            self._wiring = of_tether(self.variant, table_of(self.variant, options), options["shape_points"])
+        self._make_arrays(options)
 
-    def make(self, options):
-        """Make the table of variables and the instance from build options."""
-        self._kite_is_free = BY_NAME[self.variant].kite_is_free
-        table = variables.table_of(self.variant, options)
-        names = variables.names_of(table, variables.PARAMETER)
-        points = options["shape_points"], options["wind_points"]
-        self._instance = Instance(self._kernels(), (variables.line_of_tether(*points),), room=len(names))
-        self._outputs_at, self._parameters_at = self._instance.outputs_at, self._instance.parameters_at
-        self._places = {name: self._parameters_at + k for k, name in enumerate(names)}
-        self._diameters = [self._places["diameter"]]
-        references = variables.references(table, options["shape_points"])
-        self.declare(table, self._instance.values, references, options)
+    def _make_arrays(self, options):
+        """Make the instance, the array of all values, and of a system what leads from one to the other."""
+        wiring = self._wiring
+        self._outputs_at, self._parameters_at, count = wiring.ends
+        self._is_direct = wiring.record is not None  # inputs and outputs of the kernels are among the values
+        self._kite_is_free = self._is_direct and wiring.record.kite_is_free
+        room = count - self._parameters_at if self._is_direct else 0
+        self._instance = Instance(self._kernels(), wiring.lines, wiring.free, wiring.band, room)
+        if self._is_direct:
+            self.advance = self._instance.advance  # at once: one call less in each step
+        first = self._instance.outputs_at
+        found = [(reference, [first + place for place in places]) for reference, places in wiring.outputs]
+        self._sums = [each for each in found if len(each[1]) > 1]
+        self._alone = [(reference, places[0]) for reference, places in found if len(places) == 1]
+        self.declare(wiring.table, self._instance.values if self._is_direct else zeros(count), wiring.references, options)
 
     def _kernels(self):
         """Load the compiled library now: the folder of the FMU may vanish later. A failure is reported at the start."""
         self._no_kernels = None
         try:
-            return load(Path(self.resources or ".") / KERNELS_FOLDER, self.library or library_of(self.variant))
+            return load(Path(self.resources or ".") / KERNELS_FOLDER, self._wiring.library)
         except OSError as error:
             self._no_kernels = str(error)
             return None
-
-    def to_xml(self, model_options=None):
-        """Model description, with what an FMU for one scene says about it."""
-        root = super().to_xml(model_options)
-        if self._about:
-            root.set("description", f"{self.__class__.description} {self._about}")
-        return root
 
     def take_tolerance(self, tolerance):
         """Remember the importer's tolerance where it is tighter than the default; warn of one that is none."""
@@ -66,26 +71,28 @@ class TetherSlave(BaseSlave):
         elif tolerance < DEFAULT_TOLERANCE:
             self._importer_tolerance = tolerance
 
-    # --- the tether
+    # --- start and steps
 
     def start(self):
-        """Check the parameters, find the first shape. Returns what is wrong, or None."""
+        """Check the parameters, find the first shapes. Returns what is wrong, or None."""
         if self._no_kernels:
             return self._no_kernels
         try:
-            self._instance.set_up(*self._packed(self.values, self._importer_tolerance))
+            self._set_up(self._packed(self.values, self._importer_tolerance))
         except ValueError as error:
             return str(error)
-        doubts = [diameter_in_doubt(self.values[place]) for place in self._diameters]
+        doubts = [diameter_in_doubt(self.values[place]) for place in self._wiring.diameters]
         self._doubts = tuple(dict.fromkeys(filter(None, doubts)))
         return self._first_shape()
 
     def _first_shape(self):
         """Find it for the inputs, and where a free kite starts for its parameters. Returns what is wrong, or None."""
         if not self._kite_is_free:
-            return self._instance.start()
+            self._give()
+            return self._shown(self._instance.start())
         before = self.values[_KITE_END]
-        first = self._places["initial_kite_position[1]"]
+        (row,) = self._wiring.quantities
+        first = next(reference for name, reference, _ in row if name == "initial_kite_position[1]")
         self.values[_KITE_END] = self.values[first : first + len(before)]
         problem = self._instance.start()
         if problem:
@@ -93,8 +100,9 @@ class TetherSlave(BaseSlave):
         return problem
 
     def advance(self, step):
-        """One communication step [s]. Returns what is wrong, or None."""
-        return self._instance.advance(step)
+        """One communication step [s] of a system. Returns what is wrong, or None."""
+        self._give()
+        return self._shown(self._instance.advance(step))
 
     def warnings(self):
         """Sentences on what is implausible, each once since the start."""
@@ -102,14 +110,53 @@ class TetherSlave(BaseSlave):
         return (*doubts, *self._instance.warnings()) if doubts else self._instance.warnings()
 
     def _packed(self, values, tolerance):
-        """What `Instance.set_up` takes, from an array of all values; ValueError if one is not allowed."""
-        numbers, kites = values[self._parameters_at :], int(self._kite_is_free)
-        segments, parameters = pack(self._instance.kernels, numbers, kites=kites, tolerance=tolerance)
-        return (segments,), parameters
+        """What `_set_up` takes, from an array of all values; ValueError names a variable that is not allowed."""
+        wiring = self._wiring
+        for each in () if self._is_direct else wiring.table:  # of a tether alone `pack` names what is wrong as well
+            if each.causality == PARAMETER:
+                _check(each, values[each.place])
+        lines = (
+            (
+                line.name,
+                [default if reference < 0 else values[reference] for _, reference, default in row],
+                1,
+                [point != DRIVEN for point in (line.start_point, line.end_point)],
+                [0.0 if reference < 0 else values[reference] for reference in masses],
+            )
+            for line, row, masses in zip(wiring.lines, wiring.quantities, wiring.carried, strict=True)
+        )
+        sought = [(place, int(values[reference] == layout.START_AT_REST)) for place, reference in wiring.starts]
+        return *pack_lines(self._instance.kernels, lines, tolerance, int(self._kite_is_free)), sought
 
-    def _take_outputs(self):
-        """Compute the outputs that belong to the state; returns the status."""
-        return self._instance.take_outputs()
+    def _set_up(self, packed):
+        """Make the arrays of the instance, and find where the motion of free points stands there."""
+        instance = self._instance
+        instance.set_up(*packed)
+        self._motion = []
+        for reference, k, is_end, component in self._wiring.motion:
+            what, axis = divmod(component, 3)
+            node = (instance.counts[k] + 1) * what + instance.counts[k] * is_end
+            self._motion.append((reference, instance.states_at[k] + layout.STATE_HEADER + 3 * node + axis))
+
+    def _give(self):
+        """Put the inputs of a system into the array of the kernels."""
+        if not self._is_direct:
+            given, values = self._instance.values, self.values
+            for place, reference, _, _ in self._wiring.inputs:
+                given[place] = values[reference]
+
+    def _shown(self, problem):
+        """Put the outputs of a system into the values, if nothing is wrong; returns what is."""
+        if problem or self._is_direct:
+            return problem
+        values, found, state = self.values, self._instance.values, self._instance.state
+        for reference, place in self._alone:
+            values[reference] = found[place]
+        for reference, places in self._sums:
+            values[reference] = sum(found[place] for place in places)
+        for reference, place in self._motion:
+            values[reference] = state[place]
+        return problem
 
     # --- state
 
@@ -117,7 +164,7 @@ class TetherSlave(BaseSlave):
         """The whole state as bytes."""
         instance = self._instance
         state = instance.state if self.phase >= STEPPING else array("d")
-        facts = self.variant, self.phase, instance.segments, self._importer_tolerance, self.time
+        facts = self._wiring.name, self.phase, instance.segments, self._importer_tolerance, self.time
         return saved_state.to_bytes(SavedState(*facts, self.values, state))
 
     def state_from_bytes(self, blob):
@@ -132,7 +179,7 @@ class TetherSlave(BaseSlave):
 
     def _saved(self, blob):
         """The `SavedState` in bytes; ValueError says what is wrong with them."""
-        return saved_state.from_bytes(blob, self.variant, len(self.values), self._instance.state_size)
+        return saved_state.from_bytes(blob, self._wiring.name, len(self.values), self._instance.state_size)
 
     def _take(self, saved):
         """Be as in a `SavedState`; ValueError, half done, if its numbers cannot be used.
@@ -151,13 +198,13 @@ class TetherSlave(BaseSlave):
         self.values[first:end] = zeros(end - first)
         self.values[end:] = saved.values[end:]
         if packed:
-            self._instance.set_up(*packed)
+            self._set_up(packed)
             self._instance.take(saved.state)
-            if self._take_outputs() != status.OK:
+            if self._shown(self._instance.take_outputs()) != status.OK:
                 raise ValueError(refusals.STATE_IMPOSSIBLE)
 
     def _packed_of_state(self, saved):
-        """What `Instance.set_up` takes, from a saved state; ValueError if its state array does not belong to that."""
+        """What `_set_up` takes, from a saved state; ValueError if its state array does not belong to that."""
         if self._no_kernels:
             raise ValueError(f"cannot be used: {self._no_kernels}")
         try:
@@ -167,3 +214,11 @@ class TetherSlave(BaseSlave):
         if sum(packed[0]) != saved.segments:
             raise ValueError(refusals.STATE_DAMAGED)
         return packed
+
+
+def _check(variable, value):
+    """ValueError unless a value is allowed for a parameter."""
+    is_whole = variable.kind != "Real" and value.is_integer()
+    checked(variable.name, int(value) if is_whole else value, variable.quantity)
+    if variable.kind != "Real" and not is_whole:
+        raise ValueError(NOT_WHOLE.format(name=variable.name, value=value))

@@ -7,16 +7,23 @@ its place in the array of all values: inputs, outputs, parameters.
 
 import hashlib
 import json
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 
 from ..runtime import inputs, outputs
 from ..runtime import layout as at
 from ..runtime.dependencies import depends_on
 from ..runtime.inputs import DRIVEN_KITE, FREE_KITE, components
+from ..runtime.outputs import POINTS, VECTOR
 from ..runtime.parameters import Environment, FreeKite, Ground, Solver, Tether, Winch
 from ..runtime.quantities import Quantity, quantities
-from ..runtime.variables import INPUT, OUTPUT, PARAMETER, Variable, parameters_of, without_effect
+from ..runtime.variables import INPUT, OUTPUT, PARAMETER, Variable, elements, parameters_of, without_effect
 from ..runtime.variants import DYNAMIC
+
+
+def inputs_at(*terminals):
+    """Names of the inputs of a tether that belong to terminals of FMI 3."""
+    return tuple(each.name for each in inputs.INPUT_TABLE if each.terminal.partition(".")[0] in terminals)
+
 
 ENDS = ("ground", "kite")  # of the tether of a line: its start and its end
 OF_THE_SYSTEM = (Environment, Solver, Ground)
@@ -32,8 +39,8 @@ OF_A_LINE = {  # outputs of a tether that a line has, and their names there
 }
 MEANINGS = {"tension_from": "tension of the first segment, at {}", "tension_to": "tension of the last segment, at {}"}
 SUMMED = ("solver_iterations",)  # of all lines; the others are those of the first line
-GIVEN_TO_ALL = ("wind_velocity",)  # vectors that all lines share
-GIVEN = ("reel_out_speed", "winch_force", "winch_length")  # inputs of a tether that a line has
+GIVEN_TO_ALL = inputs_at("wind")  # vectors that all lines share
+GIVEN = inputs_at("winch")  # inputs of a tether that a line has
 HASH_DIGITS = 8  # hexadecimal: with them the name of a structure has the 15 letters that a saved state has room for
 
 
@@ -105,14 +112,9 @@ class Structure:
             facts.append([line.wind_points for line in self.lines])
         return f"system_{hashlib.sha256(json.dumps(facts).encode()).hexdigest()[:HASH_DIGITS]}"
 
-    def as_dict(self):
-        """What JSON can hold of it; `structure_of` is the inverse."""
-        own = {item.name: getattr(self, item.name) for item in fields(self)}
-        return {**own, "points": [vars(point) for point in self.points], "lines": [vars(line) for line in self.lines]}
-
 
 def structure_of(given):
-    """`Structure` of a dict of `Structure.as_dict` that has been JSON."""
+    """`Structure` of what `dataclasses.asdict` makes of one, or of what JSON holds of that."""
     points = tuple(Point(**each) for each in given["points"])
     lines = tuple(Line(**each) for each in given["lines"])
     return Structure(**{**given, "points": points, "lines": lines, "free": tuple(given["free"])})
@@ -126,7 +128,7 @@ def input_name(name, line):
     for end, point in zip(ENDS, (line.start, line.end), strict=True):
         if name.startswith(f"{end}_"):
             return f"{point}.{name.removeprefix(f'{end}_')}"
-    return f"{line.name}.{name}" if name.startswith(("reel", "winch", "wind_at")) else name
+    return f"{line.name}.{name}" if name in GIVEN or name.startswith(inputs.WIND_AT.name) else name
 
 
 # --- the table
@@ -134,8 +136,8 @@ def input_name(name, line):
 
 def _vector(name, causality, declared, start=(None, None, None), known=(None, None, None)):
     """Variables of the components of a vector; start : values, known : what they depend on."""
-    for each, axis, first, those in zip(components(name, 3), "xyz", start, known, strict=True):
-        yield Variable(each, causality, "Real", replace(declared, meaning=f"{declared.meaning}, {axis}"), 0, first, those)
+    for (each, meaning), first, those in zip(elements(name, declared.meaning, VECTOR, 0), start, known, strict=True):
+        yield Variable(each, causality, "Real", replace(declared, meaning=meaning), 0, first, those)
 
 
 def _inputs(structure):
@@ -152,26 +154,16 @@ def _inputs(structure):
     for line in structure.lines:
         for name in GIVEN:
             declared = inputs.BY_NAME[name]
-            meaning = f"{declared.meaning}; of {line.name}, whose winch is at {line.start}"
-            yield Variable(
-                f"{line.name}.{name}",
-                INPUT,
-                "Real",
-                Quantity(declared.unit, meaning),
-                0,
-                line.starts.get(name, declared.start[0]),
-            )
+            quantity = Quantity(declared.unit, f"{declared.meaning}; of {line.name}, whose winch is at {line.start}")
+            start = line.starts.get(name, declared.start[0])
+            yield Variable(f"{line.name}.{name}", INPUT, "Real", quantity, 0, start)
     for each in (inputs.BY_NAME[name] for name in GIVEN_TO_ALL):
         for variable in _vector(each.name, INPUT, Quantity(each.unit, each.meaning), each.start):
             yield without_effect(variable, structure.has_wind_points, each.name)
     for line in structure.lines:
-        for k in range(1, line.wind_points + 1):
-            meaning = (
-                f"wind at point {k} of {line.wind_points} on {line.name} at equal unstretched length, {line.start} first"
-            )
-            for i, axis in enumerate("xyz", start=1):
-                declared = Quantity(inputs.WIND_AT.unit, f"{meaning}, {axis}")
-                yield Variable(f"{line.name}.{inputs.WIND_AT.name}[{k},{i}]", INPUT, "Real", declared, 0, 0.0)
+        points = f"points on {line.name} at equal unstretched length, {line.start} first"
+        for name, meaning in elements(f"{line.name}.{inputs.WIND_AT.name}", points, POINTS, line.wind_points):
+            yield Variable(name, INPUT, "Real", Quantity(inputs.WIND_AT.unit, f"wind at {meaning}"), 0, 0.0)
 
 
 _LOAD = "external force on {}: aerodynamics, control; not its weight"
@@ -245,8 +237,8 @@ def _outputs(structure, known):
                 yield from _vector(f"{point.name}.{what}", OUTPUT, declared, known=known_of)
             continue
         declared = replace(outputs.BY_NAME["kite_force"].quantity, meaning=f"force of its lines on {point.name}")
-        at_it = [(line, outputs.BY_NAME[f"{end}_force"]) for line in structure.lines for end, name in line.ends
-                 if name == point.name]  # fmt: skip
+        at_it = [(line, end) for line in structure.lines for end, name in line.ends if name == point.name]
+        at_it = [(line, outputs.BY_NAME[f"{end}_force"]) for line, end in at_it]
         found = [
             _together(_known(structure, line, force, f"{force.name}[{i}]", known) for line, force in at_it)
             for i in (1, 2, 3)
@@ -268,11 +260,10 @@ def _outputs_of_line(structure, line, known):
         quantity = replace(each.quantity, meaning=meaning)
         yield Variable(f"{line.name}.{own}", OUTPUT, each.kind, quantity, 0, depends_on=found)
     shape = outputs.BY_NAME["shape"]
-    for k in range(1, line.shape_points + 1):
-        meaning = f"point {k} of {line.shape_points} on the line at equal unstretched length, {line.start} first"
-        for i, axis in enumerate("xyz", start=1):
-            quantity = replace(shape.quantity, meaning=f"{meaning}, {axis}")
-            yield Variable(f"{line.name}.shape[{k},{i}]", shape.causality(line.wind_points), "Real", quantity, 0)
+    points = f"points on the line at equal unstretched length, {line.start} first"
+    for name, meaning in elements(f"{line.name}.shape", points, POINTS, line.shape_points):
+        quantity = replace(shape.quantity, meaning=meaning)
+        yield Variable(name, shape.causality(line.wind_points), "Real", quantity, 0)
 
 
 def table_of(structure):

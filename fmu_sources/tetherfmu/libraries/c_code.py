@@ -8,11 +8,13 @@ Source: WebAssembly Core Specification, 2.0, chapter 4, "Execution".
 """
 
 import re
+from pathlib import Path
 
 from .c_function import Writer
-from .c_helpers import HEAD, HELPERS
 from .c_operations import C_TYPES, CALL, COPY, FILL, GET_STACK, LOADS, SET_STACK, STORES
 from .wasm_file import read
+
+HEAD = Path(__file__).with_name("kernels_head.c")  # what a file begins with, and the small functions that it may need
 
 
 def text(content, names):
@@ -27,9 +29,10 @@ def text(content, names):
     numbers = range(first, first + len(file.functions))
     declared = {k: _declaration(file, k, needs[k], names.get(k, f"f{k}")) for k in numbers}
     definitions = [_definition(file, k, needs, names, declared[k]) for k in numbers]
-    named = {re.search(r"(\w+)\(", each.partition("static")[2])[1]: each for each in HELPERS}
+    head, *helpers = re.split(r"^(?=\n(?:/\*.*\n)?static inline)", HEAD.read_text(encoding="utf-8"), flags=re.MULTILINE)
+    named = {re.search(r"(\w+)\(", each.partition("static")[2])[1]: each for each in helpers}
     helpers = [each for name, each in named.items() if any(f"{name}(" in text for text in definitions)]
-    parts = [HEAD, _memory(file), *helpers, "\n".join(f"{line};" for line in declared.values()), ""]
+    parts = [head, _memory(file), *helpers, "\n".join(f"{line};" for line in declared.values()), ""]
     return "\n".join([*parts, *definitions])
 
 

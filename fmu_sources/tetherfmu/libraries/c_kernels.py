@@ -13,10 +13,10 @@ from pathlib import Path
 
 from tetherfmu.runtime.kernel_library import this_platform, verbs
 
-from . import ahead_of_time, c_code, c_function, c_helpers, c_operations, ready, wasm_file, webassembly
+from . import ahead_of_time, c_code, c_function, c_operations, ready, wasm_file, webassembly
 
 FILE = "kernels.c"
-RECIPE = [module.__file__ for module in (c_code, c_function, c_helpers, c_operations, wasm_file, webassembly)]
+RECIPE = [c_code.HEAD, *(module.__file__ for module in (c_code, c_function, c_operations, wasm_file, webassembly))]
 NOT_IN_FMUS = {"fly", "energy"}  # entry points of the Python API
 ALIGNED = 16
 

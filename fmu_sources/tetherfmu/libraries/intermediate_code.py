@@ -1,21 +1,15 @@
 """The intermediate code of the entry points: numba's own way, and a fast one, `write_only`, that replaces numba's internals.
 
-By default numba makes machine code of each function as soon as it is compiled, since Python may call it at once: it links
-the function with copies of all that it calls and optimizes the whole, and does that again for each caller. That is two
-thirds of the time, and none of it is used: Python calls none of these functions, and `ahead_of_time.py` links and optimizes
-all of them once, at the end. The fast way replaces
+By default numba links, optimizes and compiles each function with copies of all that it calls, since Python may call it at
+once: two thirds of the time. Python calls none of these; `ahead_of_time.py` does all that once, at the end. Replaced are
 
-- `JITCPUCodegen._library_class`, what a function is compiled to: it keeps the text of the function and remembers what that
-  calls, and links, optimizes and compiles nothing;
+- `JITCPUCodegen._library_class`, what a function is compiled to: it keeps its text and remembers what that calls;
 - `JITCPUCodegen.set_env`, which writes an address into machine code: there is none;
 - `Function.get_call_type`: numba works out anew at each place what an operator or function of plain numbers returns; asking
   once saves a fifth of the time.
 
-It also stops the garbage collector, as nearly all objects live until the end.
-
 Both ways are for a process of their own: nothing that is compiled there can be called. The internals are those of
-numba.core, `codegen` and `types.functions`, of the versions in `ready.TESTED`. `compilation.KernelCompiler` sees to it that
-the code of a function does not depend on what was compiled before.
+numba.core, `codegen` and `types.functions`, of the versions in `ready.TESTED`.
 """
 
 import gc
@@ -38,7 +32,7 @@ def write_only():
 
     keep_texts()
     codegen.JITCPUCodegen.set_env = lambda self, name, environment: None
-    gc.disable()
+    gc.disable()  # nearly all objects live until the end
 
 
 def keep_texts():

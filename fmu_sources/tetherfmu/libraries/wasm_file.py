@@ -4,6 +4,7 @@ Source: WebAssembly Core Specification, 2.0, chapter 5, "Binary Format"; what LL
 """
 
 import struct
+from io import BytesIO
 from typing import NamedTuple
 
 TYPES = {0x7F: "i32", 0x7E: "i64", 0x7D: "f32", 0x7C: "f64"}
@@ -51,21 +52,12 @@ class File(NamedTuple):
     data: list  # (address, bytes)
 
 
-class Reader:
-    """A place in bytes, which moves on with what is read."""
-
-    def __init__(self, content, place=0, end=None):
-        self.content, self.place, self.end = content, place, len(content) if end is None else end
+class Reader(BytesIO):
+    """Bytes that are read one after the other."""
 
     def byte(self):
         """One byte."""
-        self.place += 1
-        return self.content[self.place - 1]
-
-    def bytes(self, count):
-        """So many bytes."""
-        self.place += count
-        return self.content[self.place - count : self.place]
+        return self.read(1)[0]
 
     def _groups(self):
         """Number of groups of 7 bits (LEB128), its bits, and the sign bit of the last group."""
@@ -88,7 +80,7 @@ class Reader:
 
     def name(self):
         """A name in UTF-8."""
-        return self.bytes(self.whole()).decode("utf-8")
+        return self.read(self.whole()).decode("utf-8")
 
     def types(self):
         """A list of types."""
@@ -105,11 +97,9 @@ class Reader:
 def read(content):
     """`File` of the bytes of a WebAssembly file."""
     assert content[:8] == b"\0asm\1\0\0\0", "no WebAssembly file"
-    whole, sections = Reader(content, 8), {}
-    while whole.place < whole.end:
-        number, size = whole.byte(), whole.whole()
-        sections[number] = Reader(content, whole.place, whole.place + size)
-        whole.bytes(size)
+    whole, sections = Reader(content[8:]), {}
+    while number := whole.read(1):
+        sections[number[0]] = Reader(whole.read(whole.whole()))
     signatures = [_signature(each) for each in _items(sections[1])]
     imports = [(name, signatures[kind]) for name, kind in map(_import, _items(sections[2])) if kind is not None]
     kinds = [each.whole() for each in _items(sections[3])]
@@ -160,28 +150,25 @@ def _global(reader):
 def _data(reader):
     assert reader.whole() == 0, "data for no fixed address"
     address = reader.constant()
-    return address, reader.bytes(reader.whole())
+    return address, reader.read(reader.whole())
 
 
 def _function(reader, signature):
-    size = reader.whole()
-    end = reader.place + size
-    variables = []
+    reader, variables = Reader(reader.read(reader.whole())), []
     for _ in range(reader.whole()):
         count = reader.whole()
         variables += count * [TYPES[reader.byte()]]
     body = []
-    while reader.place < end:
-        body.append(_instruction(reader))
+    while code := reader.read(1):
+        body.append(_instruction(code[0], reader))
     return Function(signature, tuple(variables), body)
 
 
-def _instruction(reader):
-    """Code and operand of the next instruction."""
-    code = reader.byte()
+def _instruction(code, reader):
+    """An instruction and its operand, which the reader comes to."""
     if code == PREFIX:
         second = reader.whole()
-        reader.bytes(MEMORIES.get(second, 0))
+        reader.read(MEMORIES.get(second, 0))
         return (PREFIX, second), None
     kind = OPERANDS.get(code, NO_OPERAND)
     if kind == INDEX:
@@ -196,7 +183,7 @@ def _instruction(reader):
     if kind in ("i32", "i64"):
         return code, reader.signed()
     if kind == "f64":
-        return code, struct.unpack("<d", reader.bytes(8))[0]
+        return code, struct.unpack("<d", reader.read(8))[0]
     if kind == BRANCHES:
         return code, [reader.whole() for _ in range(reader.whole() + 1)]
     return code, None

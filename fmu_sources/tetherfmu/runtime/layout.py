@@ -14,33 +14,7 @@ The kernels freeze these numbers.
 """
 
 from . import inputs, outputs
-from .enumerations import (  # noqa: F401 - for those who look for them here, as the kernels do
-    AT_NODES,
-    BACKWARD_EULER,
-    DERIVED,
-    EXPLOG,
-    FLAT,
-    GIVEN,
-    HELD,
-    LINEAR,
-    LOGARITHMIC,
-    NO_GROUND,
-    POWER_LAW,
-    QUASI_STEADY,
-    SECOND_ORDER,
-    START_AT_REST,
-    START_GIVEN,
-    STATIC_EQUILIBRIUM,
-    STRAIGHT,
-    STRAIN_RATE,
-    STRETCH_RATE,
-    UNIFORM,
-    WINCH_BY_FORCE,
-    WINCH_BY_LENGTH,
-    WINCH_BY_SPEED,
-    WINCH_GIVEN,
-    WINCH_IN_BALANCE,
-)
+from .enumerations import *  # noqa: F403 - for those who look for them here, as the kernels do
 from .limits import (  # noqa: F401 - likewise
     COARSE_WORK,
     DEEPEST_START,

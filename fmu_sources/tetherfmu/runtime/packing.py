@@ -37,8 +37,8 @@ def put_ends(segments, parameters, free_ends, point_masses=()):
         parameters[at.PARAMETER_SCALARS + at.SEGMENT_PROPERTIES * segments + node] = mass
 
 
-def pack_lines(kernels, lines, tolerance=0.0):
-    """Numbers of segments of lines of a system, a tuple, and their parameters, one array; ValueError names the line.
+def pack_lines(kernels, lines, tolerance=0.0, kites=0):
+    """Numbers of segments of lines, a tuple, and their parameters, one array; ValueError names a line that has a name.
 
     lines : of each its name, the numbers that `pack` takes, how many tethers these are, whether its start and its end are
     free points, and the masses of these [kg] that it carries: all of it in the first line at a point, 0 in the others.
@@ -46,10 +46,11 @@ def pack_lines(kernels, lines, tolerance=0.0):
     counts, found = (), array("d")
     for name, numbers, tethers, free_ends, (first, last) in lines:
         try:
-            segments, parameters = pack(kernels, numbers, tethers, tolerance=tolerance)
+            segments, parameters = pack(kernels, numbers, tethers, kites, tolerance)
         except ValueError as problem:
-            raise ValueError(f"the line {name}: {problem}") from None
-        put_ends(segments, parameters, free_ends, ((0, first), (segments, last)))
+            raise ValueError(f"the line {name}: {problem}" if name else str(problem)) from None
+        if any(free_ends):
+            put_ends(segments, parameters, free_ends, ((0, first), (segments, last)))
         counts, found = (*counts, segments), found + parameters
     return counts, found
 

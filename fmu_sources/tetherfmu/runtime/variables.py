@@ -50,7 +50,7 @@ def line_of_tether(shape_points, wind_points=0):
     return Line("", input_names(wind_points), shape_points, wind_points)
 
 
-def _elements(name, meaning, shape, shape_points):
+def elements(name, meaning, shape, shape_points):
     """Pairs of FMI name and meaning: of a scalar, of the components of a vector, of those of all points of the shape."""
     if shape == SCALAR:
         return [(name, meaning)]
@@ -65,7 +65,7 @@ def _elements(name, meaning, shape, shape_points):
 
 
 def _input_elements(each):
-    return _elements(each.name, each.meaning, VECTOR if each.size > 1 else SCALAR, 0)
+    return elements(each.name, each.meaning, VECTOR if each.size > 1 else SCALAR, 0)
 
 
 def _input_variables(variant, wind_points):
@@ -75,7 +75,7 @@ def _input_variables(variant, wind_points):
             each = replace(each, meaning=f"{each.meaning} {IGNORED_WITH_WIND_AT}")
         for i, (name, meaning) in enumerate(_input_elements(each)):
             yield Variable(name, INPUT, "Real", Quantity(each.unit, meaning), place + i, each.start[i])
-    for i, (name, meaning) in enumerate(_elements(WIND_AT.name, WIND_AT.meaning, POINTS, wind_points)):
+    for i, (name, meaning) in enumerate(elements(WIND_AT.name, WIND_AT.meaning, POINTS, wind_points)):
         yield Variable(name, INPUT, "Real", Quantity(WIND_AT.unit, meaning), at.INPUTS + i, WIND_AT.start[i % 3])
 
 
@@ -87,7 +87,7 @@ def _output_variables(variant, shape_points, left_out, wind_points):
             continue
         place = at.inputs_size(wind_points) + outputs.PLACES[output.name]
         meaning = variant.meanings.get(output.name, output.quantity.meaning)
-        for i, (name, text) in enumerate(_elements(output.name, meaning, output.shape, shape_points)):
+        for i, (name, text) in enumerate(elements(output.name, meaning, output.shape, shape_points)):
             quantity = replace(output.quantity, meaning=text)
             causality = output.causality(wind_points)
             known = depends_on(variant, output, name, shape_points, left_out, wind_points) if causality == OUTPUT else None

@@ -4,8 +4,8 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from tetherfmu.fmi.system_maps import carried, lines_of
 from tetherfmu.fmi.system_variables import ENDS, Line
+from tetherfmu.fmi.wiring import carried, lines_of
 from tetherfmu.libraries import ready
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import plan_layout as places

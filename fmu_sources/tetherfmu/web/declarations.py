@@ -4,9 +4,11 @@ Parameters, inputs and outputs with units and limits, their places in the flat a
 variants, the flights and scenes, and the wing of the kite that flies free.
 """
 
+import csv
 import tomllib
 from dataclasses import fields
-from math import inf, pi
+from math import inf
+from pathlib import Path
 
 from tetherfmu.console.colours import COLOUR, GROUND, REFERENCE
 from tetherfmu.input_files import TABLE_OF_GROUND, record, value_of
@@ -24,60 +26,20 @@ from tetherfmu.study.scenes.winds import Wind
 
 from . import own_flights
 
-# between what a slider runs; where it is not said, from a tenth of the default to ten times as much
-USUAL = {
-    "segments": (1, 100),
-    "initial_length": (10.0, 2000.0),
-    "density": (500.0, 8000.0),
-    "slack_stiffness_ratio": (0.0, 1.0),
-    "slack_damping_ratio": (0.0, 1.0),
-    "drag_coefficient": (0.0, 2.0),
-    "air_density": (0.0, 2.0),
-    "air_density_scale_height": (0.0, 20000.0),
-    "gravity": (0.0, 20.0),
-    "wind_exponent": (0.0, 0.5),
-    "relative_tolerance": (0.0, 0.01),
-    "fixed_step": (0.0, 0.02),
-    "winch_mass": (0.0, 1000.0),
-    "winch_damping": (0.0, 1000.0),
-    "winch_friction": (0.0, 1000.0),
-    "shortest_length": (0.0, 1000.0),
-    "longest_length": (0.0, 2000.0),
-    "ground_height": (-50.0, 50.0),
-    "ground_friction": (0.0, 2.0),
-    "kite_mass": (1.0, 1000.0),
-    "half_angle": (0.0, 1.0),
-    "axis_elevation": (-1.5, 1.5),
-    "elevation": (0.0, 0.5 * pi),
-    "final_elevation": (0.0, 0.5 * pi),
-    "weave": (0.0, 0.5),
-    "rate": (-0.5, 0.5),
-    "speed": (-20.0, 60.0),
-    "sway": (0.0, 50.0),
-    "heave": (0.0, 10.0),
-    "radius": (0.0, 50.0),
-    "height": (0.0, 300.0),
-    "pull": (0.0, 1000.0),
-    "flatness": (0.0, 1.0),
-    "gust": (0.0, 2.0),
-    "reel_out_speed": (-10.0, 10.0),
-    "winch_force": (0.0, 10000.0),
-    "steering": (-1.0, 1.0),
-    "depower": (0.0, 1.0),
-    "direction": (-pi, pi),
-    "initial_elevation": (0.0, 1.5),
-    "initial_heading": (-pi, pi),
-    "downwind": (-pi, pi),
-    "winch_length": (0.0, 2000.0),
-}
+ASSETS = Path(__file__).with_name("assets")
+with (ASSETS / "usual.csv").open(encoding="utf-8") as _file:
+    USUAL = {row.pop("name"): sorted(map(float, row.values())) for row in csv.DictReader(_file)}
 DEGREES = {"rad": ["deg", quantities.DEGREES[1]], "rad/s": ["deg/s", quantities.DEGREES[1]]}  # as people read angles
 TITLES = {"reel": "pumping cycle", "logged": "log of a flight"}  # of scenes whose title is not their name
 FIRST = ("figure_of_eight", "circle", "reel")  # scenes at the head of the list
 
 
 def usual(name, start, declared):
-    """Between what a slider runs: minimum, maximum and whether it is logarithmic, a list, within what is allowed."""
-    lower, upper = sorted(USUAL.get(name, (0.1 * start, 10.0 * start)))
+    """Between what a slider runs: minimum, maximum and whether it is logarithmic, a list, within what is allowed.
+
+    Where `USUAL` does not say it, from a tenth of the default to ten times as much.
+    """
+    lower, upper = USUAL.get(name) or sorted((0.1 * start, 10.0 * start))
     lower, upper = max(lower, declared.minimum), min(upper, declared.maximum)
     return [lower, upper, lower > 0.0 and upper / lower >= 50.0]
 

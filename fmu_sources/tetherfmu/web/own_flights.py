@@ -3,8 +3,10 @@
 And what a person sets by hand while it flies.
 """
 
+import tomllib
 from dataclasses import dataclass
 from math import pi, radians
+from pathlib import Path
 
 from tetherfmu.runtime.inputs import BY_NAME
 from tetherfmu.runtime.quantities import DEGREES, quantity
@@ -63,32 +65,5 @@ class Log:
 
 
 KINDS = {"pointer": Pointer, "free": FreeFlight, "log": Log}
-SCENES = {
-    "pointer": {
-        "title": "follows the pointer",
-        "about": "The kite follows your pointer; turn the view with the shift key or two fingers.",
-        "duration": None,
-        "kind": "pointer",
-        "flight": {},
-        "parameters": {"initial_length": 101.0, "ground_contact": 2},
-        "wind": {"velocity": [8.0, 0.0, 0.0]},
-    },
-    "free": {
-        "title": "free flight",
-        "about": "A soft kite of 20 m2 flies free under lift and drag; the tether moves it, you or a controller steer it.",
-        "duration": None,
-        "kind": "free",
-        "flight": {},
-        "parameters": {"initial_length": 250.0, "kite_mass": 19.6, "ground_contact": 2, "segments": 10},
-        "wind": {"velocity": [9.0, 0.0, 0.0]},
-    },
-    "hanging_load": {
-        "title": "hanging load",
-        "about": "A load of 100 kg hangs from a crane on 60 m of rope and swings while the crane slews.",
-        "duration": 60.0,
-        "kind": "free_end",
-        "flight": {"kite_mass": 100.0, "height": 80.0, "radius": 30.0, "rate": 0.1},
-        "parameters": {"initial_length": 60.0},
-        "wind": {"velocity": [5.0, 0.0, 0.0]},
-    },
-}
+with Path(__file__).with_name("assets").joinpath("own_scenes.toml").open("rb") as _file:
+    SCENES = {name: {"duration": None, **scene} for name, scene in tomllib.load(_file).items()}

@@ -3,7 +3,10 @@
 from xml.etree.ElementTree import Element, SubElement
 
 from tetherfmu.fmi.model_description import attributes, enumerations, items, units
+from tetherfmu.fmi.system_variables import GIVEN, GIVEN_TO_ALL, OF_A_LINE
+from tetherfmu.runtime.inputs import BY_NAME as INPUTS
 from tetherfmu.runtime.inputs import WIND_AT, WITHOUT_EFFECT, inputs_of
+from tetherfmu.runtime.outputs import BY_NAME as OUTPUTS
 from tetherfmu.runtime.outputs import OUTPUT, OUTPUT_TABLE
 from tetherfmu.runtime.quantities import Quantity
 from tetherfmu.runtime.variables import INPUT, Variable
@@ -63,13 +66,41 @@ def terminals(table):
     # motion, then force, then what only a free kite end is given
     declared = (*inputs_of(kite_is_free=False), WIND_AT, *OUTPUT_TABLE, *inputs_of(kite_is_free=True))
     named = {tuple(each.terminal.split(".")): each.name for each in declared if each.terminal and each.name in known}
-    return buses(
+    return _buses(
         (terminal, about, [(member, name) for (where, member), name in named.items() if where == terminal])
         for terminal, about in TERMINALS.items()
     )
 
 
-def buses(listed):
+def terminals_of_system(structure):
+    """Text of terminalsAndIcons.xml: points, each a bus of position, velocity and force or load; winches of lines; wind."""
+    # the wind at its points along each line, or that which all lines share
+    member = WIND_AT.terminal.partition(".")[2]
+    winds = [
+        (f"{line.name}.{WIND}", f"the wind along {line.name}", [(member, f"{line.name}.{WIND_AT.name}")])
+        for line in structure.lines
+        if line.wind_points
+    ]
+    shared = (WIND, TERMINALS[WIND], [(INPUTS[name].terminal.partition(".")[2], name) for name in GIVEN_TO_ALL])
+    return _buses((*map(_bus_of_point, structure.points), *map(_bus_of_winch, structure.lines), *(winds or [shared])))
+
+
+def _bus_of_point(point):
+    """Name, description and members of the terminal of a point."""
+    members = ("position", "velocity", "load" if point.is_free else "force")
+    kind = "free" if point.is_free else "driven"
+    return point.name, f"{point.name}, a {kind} point", [(each, f"{point.name}.{each}") for each in members]
+
+
+def _bus_of_winch(line):
+    """The same of the winch of a line, whose name it has."""
+    declared = [(each, INPUTS[each].terminal) for each in GIVEN]
+    declared += [(own, OUTPUTS[each].terminal) for each, own in OF_A_LINE.items()]
+    members = [(terminal.partition(".")[2], f"{line.name}.{own}") for own, terminal in declared if terminal]
+    return line.name, f"the winch of {line.name} at {line.start}", members
+
+
+def _buses(listed):
     """Text of terminalsAndIcons.xml for terminals: triples of name, description, pairs (name of a member, variable)."""
     root = Element("fmiTerminalsAndIcons", fmiVersion="3.0")
     terminals = SubElement(root, "Terminals")

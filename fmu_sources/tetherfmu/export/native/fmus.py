@@ -11,18 +11,18 @@ from pathlib import Path
 from typing import NamedTuple
 
 from tetherfmu.fmi.resources import DEFAULT_OPTIONS
+from tetherfmu.fmi.wiring import Wiring, of_tether
 from tetherfmu.libraries import ready
 from tetherfmu.libraries.ahead_of_time import object_name
 from tetherfmu.libraries.native_shell import SHELL, native_library
 from tetherfmu.runtime.kernel_library import SUFFIXES
 from tetherfmu.runtime.variables import table_of
-from tetherfmu.runtime.variants import BY_NAME
 
 from ..archive import DESCRIPTION, SLAVES, guid_of, write
 from ..build_options import BuildOptions
 from ..documents import documents
 from . import description, description_fmi3, host_header, sources
-from .tables import Wiring, header, room_of, wiring_of
+from .tables import header, room_of
 
 HEADERS = Path(find_spec("fmpy").origin).with_name("c-code")  # FMI's own, under the 2-clause BSD licence
 MAGIC, PAGE_BITS = 0xCAFEBABE, 14  # of Apple's mach-o/fat.h; libraries begin at multiples of 16 kB, the larger page
@@ -47,9 +47,8 @@ def build(name, folder, options=None, fmi=2, with_header=False, with_sources=Fal
     """
     options = options or BuildOptions()
     variant, given = SLAVES[name], DEFAULT_OPTIONS | options.as_dict()
-    about = " ".join(filter(None, [BY_NAME[variant].description, given["about"]]))
-    table = table_of(variant, given)
-    wiring, terminals = wiring_of(variant, table, given["shape_points"]), description_fmi3.terminals(table)
+    about, table = options.description_of(variant), table_of(variant, given)
+    wiring, terminals = of_tether(variant, table, given["shape_points"]), description_fmi3.terminals(table)
     model = Model(name, about, wiring, terminals, (given["step"], given["stop"]))
     files = documents(name, variant, about, options, native=fmi)
     return written(files, model, folder, options.platforms, fmi, with_header, with_sources, options.purpose)

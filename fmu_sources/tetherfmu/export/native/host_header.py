@@ -9,6 +9,7 @@ from tetherfmu.runtime import __version__
 from tetherfmu.runtime.variables import INPUT, LOCAL, OUTPUT, PARAMETER
 
 from ..documents import meaning
+from ..texts import filled
 from .arrays import arrays
 from .tables import c_text
 
@@ -18,20 +19,6 @@ TYPES = {  # of FMI, for the kinds of variables
     2: {"Real": "Real", "Integer": "Integer", "Enumeration": "Integer"},
     3: {"Real": "Float64", "Integer": "Int32", "Enumeration": "Int64"},
 }
-TEXT = """/* {file}.fmu for FMI {fmi}.0, written by TetherFMU {version} when it built that FMU; do not edit.
-
-Value references by the names of the variables, how many values those have that are vectors, and choices of parameters. */
-#ifndef {guard}
-#define {guard}
-
-#define {prefix}MODEL_IDENTIFIER {identifier}
-#define {prefix}{token_name} {token}
-#define {prefix}FMI_VERSION {fmi}
-
-{body}
-
-#endif
-"""
 
 
 def c_name(name):
@@ -42,7 +29,7 @@ def c_name(name):
 def text(file, identifier, wiring, fmi, token):
     """Text of the header of a native FMU.
 
-    file : name of the FMU without ending.  identifier : model identifier.  wiring : `tables.Wiring`.  fmi : 2 or 3.
+    file : name of the FMU without ending.  identifier : model identifier.  wiring : `fmi.wiring.Wiring`.  fmi : 2 or 3.
     token : guid of FMI 2, instantiation token of FMI 3.
     """
     listed = arrays(wiring)
@@ -52,7 +39,8 @@ def text(file, identifier, wiring, fmi, token):
         parts.append(_enumeration("independent", [time]))
     parts.append(_enumeration("numbers of values", _sizes(listed)))
     parts.append(_enumeration("choices", _choices(wiring.table)))
-    return TEXT.format(
+    return filled(
+        "host_header.h",
         file=file,
         fmi=fmi,
         version=__version__,

@@ -4,15 +4,12 @@ Places in the flat arrays, variables, parameters with their ranges, sentences: w
 """
 
 import re
-from array import array
-from typing import NamedTuple
 
 from tetherfmu.runtime import inputs, layout, parameters, plan_layout, plausibility, refusals, saved_state, status
-from tetherfmu.runtime.instance import address
-from tetherfmu.runtime.variables import PARAMETER, line_of_tether, parameters_at, references, wind_points_in
-from tetherfmu.runtime.variants import BY_NAME, library_of
+from tetherfmu.runtime.instance import Instance, address
+from tetherfmu.runtime.variables import PARAMETER
 
-from .arrays import COMPONENTS, arrays
+from .arrays import arrays
 
 KINDS = {"Real": 1, "Integer": 2, "Enumeration": 4, "input": 8, "output": 16, "local": 16, "parameter": 32}
 INDEPENDENT = 64  # the time
@@ -24,79 +21,11 @@ QUANTITIES = (  # that sentences on parameters may ask for
 )
 
 
-class Wiring(NamedTuple):
-    """What an FMU is, and where its variables stand in the arrays of the kernels (`plan_layout.py`).
-
-    References are value references; -1 is none.
-    """
-
-    name: str  # in saved states
-    library: str  # of its kernels
-    record: object  # `variants.Variant` of a tether alone, None for a system
-    table: tuple  # of `variables.Variable`
-    references: list  # of the table
-    ends: tuple  # number of inputs, of inputs and outputs, and of all values
-    lines: tuple  # `instance.Line` of each
-    plan: dict  # numbers that are given, by place
-    quantities: list  # of each line: (name, reference, default) in the order of the kernel `pack`
-    of_lines: dict  # references of what each line has, by the name of the table in C
-    forces: list  # references of the forces whose smoothness counts in directional derivatives
-    sizes: dict  # dimensions of the arrays of FMI 3 that are no vectors, by name
-    inputs: list = ()  # (place, reference, line, place among its inputs); of a load: -1, place among the loads
-    outputs: list = ()  # (reference, place)
-    motion: list = ()  # (reference, line, 1 at its end, component)
-    starts: list = ()  # (place in the plan, reference)
-    checked: list = ()  # variables of parameters that the kernel `pack` does not check
-    carried: list = ()  # of each line the references of the masses at its start and end
-    free: tuple = ()  # names of the free points
-
-
-def wiring_of(variant, table, shape_points):
-    """`Wiring` of a tether alone: the inputs and outputs of the kernels are the first of its values."""
-    points = wind_points_in(table)
-    given, first = layout.inputs_size(points), parameters_at(shape_points, points)
-    listed = [each for each in table if each.causality == PARAMETER]
-    own = {each.name: first + each.place for each in listed}
-    line = line_of_tether(shape_points, points)
-    force_places = [layout.GROUND_FORCE, layout.KITE_FORCE]
-    return Wiring(
-        variant,
-        library_of(variant),
-        BY_NAME[variant],
-        table,
-        references(table, shape_points),
-        (given, first, first + len(listed)),
-        (line,),
-        given_plan((line,)),
-        [[(each.name, own[each.name], 0.0) for each in listed]],
-        {"DIAMETER_AT": [own["diameter"]], "SLACK_SEGMENTS_AT": [given + layout.SLACK_SEGMENTS]},
-        [given + place + i for place in force_places for i in range(3)],
-        {"shape": (shape_points, COMPONENTS), inputs.WIND_AT.name: (points, COMPONENTS)},
-        [(place, place, 0, place) for place in range(given)],
-    )
-
-
-def given_plan(lines, free=(), band=0):
-    """What is given of the plan of lines but for their segments: dict of place to number."""
-    plan = {plan_layout.LINES: len(lines), plan_layout.FREE_POINTS: len(free), plan_layout.BAND: band}
-    for k, line in enumerate(lines):
-        own = {
-            plan_layout.START_POINT: line.start_point,
-            plan_layout.END_POINT: line.end_point,
-            plan_layout.SHAPE_POINTS: line.shape_points,
-            plan_layout.WIND_POINTS: line.wind_points,
-        }
-        plan |= {row_of(k) + place: number for place, number in own.items()}
-    return plan
-
-
-def row_of(k):
-    """First place of line k in the plan."""
-    return plan_layout.PLAN_HEADER + plan_layout.LINE_NUMBERS * k
-
-
 def header(wiring, fmi, token):
-    """Text of `tables.h` for one FMU; token : guid of FMI 2, instantiation token of FMI 3, which has arrays and the time."""
+    """Text of `tables.h` for a `fmi.wiring.Wiring`.
+
+    token : guid of FMI 2, instantiation token of FMI 3, which has arrays and the time.
+    """
     widths = {array.reference: len(array.variables) for array in arrays(wiring)} if fmi == 3 else None
     listed = [variable for variable in wiring.table if variable.causality == PARAMETER]
     return "\n".join(
@@ -206,18 +135,18 @@ def room_of(kernels, wiring):
         beside += [plan_layout.INPUTS_SIZE, plan_layout.OUTPUTS_SIZE]
     states, others = [], []
     for n in range(1, layout.MAX_SEGMENTS + 1):
-        plan = array("q", _numbers_of(wiring))
-        for k in range(len(wiring.lines)):
-            plan[row_of(k) + plan_layout.SEGMENTS] = n
+        plan = _given_plan(wiring)
+        for row in range(plan_layout.PLAN_HEADER, len(plan), plan_layout.LINE_NUMBERS):
+            plan[row + plan_layout.SEGMENTS] = n
         kernels.complete(address(plan))
         states.append(plan[plan_layout.STATE_SIZE])
         others.append(sum(plan[place] for place in beside))
     return most_room(states, others)
 
 
-def _numbers_of(wiring):
-    """The plan as it is given, list of whole numbers."""
-    return [wiring.plan.get(place, 0) for place in range(plan_layout.plan_size(len(wiring.lines)))]
+def _given_plan(wiring):
+    """What is given of the plan of lines but for their segments, an array."""
+    return Instance(None, wiring.lines, wiring.free, wiring.band).plan
 
 
 def most_room(states, others):
@@ -261,7 +190,7 @@ def _parameters(wiring, listed):
 
 def _lines(wiring):
     """Names of the lines, value references of what each has, and of forces."""
-    own = {**wiring.of_lines, "FORCE_AT": wiring.forces}
+    own = {"DIAMETER_AT": wiring.diameters, "SLACK_SEGMENTS_AT": wiring.slack_segments, "FORCE_AT": wiring.forces}
     return [
         c_texts("LINE_NAME", [line.name for line in wiring.lines]),
         *(c_numbers(f"unsigned {name}", references) for name, references in own.items()),
@@ -276,21 +205,22 @@ def _table(name, members, rows):
 
 def _maps(wiring):
     """Where inputs, outputs, motion and masses stand in the arrays of the kernels, and the plan as it is given."""
-    counts = {"INPUTS_FROM": wiring.inputs, "OUTPUTS_FROM": wiring.outputs, "MOTIONS": wiring.motion}
+    outputs = [(reference, place) for reference, places in wiring.outputs for place in places]
+    counts = {"INPUTS_FROM": wiring.inputs, "OUTPUTS_FROM": outputs, "MOTIONS": wiring.motion}
     counts |= {"STARTS": wiring.starts, "CHECKS": wiring.checked}
     limits = [(each.place, *map(repr, limits_of(each.quantity))) for each in wiring.checked]
     rows = ",\n    ".join(f"{{{', '.join(map(str, row))}}}" for row in limits) or "{0, 0.0, 0.0}"
-    masses = ", ".join(f"{{{a}, {b}}}" for a, b in wiring.carried or [(-1, -1)])
+    masses = ", ".join(f"{{{a}, {b}}}" for a, b in wiring.carried)
     return [
         c_enumeration({name: len(listed) for name, listed in counts.items()}),
         _table("INPUT_FROM", ("place", "reference", "line", "own"), wiring.inputs),
-        _table("OUTPUT_FROM", ("reference", "place"), wiring.outputs),
+        _table("OUTPUT_FROM", ("reference", "place"), outputs),
         _table("MOTION", ("reference", "line", "is_end", "component"), wiring.motion),
         _table("START_FROM", ("place", "reference"), wiring.starts),
         f"static const struct {{ int reference; double lowest, highest; }} CHECK[] = {{\n    {rows}}};",
         f"static const int CARRIED[][2] = {{{masses}}};",
         c_texts("FREE_POINT_NAME", wiring.free or ("",)),
-        c_numbers("int64_t GIVEN_PLAN", _numbers_of(wiring)),
+        c_numbers("int64_t GIVEN_PLAN", _given_plan(wiring)),
     ]
 
 

@@ -1,6 +1,7 @@
 """The FMU of one scene: the advised tether with the scene's values as start values, and no more variables than it needs."""
 
 from tetherfmu.export.build_options import BuildOptions, Purpose
+from tetherfmu.fmi.system_variables import inputs_at
 from tetherfmu.runtime.variables import CALCULATED, variables
 from tetherfmu.study.measuring.runs import fmu_of, parameters_of
 from tetherfmu.study.measuring.tables import percent
@@ -16,8 +17,7 @@ VECTORS = {  # outputs of the FMU that an output of a scene is made of, where th
     "ground_direction": {"ground_force"},
     "power": {"kite_force", "ground_tension"},
 }
-# inputs that are never left out: the motion of the kite, and what any `winch_control` needs
-KEPT = ("kite_position", "kite_velocity", "kite_load", "reel_out_speed", "winch_force", "winch_length")
+KEPT = inputs_at("kite", "winch")  # never left out: the motion of the kite or its load, and what any `winch_control` needs
 DIGITS = 12  # of start values: more are rounding
 
 

@@ -14,21 +14,23 @@ from xml.etree.ElementTree import Element, SubElement
 
 from fmpy import read_model_description
 
+from power_system import kite_power_system as power
+from shared import example_fmus
+from tetherfmu.export import archive
+from tetherfmu.export.build_options import BuildOptions, Purpose
+from tetherfmu.export.documents import OSP_FOLDER
+from tetherfmu.export.texts import xml_text
 from tetherfmu.fmi.model_description import base_units, number_text
-from tetherfmu.libraries.examples import example
 from tetherfmu.runtime import __version__
-
-from . import archive, example_fmus, osp
-from .build_options import BuildOptions, Purpose
-from .documents import OSP_FOLDER
-from .texts import xml_text
+from wind import turbulence_systems as turbulent
 
 NAMESPACE = "http://ssp-standard.org/SSP1/SystemStructure"
 PREFIXES = {"ssd": "Description", "ssc": "Common", "ssv": "ParameterValues"}
 TOOL = f"TetherFMU {__version__}"
 FMU = "application/x-fmu-sharedlibrary"
 STEP, STOP = 0.02, 200.0  # of the default experiment [s]
-OSP_STRUCTURE = f"{OSP_FOLDER}/{osp.STRUCTURE}"
+OSP_NAMESPACE = "http://opensimulationplatform.com/MSMI/OSPSystemStructure"
+OSP_STRUCTURE = f"{OSP_FOLDER}/OspSystemStructure.xml"  # as libcosim looks for it
 PAGE = "<h1>{name}</h1>\n<p>{name} of TetherFMU {version}. {about}</p>"
 
 
@@ -52,24 +54,23 @@ def write_all(folder, options=None):
     options : `BuildOptions` of their tethers, of which the purpose and the start values are replaced.
     """
     options = options or BuildOptions()
-    given = example("power_system.kite_power_system")
-    power = {name: {"tether": values} for name, values in given.FIDELITIES.items()}
+    fidelities = {name: {"tether": values} for name, values in power.FIDELITIES.items()}
+    folder = Path(folder)
     return [
-        write("kite_power_system", given.FMUS, given.START, power, Path(folder), options),
-        write("winch_inside", given.INSIDE, given.INSIDE_START, power, Path(folder), options, Wiring(steps=given.OWN_STEPS)),
-        write("circular_flight", given.CIRCLE, given.CIRCLE_START, {"standard": {}}, Path(folder), options),
+        write("kite_power_system", power.FMUS, power.START, fidelities, folder, options),
+        write("winch_inside", power.INSIDE, power.INSIDE_START, fidelities, folder, options, Wiring(steps=power.OWN_STEPS)),
+        write("circular_flight", power.CIRCLE, power.CIRCLE_START, {"standard": {}}, folder, options),
         *in_turbulence(folder, options),
     ]
 
 
 def in_turbulence(folder, options):
     """Write the systems with turbulent wind to a folder; gives their paths. options : as in `write_all`."""
-    given = example("wind.turbulence_systems")
-    options = replace(options, wind_points=given.POINTS, shape_points=given.POINTS)
-    wiring = Wiring(given.RENAMED, files={"TurbulentWind": [(Path(given.BOX).name, given.box())]})
+    options = replace(options, wind_points=turbulent.POINTS, shape_points=turbulent.POINTS)
+    wiring = Wiring(turbulent.RENAMED, files={"TurbulentWind": [(Path(turbulent.BOX).name, turbulent.box())]})
     for name, fmus, start in (
-        ("turbulent_circle", given.CIRCLE, given.CIRCLE_START),
-        ("turbulent_parked_kite", given.PARKED, given.PARKED_START),
+        ("turbulent_circle", turbulent.CIRCLE, turbulent.CIRCLE_START),
+        ("turbulent_parked_kite", turbulent.PARKED, turbulent.PARKED_START),
     ):
         yield write(name, fmus, start, {"standard": {}}, Path(folder), options, wiring)
 
@@ -87,7 +88,7 @@ def write(name, fmus, start, fidelities, folder, options, wiring=Wiring()):
         variables = {instance: read_model_description(str(path)).modelVariables for instance, path in paths.items()}
         files = {_source(fmus[each]): path.read_bytes() for each, path in paths.items()}
     sources = {instance: f"../../{_source(fmu)}" for instance, fmu in fmus.items()}
-    structure = osp.system_structure(sources, _connections(variables, wiring), STEP, wiring.steps)
+    structure = osp_structure(sources, _connections(variables, wiring), STEP, wiring.steps)
     files[OSP_STRUCTURE] = structure.encode("utf-8")
     for fidelity, values in fidelities.items():
         ending = "" if fidelity == "standard" else f"_{fidelity}"
@@ -99,8 +100,7 @@ def write(name, fmus, start, fidelities, folder, options, wiring=Wiring()):
 
 def _connections(variables, wiring):
     """Dict of instances to dicts of their inputs to pairs (instance, output)."""
-    given = example("power_system.kite_power_system")
-    givers = {output: instance for instance, known in variables.items() for output in given.given_by(known)}
+    givers = {output: instance for instance, known in variables.items() for output in power.given_by(known)}
     found = {}
     for instance, known in variables.items():
         wanted = {v.name: _output_for(f"{instance}.{v.name}", wiring) for v in known if v.causality == "input"}
@@ -117,7 +117,6 @@ def _output_for(place, wiring):
 
 def _structure(name, fidelity, fmus, variables, values, wiring):
     """Element of a system structure; variables : by instance.  values : of the fidelity, as in `write`."""
-    given = example("power_system.kite_power_system")
     spaces = {f"xmlns:{prefix}": f"{NAMESPACE}{what}" for prefix, what in PREFIXES.items()}
     root = Element("ssd:SystemStructureDescription", spaces, name=f"{name}, {fidelity}", version="1.0", generationTool=TOOL)
     system = SubElement(root, "ssd:System", name=name)
@@ -127,7 +126,7 @@ def _structure(name, fidelity, fmus, variables, values, wiring):
         inputs = inputs_of[instance]
         component = SubElement(elements, "ssd:Component", name=instance, type=FMU, source=_source(fmus[instance]))
         units = {variable.name: variable.unit for variable in known}
-        _connectors(component, inputs, given.given_by(known), units)
+        _connectors(component, inputs, power.given_by(known), units)
         if instance in values:
             bindings = SubElement(component, "ssd:ParameterBindings")
             SubElement(bindings, "ssd:ParameterBinding", source=_set(instance, fidelity))
@@ -137,6 +136,27 @@ def _structure(name, fidelity, fmus, variables, values, wiring):
     _units(root)
     SubElement(root, "ssd:DefaultExperiment", startTime="0", stopTime=number_text(STOP))
     return root
+
+
+def osp_structure(sources, connections, step, steps):
+    """Text of a system structure for libcosim: FMUs that exchange their variables after each step, all from the same time.
+
+    sources : dict of simulators to the places of their FMUs, as seen from the file.  connections : dict of simulators to
+    dicts of their inputs to pairs (simulator, output).  step : shortest communication step [s].  steps : dict of the
+    simulators that have another one, a multiple of it [s].
+    """
+    root = Element("OspSystemStructure", xmlns=OSP_NAMESPACE, version="0.1")
+    for name, text in (("StartTime", "0"), ("BaseStepSize", number_text(step)), ("Algorithm", "fixedStep")):
+        SubElement(root, name).text = text
+    simulators, joined = SubElement(root, "Simulators"), SubElement(root, "Connections")
+    for name, source in sources.items():
+        SubElement(simulators, "Simulator", name=name, source=source, stepSize=number_text(steps.get(name, step)))
+    for taker, inputs in connections.items():
+        for wanted, (giver, output) in inputs.items():
+            pair = SubElement(joined, "VariableConnection")
+            for simulator, name in ((giver, output), (taker, wanted)):
+                SubElement(pair, "Variable", simulator=simulator, name=name)
+    return xml_text(root)
 
 
 def _source(fmu):

@@ -17,7 +17,8 @@ from tetherfmu.libraries.ahead_of_time import TARGETS
 from tetherfmu.libraries.c_kernels import c_kernels
 from tetherfmu.libraries.sources import PACKAGE
 
-BESIDE_THE_PACKAGE = ("docs", "examples", "tests", "build_fmus.py", "CHANGELOG.md", "CITATION.cff")
+BACKEND = "fmu_sources/build_backend.py"  # this file
+BESIDE_THE_PACKAGE = ("docs", "examples", "tests", "build_fmus.py", "CHANGELOG.md", "CITATION.cff", BACKEND)
 NOT_COPIED = shutil.ignore_patterns("__pycache__", "*.jsonl", "*.ll.gz")
 
 

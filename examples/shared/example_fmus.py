@@ -3,20 +3,19 @@
 import json
 import tempfile
 from html import escape
+from importlib import import_module
 from pathlib import Path
 from xml.etree import ElementTree
 
+from tetherfmu.export.archive import DESCRIPTION, pack, seal, write_archive, write_package
+from tetherfmu.export.documents import NO_PACKAGES, of_every_fmu, page
+from tetherfmu.export.texts import ASSETS, filled
 from tetherfmu.fmi.resources import OPTIONS_FILE
-from tetherfmu.libraries.examples import EXAMPLES, example
 from tetherfmu.libraries.sources import PACKAGE
 from tetherfmu.runtime import __version__
 from tetherfmu.runtime.kernel_library import PYTHONFMU
 
-from .archive import DESCRIPTION, pack, seal, write_archive, write_package
-from .documents import NO_PACKAGES, of_every_fmu, page
-from .texts import ASSETS, filled
-
-FOLDER, WIND = EXAMPLES / "fmus", PACKAGE / "wind"
+FOLDER, WIND = Path(__file__).resolve().parents[1] / "fmus", PACKAGE / "wind"
 SLAVES = {  # name: script
     "PointMassKite": "point_mass_kite.py",
     "FlyingKite": "flying_kite.py",
@@ -31,7 +30,7 @@ PACKAGES = {"TurbulentWind": "The package numpy has to be installed in it."}
 
 def slave(name):
     """Class of the slave of an FMU of the examples."""
-    return getattr(example(f"fmus.{Path(SLAVES[name]).stem}"), name)
+    return getattr(import_module(f"fmus.{Path(SLAVES[name]).stem}"), name)
 
 
 def table_of(name):
@@ -68,7 +67,7 @@ def build(name, folder, starts=(), files_inside=()):
 
 def _page(name, script, description):
     """`documents.page` with the equations as the sources have them, and the tables of all variables."""
-    texts = [example(f"fmus.{each}").__doc__ for each in ("model_slave", script.stem, "aerodynamics")]
+    texts = [import_module(f"fmus.{each}").__doc__ for each in ("model_slave", script.stem, "aerodynamics")]
     shown = texts if name.endswith("Kite") else texts[:2]
     physics = "\n".join(f"<pre>{escape(text.strip())}</pre>" for text in reversed(shown))
     body = filled("example.html", name=name, version=__version__, description=escape(description), physics=physics)

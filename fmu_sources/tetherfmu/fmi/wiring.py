@@ -1,0 +1,204 @@
+"""What an FMU is, and where its variables stand in the flat arrays of the kernels (`plan_layout.py`).
+
+A record for a tether alone and for a system of them: the slave runs with it, the tables of native FMUs are made of it.
+References are value references; -1 is none.
+"""
+
+from dataclasses import fields
+from itertools import accumulate
+from typing import NamedTuple
+
+from ..runtime import layout as at
+from ..runtime import outputs
+from ..runtime import plan_layout as plan
+from ..runtime.inputs import WIND_AT, components
+from ..runtime.instance import Line
+from ..runtime.kernel_library import SYSTEM
+from ..runtime.outputs import COUNTERS
+from ..runtime.parameters import Ground, Tether, Winch
+from ..runtime.variables import INPUT, PARAMETER, input_names, line_of_tether, parameters_at, references, wind_points_in
+from ..runtime.variants import BY_NAME, Variant, library_of
+from .system_variables import OF_A_LINE, OF_THE_SYSTEM, SUMMED, input_name, table_of
+
+FORCES = ("force", "tension_from", "tension_to")  # of a system: on driven points, and of lines at their ends
+
+
+class Wiring(NamedTuple):
+    """One FMU. What has a default is empty for a tether alone, whose inputs and outputs are the arrays of the kernels."""
+
+    name: str  # in saved states
+    library: str  # of its kernels
+    record: Variant | None  # of a tether alone, None for a system
+    table: tuple  # of `variables.Variable`
+    references: list  # of the table
+    ends: tuple  # number of inputs, of inputs and outputs, and of all values
+    lines: tuple  # `instance.Line` of each
+    quantities: list  # of each line: (name, reference, default) in the order of the kernel `pack`
+    diameters: list  # references, of each line
+    slack_segments: list  # likewise
+    forces: list  # references of the forces whose smoothness counts in directional derivatives
+    sizes: dict  # dimensions of the arrays of FMI 3 that are no vectors, by name
+    inputs: list  # (place, reference, line, place among its inputs); of a load: -1, place among the loads
+    carried: list  # of each line the references of the masses of free points at its start and end: one line carries them
+    outputs: tuple = ()  # (reference, places): the sum of the numbers there
+    motion: tuple = ()  # of free points: (reference, line, 1 at its end, component from 0 to 5)
+    starts: tuple = ()  # (place in the plan, reference) of the starts of free points
+    checked: tuple = ()  # variables of parameters that the kernel `pack` does not check
+    free: tuple = ()  # names of the free points
+    band: int = 0  # of their matrix
+
+
+def of_tether(variant, table, shape_points):
+    """`Wiring` of a tether alone with a table of `variables`."""
+    points = wind_points_in(table)
+    given, first = at.inputs_size(points), parameters_at(shape_points, points)
+    listed = [each for each in table if each.causality == PARAMETER]
+    own = {each.name: first + each.place for each in listed}
+    return Wiring(
+        name=variant,
+        library=library_of(variant),
+        record=BY_NAME[variant],
+        table=table,
+        references=references(table, shape_points),
+        ends=(given, first, first + len(listed)),
+        lines=(line_of_tether(shape_points, points),),
+        quantities=[[(each.name, own[each.name], 0.0) for each in listed]],
+        diameters=[own["diameter"]],
+        slack_segments=[given + at.SLACK_SEGMENTS],
+        forces=[given + place + i for place in (at.GROUND_FORCE, at.KITE_FORCE) for i in range(3)],
+        sizes={"shape": (shape_points, 3), WIND_AT.name: (points, 3)},
+        inputs=[(place, place, 0, place) for place in range(given)],
+        carried=[(-1, -1)],
+    )
+
+
+def of_system(structure):
+    """`Wiring` of a `system_variables.Structure`: the value reference of a variable is its place in the table."""
+    table = table_of(structure)
+    own = {each.name: each.place for each in table}
+    given, fixed = (sum(each.causality == kind for each in table) for kind in (INPUT, PARAMETER))
+    names = [line.name for line in structure.lines]
+    sizes = {f"{line.name}.shape": (line.shape_points, 3) for line in structure.lines}
+    sizes |= {f"{line.name}.{WIND_AT.name}": (line.wind_points, 3) for line in structure.lines}
+    return Wiring(
+        name=structure.hash,
+        library=SYSTEM,
+        record=None,
+        table=table,
+        references=[each.place for each in table],
+        ends=(given, len(table) - fixed, len(table)),
+        lines=lines_of(structure),
+        quantities=[_quantities_of(line, own) for line in structure.lines],
+        diameters=[own[f"{name}.diameter"] for name in names],
+        slack_segments=[own[f"{name}.slack_segments"] for name in names],
+        forces=[each.place for each in table if each.name.rpartition(".")[2].partition("[")[0] in FORCES],
+        sizes=sizes,
+        inputs=_inputs_of(structure, own),
+        carried=[[own[f"{point}.mass"] if point else -1 for point in points] for points in carried(structure)],
+        outputs=tuple(_outputs_of(structure, own)),
+        motion=tuple(_motion_of(structure, own)),
+        starts=tuple(_starts_of(structure, own)),
+        checked=tuple(each for each in table[-fixed:] if each.name.partition(".")[0] in structure.free),
+        free=structure.free,
+        band=structure.band,
+    )
+
+
+# --- of systems
+
+
+def lines_of(structure):
+    """`instance.Line` of each line of a system, a tuple.
+
+    structure : has `lines`, with `name`, `start`, `end`, `shape_points` and `wind_points`, and `free`.
+    """
+    number = {name: k for k, name in enumerate(structure.free)}
+    return tuple(
+        Line(
+            line.name,
+            tuple(input_name(each, line) for each in input_names(line.wind_points)),
+            line.shape_points,
+            line.wind_points,
+            *(number.get(name, plan.DRIVEN) for name in (line.start, line.end)),
+        )
+        for line in structure.lines
+    )
+
+
+def carried(structure):
+    """Of each line the names of the free points at its start and its end whose mass it carries, None for none.
+
+    The first line at a point does.
+    """
+    free, found = set(structure.free), []
+    for line in structure.lines:
+        own = [point if point in free else None for point in (line.start, line.end)]
+        free -= set(own)
+        found.append(own)
+    return found
+
+
+def _quantities_of(line, places):
+    """Quantities of a line; what the system has no variable for has its default. places : references by name, as below."""
+    found = []
+    for record in (Tether, *OF_THE_SYSTEM[:2], Winch, Ground):
+        for item in fields(record):
+            own = item.name if record in OF_THE_SYSTEM else f"{line.name}.{item.name}"
+            found.append((item.name, places.get(own, -1), item.default))
+    return found
+
+
+def _inputs_of(structure, places):
+    """Rows of inputs; free points have the motion of their start there."""
+    found, first = [], 0
+    for k, line in enumerate(lines_of(structure)):
+        for own, name in enumerate(line.inputs):
+            point, _, what = name.partition(".")
+            name = f"{point}.initial_{what}" if point in structure.free else name
+            if name in places:
+                found.append((first + own, places[name], k, own))
+        first += len(line.inputs)
+    loads = [name for point in structure.free for name in components(f"{point}.load", 3)]
+    return found + [(first + own, places[name], -1, own) for own, name in enumerate(loads)]
+
+
+def _outputs_of(structure, places):
+    """Rows of outputs.
+
+    The force on a point is that of its lines in their order, and of each line that of its start before that of its end.
+    """
+    *firsts, _ = accumulate((at.outputs_size(line.shape_points) for line in structure.lines), initial=0)
+    found = {}
+    for line, first in zip(structure.lines, firsts, strict=True):
+        for end, point in line.ends:
+            for i, name in enumerate(components(f"{point}.force", 3)):
+                found.setdefault(name, []).append(first + outputs.PLACES[f"{end}_force"] + i)
+        for name, own in OF_A_LINE.items():
+            found[f"{line.name}.{own}"] = [first + outputs.PLACES[name]]
+        for k in range(line.shape_points):
+            for i in range(3):
+                found[f"{line.name}.shape[{k + 1},{i + 1}]"] = [first + at.SHAPE + 3 * k + i]
+    for name in COUNTERS:
+        every = [first + outputs.PLACES[name] for first in firsts]
+        found[name] = every if name in SUMMED else every[:1]
+    return ((places[name], those) for name, those in found.items() if name in places)
+
+
+def _motion_of(structure, places):
+    """Rows of the motion of free points; of several lines at a point the last one counts."""
+    found, free = {}, set(structure.free)
+    for k, line in enumerate(structure.lines):
+        for is_end, (_, point) in enumerate(line.ends):
+            if point in free:
+                names = (*components(f"{point}.position", 3), *components(f"{point}.velocity", 3))
+                found |= {name: (places[name], k, is_end, component) for component, name in enumerate(names)}
+    return found.values()
+
+
+def _starts_of(structure, places):
+    """Rows of the starts of free points, of all ends of lines there."""
+    for k, line in enumerate(structure.lines):
+        row = plan.PLAN_HEADER + plan.LINE_NUMBERS * k
+        for place, name in ((plan.START_IS_SOUGHT, line.start), (plan.END_IS_SOUGHT, line.end)):
+            if name in structure.free:
+                yield row + place, places[f"{name}.start"]
