@@ -12,6 +12,7 @@ from tetherfmu.libraries.examples import EXAMPLES
 from tetherfmu.study.replay import comparison, fitting, log, runs
 from tetherfmu.study.replay.flight import prepare
 from tetherfmu.study.replay.replay import part_of_fit, replay
+from tetherfmu.study.scenes.csv_files import Table
 
 CYCLES = [EXAMPLES / "flights" / f"kitepower_20191008_{cycle}.csv" for cycle in ("0012", "0031", "0064")]
 MOST = {"kitepower_20191008_0012": 1.0, "kitepower_20191008_0031": 1.3, "kitepower_20191008_0064": 1.6}  # m
@@ -25,7 +26,7 @@ def clean():
     time = cells["time"].astype(float)
     cells["length"], cells["tension"] = (np.interp(time, when, each).astype(str) for each in (length, tension))
     told = logs_of_tests.MAP.with_constants({"smoothing.position_noise": 1e-3, "smoothing.acceleration_change": 50.0})
-    return prepare(log.log_of(cells, told), 20.0, 60.0)
+    return prepare(log.log_of(Table(cells), told), 20.0, 60.0)
 
 
 @pytest.mark.parametrize("path", CYCLES, ids=lambda path: path.stem)
@@ -83,7 +84,7 @@ def test_the_speed_leads_as_its_integral_does(clean):
     cells["speed"] = np.interp(time, when, np.gradient(length, when)).astype(str)
     sources = logs_of_tests.MAP.sources | {"reel_out_speed": logs_of_tests.source("speed")}
     del sources["tether_length"]
-    read = log.log_of(cells, log.columns.replace(logs_of_tests.MAP, sources=sources))
+    read = log.log_of(Table(cells), log.columns.replace(logs_of_tests.MAP, sources=sources))
     flown = runs.fly(prepare(read, 20.0, 60.0), "catenary", "speed").table
     error = flown.tether_length - clean.length(clean.times)
     assert np.ptp(error) < 0.2  # of 25 m that are reeled: samples every 0.1 s of a speed that jumps with the force
