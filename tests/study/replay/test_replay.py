@@ -7,6 +7,7 @@ import pandas as pd
 import pytest
 
 from study.replay import logs_of_tests
+from tests.study.replay.known_flight import enu, written
 from tetherfmu.__main__ import main as tetherfmu
 from tetherfmu.libraries.examples import EXAMPLES
 from tetherfmu.study.replay import comparison, fitting, log, runs
@@ -143,6 +144,34 @@ def test_wrong_use_is_refused_in_one_line(name, capsys, tmp_path):
     assert status == 2
     error = capsys.readouterr().err
     assert said in error
+    assert error.count("\n") == 1
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.fixture(scope="module")
+def in_kilonewtons(tmp_path_factory):
+    """A log whose tension does not hold its tether up."""
+    table = enu(duration=12.0)
+    return written(tmp_path_factory.mktemp("kN"), table.assign(ground_tension=table["ground_tension"] / 1e3))
+
+
+def test_a_tether_that_refuses_all_is_given_up_and_said(in_kilonewtons):
+    """It was tried for 5 min: each of its refusals takes the longest search for a length."""
+    made = replay(prepare(log.read(in_kilonewtons, "enu")), "tension", ("catenary", "straight"), wanted=())
+    assert list(made.flown) == ["straight"]
+    assert set(made.errors.tether) == {"straight"}
+    (doubt,) = made.doubts
+    assert doubt.startswith(
+        "without results: catenary refused 100 communication steps and was given up at 2.0 s; the first: "
+    )
+
+
+def test_a_log_that_no_tether_can_fly_is_refused(in_kilonewtons, capsys, tmp_path):
+    options = ["--as", "enu", "--tether", "catenary", "--fit", "nothing", "--out", str(tmp_path / "out")]
+    assert tetherfmu(["replay", str(in_kilonewtons), *options]) == 2
+    error = capsys.readouterr().err
+    assert "flight.csv: no tether can fly this: without results: catenary refused 100 communication steps" in error
+    assert "kN was probably meant" in error
     assert error.count("\n") == 1
     assert not (tmp_path / "out").exists()
 
