@@ -53,7 +53,7 @@ class Variables(NamedTuple):
     reference: dict  # name -> value reference, or what stands for it in FMI 3
 
     def of(self, *names):
-        """Value references of variables and of all elements of vectors; WrongUse names one that the FMU lacks, or ignores."""
+        """Value references of variables and of all elements of vectors; WrongUse names one that the FMU lacks or ignores."""
         found = self.those_of(*names)
         ignored = [name for name in names if name.startswith(WIND) and self.those_of(WIND_AT) and name != WIND_AT]
         if ignored:

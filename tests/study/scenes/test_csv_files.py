@@ -1,4 +1,4 @@
-"""A table in any usual form has the same numbers, for a series as for a log; units and angles are those that the file says."""
+"""A table in any usual form has the same numbers, for a series as for a log; units are those that the file says."""
 
 import numpy as np
 import pandas as pd
@@ -35,7 +35,7 @@ FORMATS = {
     "blanks": joined(" "),
     "aligned with blanks": joined("   ").replace("\n", "\n  "),
     "blanks and decimal commas": joined(" ", rows=COMMAS),
-    "quotes": joined('","').replace("\n", '"\n"').join('""')[:-1],
+    "quotes": joined(names=[f'"{each}"' for each in NAMES], rows=[[f'"{each}"' for each in row] for row in ROWS]),
     "quoted names with blanks between": joined(" ", [f'"{each}"' for each in NAMES]),
     "comments": "# a logger\n" + joined() + "# end\n",
     "empty lines": joined().replace("\n", "\n\n"),
@@ -154,7 +154,7 @@ WRONG = {
     "more cells than names": (joined(rows=[*ROWS[:3], [*ROWS[3], "1"]]), "row 5 has more cells than the header"),
     "more cells below units": (joined(more=[["#", "no", "row"], UNITS], rows=[[*ROWS[0], "1"]]), "row 4 has more cells"),
     "fewer cells than names": (joined(rows=[*ROWS[:3], ROWS[3][:-1]]), "row 5, column winch_length has no number"),
-    "a quote that does not end": (joined().replace("0.250000", '"0.250000'), "row 3, column kite_position[1] has no number"),
+    "a quote that does not end": (joined().replace("0.250000", '"0.250000'), "row 3, column time has no number"),
     "only numbers": (joined(names=ROWS[0]), "has a number in each cell of the first row"),
     "commas in both places": (joined(";", rows=[COMMAS[0], *ROWS[1:]]), "time has decimal commas and points, as '0,000000'"),
     "degrees taken for rad": (
@@ -175,7 +175,7 @@ WRONG = {
 @pytest.mark.parametrize("kind", WRONG)
 def test_what_is_no_series_is_told_in_one_line(kind, tmp_path):
     contents, says = WRONG[kind]
-    with pytest.raises(ValueError, match="flight.csv: ") as raised:
+    with pytest.raises(ValueError, match=r"flight\.csv: ") as raised:
         series_of(tmp_path, contents)
     assert says in str(raised.value)
     assert "\n" not in str(raised.value)

@@ -59,18 +59,20 @@ def read(contents, fewest):
         raise ValueError(f"has {len(lines)} lines; it must have a header row and {fewest} rows at least")
     separator = max(SEPARATORS, key=lines[0][1].count)
     separator = separator if separator in lines[0][1] else None
-    names, *rows = (cells_of(line, separator) for _, line in lines)
+    names, units, rows, places, broken = cells_of(lines[0][1], separator), {}, [], [], []
     refuse_names(names)
-    units = {}
-    if is_row_of_units(*rows[:2]):
-        units = dict(zip(names, rows.pop(0), strict=False))
-        del lines[1]
-    width, places = len(names), [row for row, _ in lines[1:]]
-    broken = tuple(row for row, cells in zip(places, rows, strict=True) if len(cells) > width)
-    whole = [(row, cells) for row, cells in zip(places, rows, strict=True) if len(cells) <= width]
-    padded = [cells + [""] * (width - len(cells)) for _, cells in whole]
-    cells = pd.DataFrame(padded, [row for row, _ in whole], names, dtype=str)
-    return Table(cells if separator == "," else cells.apply(with_points), units, comments, broken)
+    first = [cells_of(line, separator) for _, line in lines[1:3]]
+    if is_row_of_units(*first):
+        units = dict(zip(names, first[0], strict=False))
+    for row, line in lines[2 if units else 1 :]:
+        cells = cells_of(line, separator)
+        if len(cells) > len(names):
+            broken.append(row)
+            continue
+        rows.append(cells + [""] * (len(names) - len(cells)))
+        places.append(row)
+    cells = pd.DataFrame(rows, places, names, dtype=str)
+    return Table(cells if separator == "," else cells.apply(with_points), units, comments, tuple(broken))
 
 
 def text_of(contents):
@@ -96,7 +98,8 @@ def cells_of(line, separator):
             cells = []
     else:
         cells = line.split(separator)
-    cells = [each.strip() for each in cells]
+    if " " in line:
+        cells = [each.strip() for each in cells]
     while cells and not cells[-1]:
         cells.pop()
     return cells
