@@ -139,7 +139,7 @@ def test_units_of_a_log_count_where_the_map_has_none(tmp_path):
     own.write_text('[kite_position]\nx = "x"\ny = "y"\nz = "z"\n[ground_tension]\ncolumn = "ground_tension"\nunit = "N"\n')
     mapped = log.read(path, own)
     np.testing.assert_allclose(mapped.table["ground_tension"], right["ground_tension"] / 9.80665)
-    assert "units of the map, not of the log: ground_tension [kgf] in kgf" in str(mapped.report)
+    assert "units are those of the map, not kgf of ground_tension [kgf]" in str(mapped.report)
 
 
 WRONG = {

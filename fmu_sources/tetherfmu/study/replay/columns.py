@@ -218,9 +218,10 @@ class Columns:
         numbers = [found.time, *(each for source in found.sources.values() for each in source.numbers)]
         said = {each.name: table.unit(each.name) for each in numbers if table.unit(each.name)}
         taken = [each.name for each in numbers if said.get(each.name) in each.units]
-        for names, who in ((taken, "the log"), ([each for each in said if each not in taken], "the map, not of the log")):
-            if names:
-                report.say(f"units of {who}: {csv_files.shown(f'{each} in {said[each]}' for each in names)}")
+        if taken:
+            report.say(f"units of the log: {csv_files.shown(f'{each} in {said[each]}' for each in taken)}")
+        if others := [each for each in said if each not in taken]:
+            report.say(f"units are those of the map, not {csv_files.shown(f'{said[each]} of {each}' for each in others)}")
         return found
 
     def with_constants(self, changes):
