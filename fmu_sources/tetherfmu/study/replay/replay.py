@@ -75,11 +75,11 @@ def refused(name, flown):
 
 
 def default_lead(read):
-    """What leads the winch: the tension if the log has it, else the length, else the speed; WrongUse if it has none."""
+    """What leads the winch: the tension if the log has it, else the length, else the speed; LogError if it has none."""
     for lead, column in MEASURED.items():
         if column in read.table:
             return lead
-    raise WrongUse(f"the log has none of {', '.join(MEASURED.values())}: nothing can lead the winch")
+    raise read.wrong(f"has none of {', '.join(MEASURED.values())}: nothing can lead the winch")
 
 
 def part_of_fit(flight, start=None, end=None):
@@ -99,8 +99,6 @@ def replay(flight, lead, tethers=tuple(runs.TETHERS), wanted=("offset",), fit_pa
     on which it is; None: `part_of_fit`.  LogError if the log has not what that needs, a tether cannot start, or none flies.
     """
     found, tested = None, ""
-    if not (lead == "length" and "offset" in wanted):  # which may be the length at the start
-        flight.require(lead)
     if wanted:
         now("fitting")
         found = fitting.fit(fit_part or part_of_fit(flight), wanted)
