@@ -42,7 +42,7 @@ def test_whatever_columns_a_log_has(there, tmp_path, capsys):
     if not set(LED).intersection(there):
         assert status == 2
         assert err.endswith(
-            "the log has none of ground_tension, tether_length, reel_out_speed: nothing can lead the winch\n"
+            "flight.csv: has none of ground_tension, tether_length, reel_out_speed: nothing can lead the winch\n"
         )
         return
     assert status == 0
