@@ -6,6 +6,7 @@ import pandas as pd
 import pytest
 
 from tests.study.replay.known_flight import enu, written
+from tetherfmu import TetherDynamic, TetherQuasiSteady, TetherStraight
 from tetherfmu.__main__ import main as tetherfmu
 from tetherfmu.study.replay import replay as command
 
@@ -19,6 +20,13 @@ OPTIONAL = {
 }
 LED = ("tether_length", "reel_out_speed", "ground_tension")  # what a winch can follow
 LEADS = {"length": "tether_length", "speed": "reel_out_speed", "tension": "ground_tension"}
+
+
+@pytest.fixture(scope="module", autouse=True)
+def compiled():
+    """Kernels that are compiled first say so on stderr, where nothing but one refusal is expected."""
+    for tether in (TetherDynamic, TetherQuasiSteady, TetherStraight):
+        tether().initialize()
 
 
 def subsets(names):
