@@ -19,6 +19,7 @@ from tetherfmu.console.options import file
 from tetherfmu.export.archive import build
 from tetherfmu.libraries.children import ctrl_c_waits
 
+WIND, WIND_AT = "wind_", "wind_at"  # begins the names of what an FMU with wind at points ignores, and the wind at these
 SLAVES = {"2.0": FMU2Slave, "3.0": ScalarsOfFmi3}  # by version of FMI
 
 
@@ -52,8 +53,13 @@ class Variables(NamedTuple):
     reference: dict  # name -> value reference, or what stands for it in FMI 3
 
     def of(self, *names):
-        """Value references of variables and of all elements of vectors; WrongUse names one that the FMU does not have."""
+        """Value references of variables and of all elements of vectors; WrongUse names one that the FMU lacks or ignores."""
         found = self.those_of(*names)
+        ignored = [name for name in names if name.startswith(WIND) and self.those_of(WIND_AT) and name != WIND_AT]
+        if ignored:
+            raise WrongUse(
+                f"{self.file} has inputs {WIND_AT} and ignores {ignored[0]}; take one built without --wind-points"
+            )
         for name in names:
             if name not in found:
                 points = "with --shape-points 21 and " if name == "shape" else ""

@@ -22,6 +22,7 @@ def place(built_once):
         for scene in (written(folder), written(folder, SCENE.replace("8.0", "0.0"), "calm")):
             assert build(["--scene", str(scene), "--out", str(folder)]) == 0
         assert build(["catenary", "--shape-points", "0", "--out", str(folder)]) == 0
+        assert build(["quasi_steady", "--wind-points", "3", "--out", str(folder)]) == 0
 
     return built_once("any_fmu", make)
 
@@ -39,6 +40,26 @@ def test_an_fmu_of_a_scene_flies_the_circle(place, tmp_path):
     assert done.stderr == f"{fmu} has no output ground_force and no shape: not shown\n"
     assert re.search(r"_short: \|kite\| \d+\.\d N at most; 50 steps", done.stdout)
     assert [path.name for path in tmp_path.iterdir()] == ["forces.png"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "ignored"),
+    [
+        (["fly", "--wind", "8", "0", "0"], "wind_velocity"),
+        (["fly", str(LOG), "--length", "220.3"], "wind_velocity"),
+        (["fly", "no_wind.csv", "--length", "220.3", "--set", "wind_profile=power_law"], "wind_profile"),
+    ],
+    ids=["circle", "log", "profile"],
+)
+def test_an_fmu_with_wind_at_points_does_not_fly_as_if_without_wind(arguments, ignored, place, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with LOG.open() as log:
+        kept = [",".join(line.split(",")[:4]) for line in log.read().splitlines()]
+    (tmp_path / "no_wind.csv").write_text("\n".join(kept))
+    fmu = place / "TetherQuasiSteady.fmu"
+    done = run_python("-m", "tetherfmu", *arguments, "--fmu", fmu, "--out", tmp_path / "out")
+    assert done.returncode == 2
+    assert done.stderr == f"{fmu} has inputs wind_at and ignores {ignored}; take one built without --wind-points\n"
 
 
 def test_an_fmu_without_shape_is_held_in_the_wind(fmu_folder, place, tmp_path):

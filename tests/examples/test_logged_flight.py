@@ -230,9 +230,9 @@ WRONG = [  # what is typed behind `tetherfmu fly`, what must be said
     ("plain.csv --length 505 --segments 3", ("unrecognized arguments: --segments 3",)),
     ("plain.csv other.csv --length 505", ("unrecognized arguments: other.csv",)),
     ("wind.csv --length 220.3 --wind 8 0 0", ("wind.csv", "wind_velocity", "--wind")),
-    ("empty.csv --length 505", ("empty.csv", "no CSV file")),
-    ("head.csv --length 505", ("head.csv", "0 rows", "at least 4")),
-    ("twice.csv --length 505", ("twice.csv", "column kite_position[1] twice")),
+    ("empty.csv --length 505", ("empty.csv", "has 0 lines", "a header row")),
+    ("head.csv --length 505", ("head.csv", "has 1 lines", "4 rows at least")),
+    ("twice.csv --length 505", ("twice.csv", "column kite_position[1] is there twice")),
     ("far.csv --length 505", ("far.csv", "row 2, column kite_position[1]", "at most 1e+09")),
     ("--set diameter=0.01", ("tetherfmu fly", "--set", "FLIGHT.csv")),
 ]

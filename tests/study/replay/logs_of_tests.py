@@ -7,6 +7,7 @@ import pandas as pd
 
 from tetherfmu import MovingEnd, Tether, TetherDynamic, inputs_along
 from tetherfmu.study.replay import columns, log
+from tetherfmu.study.scenes.csv_files import Table
 
 STEP, DURATION, SEGMENTS = 0.02, 120.0, 8  # s, s, -
 WIND = (8.0, 0.0, 0.0)
@@ -74,4 +75,4 @@ def cells(offset=0.0, origin=(0.0, 0.0, 0.0), delay=0.0, noise=0.5, seed=0, star
 
 def made(**errors):
     """`Log` of `cells`."""
-    return log.log_of(cells(**errors), MAP)
+    return log.log_of(Table(cells(**errors)), MAP)

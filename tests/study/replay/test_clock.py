@@ -120,7 +120,7 @@ def test_as_few_rows_as_possible_are_dropped(seed):
         ([1.57e12, 1.57e12 + 100.0], "t is 1.57e.12 s; is it in another unit"),
         (
             [*range(50), *range(50)],
-            "t goes back: 49 of 100 rows .* after 49 s, where 0 s follows; is this more than one log",
+            "t goes back: 49 of 100 rows .* after 49 s, where 0 s follows at row 50 of the file; is this more than one log",
         ),
         (np.random.default_rng(1).permutation(100), "t goes back"),
     ],

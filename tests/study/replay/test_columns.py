@@ -7,7 +7,6 @@ import pandas as pd
 import pytest
 
 from tests.study.replay.known_flight import FULL, enu, full, map_of, written
-from tests.study.replay.logs_of_tests import source
 from tetherfmu.runtime.inputs import INPUT_TABLE, components
 from tetherfmu.study.replay import columns, log, readings
 from tetherfmu.study.scenes.series import COLUMNS
@@ -32,7 +31,7 @@ def test_there_are_maps_for_plain_logs_names_of_fmus_and_kitepower():
 def test_the_least_map_has_a_position():
     found = columns.read(tomllib.loads(LEAST), "least")
     assert found.columns == ("time", "x", "y", "z")
-    assert found.sources["kite_position"] == source("x", "y", "z")
+    assert found.sources["kite_position"] == columns.Source(tuple(columns.Column(name, unit="m") for name in "xyz"))
     assert found.tether == columns.Tether()
 
 

@@ -7,21 +7,29 @@ import pandas as pd
 import pytest
 
 from tests.study.replay.breaking import changed, put
-from tests.study.replay.known_flight import AREA, KGF, WIND, enu, flown, full, motions, path
+from tests.study.replay.known_flight import AREA, KGF, WIND, enu, flown, full, motions, path, written
 from tests.study.replay.test_log_formats import FORMATS
 from tests.study.replay.test_mended_logs import MENDED
 from tests.study.replay.test_refused_logs import REFUSED
+from tetherfmu.study.replay import fitting, log
+from tetherfmu.study.replay.flight import prepare
 
 pytestmark = pytest.mark.filterwarnings("error::RuntimeWarning")  # a user would see them
 
 
 # of the known flight: what is done, and the doubt
 DOUBTED = {
-    "tension in N": (lambda t: changed(t, force=lambda c: KGF * c), "ground_tension is 4.9 times .*unit"),
-    "tension in kN": (lambda t: changed(t, force=lambda c: KGF / 1000.0 * c), "ground_tension is 0.0049 times .*unit"),
+    "tension in N": (
+        lambda t: changed(t, force=lambda c: KGF * c),
+        "ground_tension is 4.9 times .*; N was probably meant: check its unit",
+    ),
+    "tension in kN": (
+        lambda t: changed(t, force=lambda c: KGF / 1000.0 * c),
+        "ground_tension is 0.0049 times .*; kN was probably meant: check its unit",
+    ),
     "tension in pounds": (
         lambda t: changed(t, force=lambda c: c / 0.45359237),
-        "ground_tension is 1.1 times",
+        "ground_tension is 1.1 times .*; lbf was probably meant",
     ),
     "airspeed in km/h": (lambda t: changed(t, airspeed=lambda c: 3.6 * c), "airspeed is 3.6 times"),
     "wind in km/h": (lambda t: changed(t, wind=lambda c: 3.6 * c), "wind_velocity fits .* best times 0.3"),
@@ -65,7 +73,14 @@ DOUBTED = {
 }
 DOUBTED_ENU = {
     "tension in kgf": (lambda t: changed(t, ground_tension=lambda c: c / KGF), "not checked.* ground_tension"),
-    "tension in kN": (lambda t: changed(t, ground_tension=lambda c: c / 1e3), "not checked.* ground_tension"),
+    "tension in kN": (
+        lambda t: changed(t, ground_tension=lambda c: c / 1e3),
+        "ground_tension is .* N in the middle, and the tether weighs 22.* N; kN was probably meant: check its unit",
+    ),
+    "tension in kN, without length": (
+        lambda t: changed(t, ground_tension=lambda c: c / 1e3).drop(columns="tether_length"),
+        "kN was probably meant",
+    ),
     "tension in mN": (lambda t: changed(t, ground_tension=lambda c: c * 1e3), "ground_tension would stretch the tether by"),
     "length in feet, without speed": (
         lambda t: changed(t, tether_length=lambda c: c / 0.3048).drop(columns="reel_out_speed"),
@@ -114,6 +129,28 @@ def test_what_may_be_wrong_in_a_plain_log_is_doubted(kind, folder):
     done, doubt = DOUBTED_ENU[kind]
     doubts = flown(folder, done(enu()), "enu").log.report.doubts
     assert any(re.search(doubt, each) for each in doubts), doubts
+
+
+def test_a_diameter_in_millimetres_and_a_tension_in_kgf_of_a_thick_tether_are_doubted(folder):
+    """The tension is 2000 N in the middle, 15 times the weight of 250 m of 10 mm; in kgf it is 1.5 times as much."""
+    table = changed(enu(), ground_tension=lambda c: c / KGF)
+    for diameter, doubt in ((4.0, "tether.diameter is 4.* 4 mm are 0.004"), (0.01, "; kgf was probably meant")):
+        flight = prepare(log.read(written(folder, table), "enu", {"tether.diameter": diameter}))
+        (said,) = flight.log.report.of_units
+        assert re.search(doubt, said), said
+        with pytest.raises(log.LogError, match=f"has no taut tether: nothing can be fitted; .*{doubt}"):
+            fitting.fit(flight)
+
+
+def test_a_slack_tether_is_not_said_to_pull_in_another_unit(folder):
+    """The log says that it is longer than the way."""
+    assert flown(folder, LEGITIMATE["slack"].assign(ground_tension=2.0), "enu").log.report.of_units == []
+
+
+@pytest.mark.parametrize("constants", [{}, {"tether.diameter": 0.004, "tether.density": 724.0}], ids=["unsaid", "said"])
+def test_the_default_tether_may_be_the_one_that_flew(constants, folder):
+    doubts = prepare(log.read(written(folder, enu()), "enu", constants)).log.report.doubts
+    assert any("does not say which tether flew" in each for each in doubts) == (not constants)
 
 
 def calm(time, position, length=None, tension=None, **more):

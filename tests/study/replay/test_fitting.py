@@ -7,6 +7,7 @@ from study.replay import logs_of_tests
 from tetherfmu.study.replay import fitting
 from tetherfmu.study.replay.flight import prepare
 from tetherfmu.study.replay.log import LogError
+from tetherfmu.study.scenes.csv_files import Table
 
 CASES = 100
 FEWEST = 90  # of them: 95 are expected, and 90 or more in 99 of 100 draws of 100 (binomial)
@@ -98,6 +99,6 @@ def test_what_cannot_be_told_apart_is_refused():
 def test_nothing_taut_is_refused():
     cells = logs_of_tests.cells()
     cells["tension"] = "0.5"
-    flight = prepare(logs_of_tests.log.log_of(cells, logs_of_tests.MAP))
+    flight = prepare(logs_of_tests.log.log_of(Table(cells), logs_of_tests.MAP))
     with pytest.raises(LogError, match="no taut tether"):
         fitting.fit(flight)

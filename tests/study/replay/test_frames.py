@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from tests.study.replay.known_flight import seen_from_origin
 from tetherfmu.study.replay import frames, log, readings
 from tetherfmu.study.replay.columns import read
+from tetherfmu.study.scenes.csv_files import Table
 
 ROUNDING = 1e-7  # m: 6e6 m from the centre, 16 digits, some operations
 ORIGINS = [
@@ -88,7 +89,7 @@ def log_of(map_table, **readings):
     """`Log` of 40 rows of the same readings."""
     time = np.arange(40) * 0.1
     cells = pd.DataFrame({"time": time, **readings})
-    return log.log_of(cells.astype(str), read(map_table, "own"))
+    return log.log_of(Table(cells.astype(str)), read(map_table, "own"))
 
 
 POINTS = {"kite_position": {"x": "x", "y": "y", "z": "z"}}

@@ -30,7 +30,7 @@ FORMATS = {
     "comments": (lambda t: "# made by a logger, version 2\n" + t.to_csv(index=False) + "# end\n", "begin with #"),
     "a row of units": (
         lambda t: "\n".join([lines_of(t)[0], ",".join(["unit"] * len(t.columns)), *lines_of(t)[1:]]),
-        "first row has no numbers.*dropped: 1 of",
+        "units are those of the map, not unit of time, unit of lat",
     ),
     "a header in the middle": (
         lambda t: "\n".join([*lines_of(t)[:500], lines_of(t)[0], *lines_of(t)[500:]]),

@@ -9,8 +9,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from tests.study.replay.breaking import changed, of_the_day, put, texts
-from tests.study.replay.known_flight import enu, flown, full
+from tests.study.replay.known_flight import enu, flown, full, written
 from tetherfmu.study.replay import log
+from tetherfmu.study.replay.flight import prepare
 
 pytestmark = pytest.mark.filterwarnings("error::RuntimeWarning")  # a user would see them
 
@@ -121,6 +122,16 @@ REFUSED_ENU = {  # of the same flight for the map `enu`
     ),
     "positions in km": (lambda t: changed(t, x=lambda c: c / 1e3, y=lambda c: c / 1e3, z=lambda c: c / 1e3), "do not fit"),
     "times in minutes": (lambda t: changed(t, time=lambda c: c / 12.0), "kite_velocity and kite_position|moves by"),
+    "a clock that jumps by 300 s": (
+        lambda t: changed(t, time=lambda c: c + 300.0 * (c.index >= 300)),
+        "from 29.9 to 330.0 s: the time jumps by 300.1 s at row 302 of the file; fly a part",
+    ),
+    "a clock that is set back by 300 s": (
+        lambda t: changed(t, time=lambda c: c - 300.0 * (c.index >= 300)),
+        "time goes back: .* after 29.9 s, where -270 s follows at row 302 of the file",
+    ),
+    "a first time that is wrong": (lambda t: put(t, "time", 0, "-500"), "the time jumps by 500.1 s at row 3 of the file"),
+    "a last time that is wrong": (lambda t: put(t, "time", 1199, "900"), "the time jumps by 780.2 s at row 1201 of the"),
     "zeros for 10 s": (
         lambda t: t.assign(**{name: t[name].where(t.index >= 100, 0.0) for name in "xyz"}),
         "no position is known from 0.0",
@@ -149,6 +160,11 @@ def test_a_broken_log_is_refused_in_one_sentence(kind, folder, own):
 def test_a_broken_plain_log_is_refused_in_one_sentence(kind, folder):
     done, sentence = REFUSED_ENU[kind]
     refused(folder, done(enu()), "enu", sentence)
+
+
+def test_the_part_before_a_jump_of_the_clock_is_flown(folder):
+    table = changed(enu(), time=lambda c: c + 300.0 * (c.index >= 300))
+    assert prepare(log.read(written(folder, table), "enu"), 0.0, 29.0).end == 29.0
 
 
 def test_a_folder_and_a_missing_file_are_refused(folder, own):

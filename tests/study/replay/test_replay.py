@@ -7,11 +7,13 @@ import pandas as pd
 import pytest
 
 from study.replay import logs_of_tests
+from tests.study.replay.known_flight import enu, written
 from tetherfmu.__main__ import main as tetherfmu
 from tetherfmu.libraries.examples import EXAMPLES
 from tetherfmu.study.replay import comparison, fitting, log, runs
 from tetherfmu.study.replay.flight import prepare
 from tetherfmu.study.replay.replay import part_of_fit, replay
+from tetherfmu.study.scenes.csv_files import Table
 
 CYCLES = [EXAMPLES / "flights" / f"kitepower_20191008_{cycle}.csv" for cycle in ("0012", "0031", "0064")]
 MOST = {"kitepower_20191008_0012": 1.0, "kitepower_20191008_0031": 1.3, "kitepower_20191008_0064": 1.6}  # m
@@ -25,7 +27,7 @@ def clean():
     time = cells["time"].astype(float)
     cells["length"], cells["tension"] = (np.interp(time, when, each).astype(str) for each in (length, tension))
     told = logs_of_tests.MAP.with_constants({"smoothing.position_noise": 1e-3, "smoothing.acceleration_change": 50.0})
-    return prepare(log.log_of(cells, told), 20.0, 60.0)
+    return prepare(log.log_of(Table(cells), told), 20.0, 60.0)
 
 
 @pytest.mark.parametrize("path", CYCLES, ids=lambda path: path.stem)
@@ -83,7 +85,7 @@ def test_the_speed_leads_as_its_integral_does(clean):
     cells["speed"] = np.interp(time, when, np.gradient(length, when)).astype(str)
     sources = logs_of_tests.MAP.sources | {"reel_out_speed": logs_of_tests.source("speed")}
     del sources["tether_length"]
-    read = log.log_of(cells, log.columns.replace(logs_of_tests.MAP, sources=sources))
+    read = log.log_of(Table(cells), log.columns.replace(logs_of_tests.MAP, sources=sources))
     flown = runs.fly(prepare(read, 20.0, 60.0), "catenary", "speed").table
     error = flown.tether_length - clean.length(clean.times)
     assert np.ptp(error) < 0.2  # of 25 m that are reeled: samples every 0.1 s of a speed that jumps with the force
@@ -142,6 +144,34 @@ def test_wrong_use_is_refused_in_one_line(name, capsys, tmp_path):
     assert status == 2
     error = capsys.readouterr().err
     assert said in error
+    assert error.count("\n") == 1
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.fixture(scope="module")
+def in_kilonewtons(tmp_path_factory):
+    """A log whose tension does not hold its tether up."""
+    table = enu(duration=12.0)
+    return written(tmp_path_factory.mktemp("kN"), table.assign(ground_tension=table["ground_tension"] / 1e3))
+
+
+def test_a_tether_that_refuses_all_is_given_up_and_said(in_kilonewtons):
+    """It was tried for 5 min: each of its refusals takes the longest search for a length."""
+    made = replay(prepare(log.read(in_kilonewtons, "enu")), "tension", ("catenary", "straight"), wanted=())
+    assert list(made.flown) == ["straight"]
+    assert set(made.errors.tether) == {"straight"}
+    (doubt,) = made.doubts
+    assert doubt.startswith(
+        "without results: catenary refused 100 communication steps and was given up at 2.0 s; the first: "
+    )
+
+
+def test_a_log_that_no_tether_can_fly_is_refused(in_kilonewtons, capsys, tmp_path):
+    options = ["--as", "enu", "--tether", "catenary", "--fit", "nothing", "--out", str(tmp_path / "out")]
+    assert tetherfmu(["replay", str(in_kilonewtons), *options]) == 2
+    error = capsys.readouterr().err
+    assert "flight.csv: no tether can fly this: without results: catenary refused 100 communication steps" in error
+    assert "kN was probably meant" in error
     assert error.count("\n") == 1
     assert not (tmp_path / "out").exists()
 

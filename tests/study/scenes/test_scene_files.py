@@ -60,22 +60,22 @@ WRONG = {
 }
 WRONG_SERIES = {
     "unreadable": (None, "cannot be read"),
-    "no text": (b"\xff\xfe\x00", "is no CSV file"),
-    "empty": (b"", "is no CSV file"),
+    "no text": (b"\xff\xfe\x00", "is no text file"),
+    "empty": (b"", "has 0 lines; it must have a header row and 4 rows at least"),
     "missing column": (b"time,kite_position[1]\n0,1\n", "the column kite_position[2] is missing"),
-    "unknown column": (HEAD.replace("time", "time,colour").encode(), "unknown column 'colour'"),
+    "unknown column": ((HEAD.replace("time", "time,colour") + "0,0,1,2,3\n" * 5).encode(), "unknown column 'colour'"),
     "word in a cell": ((HEAD + "0,1,2,x\n").encode(), "row 2, column kite_position[3] has no number; it must be"),
     "more than an input may be": (
         (HEAD + "0,1,1e300,3\n").encode(),
         "row 2, column kite_position[2] is 1e+300; it must be at most 1e+09 in magnitude",
     ),
-    "a column twice": ((HEAD.strip() + ",time\n" + "0,1,2,3,0\n" * 5).encode(), "has the column time twice"),
+    "a column twice": ((HEAD.strip() + ",time\n" + "0,1,2,3,0\n" * 5).encode(), "the column time is there twice"),
     "too few cells": ((HEAD + "0,1,2\n").encode(), "row 2, column kite_position[3] has no number; it must be"),
-    "too many cells": ((HEAD + "0,1,2,3,4\n" * 5).encode(), "Expected 4 fields in line 2, saw 5"),
-    "time stands still": ((HEAD + "0,1,2,3\n" * 5).encode(), "row 3: time must grow from row to row"),
+    "too many cells": ((HEAD + "0,1,2,3,4\n" * 5).encode(), "row 2 has more cells than the header"),
+    "time stands still": ((HEAD + "0,1,2,3\n" * 5).encode(), "row 3: time is 0 after 0; it must grow from row to row"),
     "time goes back": (
         (HEAD + "".join(f"{k},1,2,3\n" for k in (0, 1, 2, 1.5, 4, 3))).encode(),
-        "row 5: time must grow from row to row",
+        "row 5: time is 1.5 after 2; it must grow from row to row",
     ),
     "long name": ((HEAD.replace("time", "time," + "x" * 500) + "0,0,1,2,3\n" * 5).encode(), f"'{'x' * 40}...'; known are"),
     "velocity alone": (

@@ -3,8 +3,9 @@
 import numpy as np
 from scipy.interpolate import CubicSpline
 
+from tetherfmu.input_files import factors
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime.parameters import Tether
+from tetherfmu.runtime.parameters import Tether, diameter_in_doubt
 from tetherfmu.runtime.plausibility import LARGEST_STRETCH, NEARBY
 
 from .readings import FASTEST, POSITION, VELOCITY, WIND, between
@@ -24,6 +25,7 @@ DOUBTFUL = 1.02  # the same, from which on it is doubtful
 NEAREST = 0.4  # the same, at its largest
 TAUT = 10.0  # tension over the weight of the tether, from which on the tether is nearly straight
 LEAST_TAUT = 0.97  # median of distance over length while it is
+SLACK = 3.0  # tension over the weight of the tether, median, below which it is hardly taut
 FORCE_COEFFICIENTS = 0.2, 1.0  # of a soft kite: tension over dynamic pressure and area, median; kgf for N is outside
 AIRSPEEDS = 0.4, 2.5  # airspeed over the speed of the kite in the wind, median; km/h for m/s is outside
 FLYING = 3.0  # m/s, from which on a kite has its airspeed
@@ -210,6 +212,7 @@ def compare_tension(log, position):
     strain = high / log.map.tether.axial_stiffness
     if strain > LARGEST_STRETCH - 1.0:
         log.report.doubt(f"ground_tension would stretch the tether by {100.0 * strain:.3g} %; check its unit, and [tether]")
+    judge_small_tension(log, position)
     if "airspeed" not in log.table or not area:
         return False
     pressure = 0.5 * log.map.environment.air_density * log.table["airspeed"].to_numpy() ** 2 * area
@@ -221,9 +224,40 @@ def compare_tension(log, position):
     if not least <= found <= most:
         log.report.doubt(
             f"ground_tension is {found:.2g} times dynamic pressure and area of the kite, {least:g} to {most:g} are usual of "
-            "soft kites; check its unit (N, kgf, kN, lbf), that of airspeed, and kite.area"
+            f"soft kites; {probably(units_of_tension(log, found, least, most))}check its unit, that of airspeed, and "
+            "kite.area",
+            of_unit=True,
         )
     return True
+
+
+def judge_small_tension(log, position):
+    """Doubt a tension with which the tether would hang slack, unless the log says that it is longer than the way."""
+    distance = np.linalg.norm(position, axis=1)
+    if "tether_length" in log.table:
+        length = log.map.station.length_outside(log.table["tether_length"].to_numpy())
+        if not np.nanmedian(distance) > LEAST_TAUT * np.nanmedian(length):
+            return
+    middle, weight = np.nanmedian(log.table["ground_tension"]), log.map.weight * np.nanmedian(distance)
+    if diameter_in_doubt(log.map.tether.diameter) or not 0.0 < middle < SLACK * weight:
+        return
+    log.report.doubt(
+        f"ground_tension is {middle:.3g} N in the middle, and the tether weighs {weight:.3g} N; "
+        f"{probably(units_of_tension(log, middle / weight, TAUT, np.inf)[:1])}check its unit, and [tether]",
+        of_unit=True,
+    )
+
+
+def units_of_tension(log, found, least, most):
+    """Units of the logged tension, the smallest first, with which a multiple of it would lie between two numbers."""
+    (column,) = log.map.sources["ground_tension"].numbers
+    known = sorted(factors("N").items(), key=lambda unit: unit[1])
+    return [spelled for spelled, factor in known if least <= found * factor / column.factor <= most]
+
+
+def probably(units):
+    """Which units were probably meant, if any is known."""
+    return f"{' or '.join(units)} was probably meant: " if units else ""
 
 
 def compare_wind(log, position):
@@ -259,7 +293,9 @@ def compare_wind(log, position):
 def judge_what_is_not_said(log):
     """Doubt a tether that is none of the user's, and still air."""
     tether = log.map.tether
-    if tether == Tether():
+    if doubt := diameter_in_doubt(tether.diameter):
+        log.report.doubt(f"tether.{doubt}", of_unit=True)
+    if tether == Tether() and not log.map.names_tether:
         log.report.doubt(
             f"the map does not say which tether flew: a default one of {1000.0 * tether.diameter:g} mm and "
             f"{1000.0 * tether.mass_per_meter:.3g} g/m does; give a table [tether], or set tether.diameter, ..."

@@ -34,7 +34,7 @@ def repaired(cells, column, factor, report):
         rows = rows[::-1]
         report.say("reversed: the time falls from row to row")
     time = past_midnight(time[rows], report)
-    time, rows = in_order(time, rows, column, report)
+    time, rows = in_order(time, rows, cells, column, report)
     if time[0] == time[-1]:
         raise ValueError(f"{column} does not grow: {cells[column].iloc[rows[0]]} in all rows")
     time, rows = apart(time, rows, cells, report)
@@ -75,14 +75,15 @@ def past_midnight(time, report):
     return time + DAY * days
 
 
-def in_order(time, rows, column, report):
+def in_order(time, rows, cells, column, report):
     """Times and rows without those that do not fit in with the others; ValueError if there are many."""
     kept = never_falling(time)
     if len(time) - len(kept) > MOST_BACK * len(time):
         k = int(np.argmax(np.diff(time) < 0.0))
         raise ValueError(
             f"{column} goes back: {len(time) - len(kept)} of {len(time)} rows stand in the wrong order, the first after "
-            f"{time[k]:.10g} s, where {time[k + 1]:.10g} s follows; is this more than one log?"
+            f"{time[k]:.10g} s, where {time[k + 1]:.10g} s follows at row {cells.index[rows[k + 1]]} of the file; is this "
+            "more than one log?"
         )
     report.count("dropped", len(time) - len(kept), len(time), "whose time does not fit in between those of the rows around")
     return time[kept], rows[kept]

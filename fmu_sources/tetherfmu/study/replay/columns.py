@@ -3,12 +3,14 @@
 import math
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from tetherfmu.input_files import GROUND, factors, ground_of, record, require, tables_of
 from tetherfmu.runtime.parameters import Environment, Ground, Tether
 from tetherfmu.runtime.quantities import check, quantity
+from tetherfmu.study.scenes import csv_files
 from tetherfmu.study.scenes.files import NOT_OF_A_SCENE, RECORDS, SceneError
 
 MAPS = {path.stem: path for path in sorted(Path(__file__).parent.glob("*.toml"))}  # that this package has
@@ -29,7 +31,12 @@ GEODETIC = ("latitude", "longitude", "altitude")
 POINTS, SPEEDS = ("kite_position", "origin"), ("kite_velocity", "wind_velocity")
 SCALARS = {"tether_length": "m", "reel_out_speed": "m/s", "ground_tension": "N", "airspeed": "m/s"}  # and their units
 LABELS = ("phase", "cycle")
-PLAIN, GEODETIC_POINT, WIND_FROM = "plain", "geodetic", "wind from"  # kinds of the numbers of a `Source`
+PLAIN, GEODETIC_POINT, FROM_ANGLES, WIND_FROM = (
+    "plain",
+    "geodetic",
+    "from angles",
+    "wind from",
+)  # kinds of the numbers of a `Source`
 MAY_MISS = ("kite_velocity", "wind_velocity", *SCALARS)  # what a map may call optional
 SMALL_TIMES = {"us": 1e-6, "ns": 1e-9}  # units of time that only logs have, and the factor to s
 ANGLES = {"deg": 1.0, "rad": math.degrees(1.0), "1e-7 deg": 1e-7}  # of geodetic coordinates, and the factor to deg
@@ -101,15 +108,25 @@ OF_SCENES = ("tether", "environment", "ground")
 
 @dataclass(frozen=True)
 class Column:
-    """Column of a number, and the factor to its unit; `others` may stand for it, the first one that a log has."""
+    """Column of a number, and the factor to its unit; `others` may stand for it, the first one that a log has.
+
+    `unit` : that of the number, where the map leaves it to the log to say another one; "" where the map says it.
+    """
 
     name: str
     factor: float = 1.0
     others: tuple = ()
+    unit: str = ""
 
-    def among(self, there):
-        """The same number in the first of its columns that is there; its first one if none is."""
-        return replace(self, name=next((each for each in (self.name, *self.others) if each in there), self.name))
+    def among(self, table):
+        """The same number in the first of its columns that a `csv_files.Table` has; its first one if it has none."""
+        found = next(filter(None, map(table.column, (self.name, *self.others))), self.name)
+        return replace(self, name=found, factor=self.factor * self.units.get(table.unit(found), 1.0))
+
+    @property
+    def units(self):
+        """Units that a log may say, and their factors, a dict."""
+        return factors(self.unit) | (SMALL_TIMES if self.unit == "s" else {}) if self.unit else {}
 
 
 @dataclass(frozen=True)
@@ -117,20 +134,26 @@ class Source:
     """Where a log has a quantity: a `Column` for each of its numbers, and what kind of numbers these are.
 
     PLAIN : a scalar, or a vector x east, y north, z up.  GEODETIC_POINT : latitude, longitude [deg], altitude [m].
+    FROM_ANGLES : elevation, azimuth [rad] and distance [m], see `csv_files.from_angles`.
     WIND_FROM : the speed of the wind [m/s], and the direction from which it comes [rad, clockwise from north].
+    `instead` : a `Source` for logs that have the columns of that one only.
     """
 
     numbers: tuple
     kind: str = PLAIN
+    instead: Any = None
 
     @property
     def columns(self):
         """Names of its columns."""
         return tuple(each.name for each in self.numbers)
 
-    def among(self, there):
-        """The same quantity in those columns of each number that are there."""
-        return replace(self, numbers=tuple(each.among(there) for each in self.numbers))
+    def among(self, table):
+        """The same quantity in those columns of each number that a `csv_files.Table` has."""
+        found = replace(self, numbers=tuple(each.among(table) for each in self.numbers))
+        other = self.instead.among(table) if self.instead else found
+        is_there = [all(name in table.cells for name in each.columns) for each in (found, other)]
+        return other if is_there == [False, True] else found
 
     def read(self, raw):
         """Its numbers, array (rows, numbers); raw : dict from a column of the log to its readings."""
@@ -143,7 +166,8 @@ class Columns:
 
     `sources` : dict from a name of the interface to its `Source`.  `labels` : dict "phase", "cycle" to a column.  `origin` :
     the station in geodetic coordinates (deg, deg, m), or the `Source` pair (geodetic, in metres) of one receiver; None:
-    positions are seen from the station.  `optional` : quantities that a log need not have.
+    positions are seen from the station.  `optional` : quantities that a log need not have.  `names_tether` : whether it says
+    anything of the tether that flew.
     """
 
     name: str
@@ -154,6 +178,7 @@ class Columns:
     origin: tuple | None = None
     optional: tuple = ()
     tether: Tether = field(default_factory=Tether)
+    names_tether: bool = False
     environment: Environment = field(default_factory=Environment)
     ground: Ground = field(default_factory=Ground)
     kite: Kite = field(default_factory=Kite)
@@ -181,15 +206,22 @@ class Columns:
         """The same map without a quantity."""
         return replace(self, sources={key: each for key, each in self.sources.items() if key != name})
 
-    def for_log(self, there, report):
-        """The same map for a log that has the columns `there`: without optional quantities whose columns are missing."""
-        sources = {name: each.among(there) for name, each in self.sources.items()}
-        found = replace(self, sources=sources)
+    def for_log(self, table, report):
+        """The same map for a `csv_files.Table`: without optional quantities that it lacks, in its units."""
+        sources = {name: each.among(table) for name, each in self.sources.items()}
+        found = replace(self, time=self.time.among(table), sources=sources)
         for name in self.optional:
-            missing = [column for column in found.columns_of(name) if column not in there]
+            missing = [column for column in found.columns_of(name) if column not in table.cells]
             if missing:
                 report.say(f"no column {missing[0]}: the flight has no {name}")
                 found = found.without(name)
+        numbers = [found.time, *(each for source in found.sources.values() for each in source.numbers)]
+        said = {each.name: table.unit(each.name) for each in numbers if table.unit(each.name)}
+        taken = [each.name for each in numbers if said.get(each.name) in each.units]
+        if taken:
+            report.say(f"units of the log: {csv_files.shown(f'{each} in {said[each]}' for each in taken)}")
+        if others := [each for each in said if each not in taken]:
+            report.say(f"units are those of the map, not {csv_files.shown(f'{said[each]} of {each}' for each in others)}")
         return found
 
     def with_constants(self, changes):
@@ -243,7 +275,8 @@ def read_records(table, base):
     changed = {section: given(kind, table, section) for section, kind in kinds.items()}
     whole = vars(ground_of(RECORDS["ground"](**changed["ground"]), Environment()))
     changed["ground"] = {GROUND + name: whole[GROUND + name] for name in changed["ground"]}
-    return {section: replace(getattr(base, section), **values) for section, values in changed.items()}
+    records = {section: replace(getattr(base, section), **values) for section, values in changed.items()}
+    return records | {"names_tether": base.names_tether or bool(changed["tether"])}
 
 
 def given(kind, table, section):
@@ -288,14 +321,19 @@ def number(table, section, unit, more=None):
     require(table, section, ("column", "unit") if unit else ("column",))
     if "column" not in table:
         raise ValueError(f"the key {section}.column is missing")
-    return among(table, section, "column", factor_of(table, section, unit, more=more) if unit else 1.0)
+    return among(table, section, "column", unit, more=more) if unit else among(table, section, "column", None)
 
 
-def among(table, section, key, factor):
-    """`Column` of a column, or of a list of columns, under a key of a table."""
+def among(table, section, key, unit, named="unit", more=None, factor=1.0):
+    """`Column` of a column, or of a list of columns, under a key of a table.
+
+    unit : of the number, None for texts.  named : the key of another one.  more : units.  factor : beside that of the unit.
+    """
     listed = table[key] if isinstance(table[key], list) and table[key] else [table[key]]
     name, *others = (text_of({key: each}, section, key) for each in listed)
-    return Column(name, factor, tuple(others))
+    if unit is None or named not in table:
+        return Column(name, factor, tuple(others), unit or "")
+    return Column(name, factor * factor_of(table, section, unit, named, more), tuple(others))
 
 
 def wind(table, section):
@@ -303,29 +341,36 @@ def wind(table, section):
     require(table, section, ("speed", "from", "unit", "angle"))
     if "from" not in table:
         raise ValueError(f"the key {section}.from is missing: the column of the direction from which the wind comes")
-    speed = among(table, section, "speed", factor_of(table, section, "m/s"))
-    direction = among(table, section, "from", factor_of({"angle": "deg"} | table, section, "rad", "angle"))
-    return Source((speed, direction), WIND_FROM)
+    direction = among({"angle": "deg"} | table, section, "from", "rad", "angle")
+    return Source((among(table, section, "speed", "m/s"), direction), WIND_FROM)
 
 
 def vector(table, section):
-    """`Source` of a table that names a column for each axis, or those of geodetic coordinates, or of a wind."""
+    """`Source` of a table that names a column for each axis, or those of geodetic coordinates, of angles, or of a wind."""
     if section == "wind_velocity" and "speed" in table:
         return wind(table, section)
-    is_position = section in POINTS
-    require(table, section, (*AXES, *((*GEODETIC, "angle") if is_position else ()), "unit"))
-    factor = factor_of(table, section, "m" if is_position else "m/s")
+    unit = "m" if section in POINTS else "m/s"
+    of_points = (*GEODETIC, "angle") if section in POINTS else ()
+    require(table, section, (*AXES, *of_points, *(csv_files.ANGLES if section == "kite_position" else ()), "unit"))
     if any(key in table for key in GEODETIC):
         require(table, section, (*GEODETIC, "angle", "unit"), GEODETIC)
         angle = factor_of(table, section, "deg", "angle", ANGLES)
+        height = factor_of(table, section, unit)
         columns = (
-            Column(text_of(table, section, key), each) for key, each in zip(GEODETIC, (angle, angle, factor), strict=True)
+            Column(text_of(table, section, key), each) for key, each in zip(GEODETIC, (angle, angle, height), strict=True)
         )
         return Source(tuple(columns), GEODETIC_POINT)
-    axes = {AXES[key][0]: Column(text_of(table, section, key), factor * AXES[key][1]) for key in table if key in AXES}
+    angles = None
+    if any(key in table for key in csv_files.ANGLES):
+        require(table, section, table, csv_files.ANGLES)
+        elevation, azimuth = (among(table, section, key, "rad", "angle") for key in csv_files.ANGLES[:2])
+        angles = Source((elevation, azimuth, among(table, section, csv_files.ANGLES[2], unit)), FROM_ANGLES)
+    axes = {AXES[key][0]: among(table, section, key, unit, factor=AXES[key][1]) for key in table if key in AXES}
+    if angles and not axes:
+        return angles
     if len(axes) != 3 or sum(key in AXES for key in table) != 3:
         raise ValueError(f"{section} must name one column for each axis: east or x, north or y, up or down or z")
-    return Source(tuple(axes[k] for k in range(3)))
+    return Source(tuple(axes[k] for k in range(3)), instead=angles)
 
 
 def origin(table):

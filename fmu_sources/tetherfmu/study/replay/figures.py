@@ -109,9 +109,9 @@ def line_of(name):
 
 
 def draw_length(axes, made):
-    """Length of each tether minus the logged one; minus its mean where the log does not tell the length at the start."""
+    """Length of each tether minus the logged one; minus its mean where the length at the start is not known."""
     times, curves = made.flight.times, {}
-    relative = "tether_length" not in made.flight.log.table
+    relative = not made.flight.has_whole_length
     for name, part in made.residuals.groupby("tether", sort=False):
         values = part.length.to_numpy()
         curves[name] = values - np.nanmean(values[times >= times[0] + SETTLED]) * relative
@@ -168,7 +168,7 @@ def panels(made):
     """Functions that draw what is of interest in this flight, the uppermost first."""
     table = made.flight.log.table
     found = [draw_tension]
-    if made.lead == "tension" and made.flight.has("length"):
+    if made.lead == "tension" and made.flight.has_length:
         found.append(draw_length)
     if made.is_slack.mean() > SOME:
         found.append(draw_sag)

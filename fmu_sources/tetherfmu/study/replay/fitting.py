@@ -10,6 +10,7 @@ from .flight import SHORTEST, Correction
 from .log import LogError
 from .runs import SEGMENTS, fly
 
+AT_START = "length at 0 s of the log m"  # is what the offset is where the log has no length, but the speed
 NAMES = {"offset": "length offset m", "origin": ("origin east m", "origin north m", "origin up m"), "delay": "delay s"}
 BLOCKS = 20  # of the part, from whose differences the uncertainty comes
 CONFIDENCE = 0.95  # that all intervals hold at once
@@ -50,6 +51,7 @@ def fit(flight, wanted=("offset",), segments=SEGMENTS):
     jackknife over `BLOCKS` parts in a row, since the errors of a position are alike for seconds (Kunsch, Annals of
     Statistics 17, 1989). LogError if the tether is nowhere taut, or if the part cannot tell two of them apart.
     """
+    refuse_unknown_length(flight, wanted)
     names = [name for each in wanted for name in np.atleast_1d(NAMES[each])]
     values = np.zeros(len(names))
     for _ in range(ROUNDS):
@@ -64,8 +66,20 @@ def fit(flight, wanted=("offset",), segments=SEGMENTS):
         if np.all(np.abs(step) <= SMALL * half) or names == [NAMES["offset"]]:  # which the tether does not feel
             break
     correction = correction_of(names, values)
+    if "tether_length" not in flight.log.table:
+        names[names.index(NAMES["offset"])] = AT_START
     found = {name: (float(value), float(width)) for name, value, width in zip(names, values, half, strict=True)}
     return Fit(correction, found, float(np.sqrt(np.mean(rest[taut] ** 2))), flight.start, flight.end)
+
+
+def refuse_unknown_length(flight, wanted):
+    """LogError unless a log has what a fit compares."""
+    if not flight.has_length:
+        raise flight.log.wrong("has neither tether_length nor reel_out_speed: nothing can be fitted")
+    if "tether_length" not in flight.log.table and "offset" not in wanted:
+        raise flight.log.wrong(
+            f"has no tether_length: {', '.join(wanted)} can be fitted only with offset, then the length at the start"
+        )
 
 
 def test(found, flight):
@@ -111,7 +125,9 @@ def residual(flight, wanted, segments=SEGMENTS):
     taut = np.isfinite(rest) & flight.is_taut(length) & pulled
     taut[time < time[0] + SETTLED] = False
     if taut.sum() < FEWEST:
-        raise LogError(f"the part from {flight.start:g} to {flight.end:g} s has no taut tether: nothing can be fitted")
+        raise flight.log.cannot_fly(
+            f"the part from {flight.start:g} to {flight.end:g} s has no taut tether: nothing can be fitted"
+        )
     return rest, np.hstack([slopes[each] for each in wanted]), taut
 
 

@@ -75,9 +75,9 @@ class Flight:
     def length(self, time):
         """Unstretched length [m] from the winch to the kite by the log, array (times,), with its correction.
 
-        Without a logged length the integral of the reel-out speed, from an unknown length at the start.
+        Without a logged length the integral of the reel-out speed, from 0 at the start of the log; NaN without both.
         """
-        if "tether_length" in self.log.table:
+        if "tether_length" in self.log.table or not self.has_length:
             measured = self.log.map.station.length_outside(self.measured("tether_length", time))
         else:
             own = self.log.time
@@ -91,9 +91,26 @@ class Flight:
         distance = np.linalg.norm(self.kite(self.times)[0], axis=1)
         return length < (1.0 + TAUT) * distance
 
-    def has(self, lead):
-        """Whether the log can lead a winch by this."""
-        return MEASURED[lead] in self.log.table or (lead == "length" and "reel_out_speed" in self.log.table)
+    @property
+    def has_length(self):
+        """Whether the log says how the length changes."""
+        return "tether_length" in self.log.table or "reel_out_speed" in self.log.table
+
+    @property
+    def has_whole_length(self):
+        """Whether the length is known, not only how it changes: it is logged, or that at the start was fitted."""
+        return "tether_length" in self.log.table or (self.has_length and self.correction.length != 0.0)
+
+    def require(self, lead):
+        """LogError unless the log has what leads a winch: "tension", "length" or "speed"."""
+        if MEASURED[lead] in self.log.table or (lead == "length" and self.has_whole_length):
+            return
+        there = ", ".join(each for each in MEASURED.values() if each in self.log.table)
+        fitted = lead == "length" and self.has_length and "ground_tension" in self.log.table
+        more = ", unless --fit offset finds that at the start" if fitted else ""
+        raise self.log.wrong(
+            f"has no {MEASURED[lead]}: the winch cannot follow the {lead}{more}; the log has {there or 'nothing to follow'}"
+        )
 
     def wind(self, time):
         """Wind at the reference height [m/s], averaged, array (times, 3); no wind if the log has none."""
@@ -199,9 +216,12 @@ def refuse_gaps(log, position, start, end):
     longest = log.map.smoothing.longest_gap
     k = np.argmax(gaps)
     if gaps[k] > longest:
+        row = np.searchsorted(log.time, time[k + 1])
+        jump = row and log.time[row] - log.time[row - 1]
+        why = f": the time jumps by {jump:.1f} s at row {log.rows[row]} of the file" if jump > longest else ""
         raise log.wrong(
-            f"no position is known from {time[k]:.1f} to {time[k + 1]:.1f} s; fly a part (--from, --to), or allow it with "
-            f"smoothing.longest_gap (now {longest:g} s)"
+            f"no position is known from {time[k]:.1f} to {time[k + 1]:.1f} s{why}; fly a part (--from, --to), or allow it "
+            f"with smoothing.longest_gap (now {longest:g} s)"
         )
     bridged = gaps > 1.5 * usual
     log.report.count("bridged", int(bridged.sum()), len(gaps), f"gaps of up to {gaps[k]:.2f} s in the position")

@@ -3,8 +3,9 @@
 import numpy as np
 
 from tetherfmu.runtime.inputs import components
+from tetherfmu.study.scenes.csv_files import from_angles
 
-from .columns import GEODETIC_POINT, WIND_FROM, Source
+from .columns import FROM_ANGLES, GEODETIC_POINT, WIND_FROM, Source
 
 EARTH_RADIUS, FLATTENING = 6378137.0, 1.0 / 298.257223563  # of the ellipsoid WGS 84 [m, -]
 SQUARED = FLATTENING * (2.0 - FLATTENING)  # of its eccentricity
@@ -70,6 +71,9 @@ def convert(raw, found, table, report):
         if source.kind == GEODETIC_POINT:
             refuse_other_angles(source, numbers)
             numbers = local(*numbers.T, station_of(raw, found, report))
+        elif source.kind == FROM_ANGLES:
+            numbers = from_angles(numbers)
+            report.say(f"{name} is that of elevation, azimuth and distance: {', '.join(source.columns)}")
         elif source.kind == WIND_FROM:
             speed, angle = numbers.T
             numbers = speed[:, None] * np.column_stack([-np.sin(angle), -np.cos(angle), 0.0 * angle])

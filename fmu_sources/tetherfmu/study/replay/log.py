@@ -1,22 +1,20 @@
 """The log of a flight as it was written: read, in SI units, x east, y north, z up, with what is impossible left out."""
 
-import codecs
 from dataclasses import dataclass, field
-from io import StringIO
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
 from tetherfmu.input_files import contents_of
+from tetherfmu.study.scenes import csv_files
+from tetherfmu.study.scenes.csv_files import shown
 from tetherfmu.study.scenes.files import SceneError
 
 from . import clock, columns, frames, readings
 
 STANDS_FOR_NONE = 999.0, 9999.0, 99999.0, 999999.0, 32767.0, 32768.0, 65535.0  # numbers that loggers write without a reading
 ALONE = 0.1  # of such a number: if no other reading is so near to it, it is none
-LONGEST_NAMES = 400  # characters of a message about columns
-COMMENT = "#"  # begins lines that are no rows
 
 
 class LogError(SceneError):
@@ -29,14 +27,17 @@ class Report:
 
     lines: list = field(default_factory=list)  # texts
     doubts: list = field(default_factory=list)  # texts: what may be wrong, and was left as it is
+    of_units: list = field(default_factory=list)  # those of the doubts that say which unit was probably meant
 
     def say(self, text):
         """Add a line."""
         self.lines.append(text)
 
-    def doubt(self, text):
-        """Add what may be wrong."""
+    def doubt(self, text, of_unit=False):
+        """Add what may be wrong; of_unit : whether it says which unit was probably meant."""
         self.doubts.append(text)
+        if of_unit:
+            self.of_units.append(text)
 
     def count(self, done, rows, total, why):
         """Add a line on some of the rows, unless there are none."""
@@ -56,7 +57,7 @@ class Log:
     and, where the log has them, of `kite_velocity`, `wind_velocity` [m/s], and `tether_length`, `reel_out_speed`,
     `ground_tension`, `airspeed`; NaN where a reading is missing; `phase`, `cycle` as texts.  `map` : without the optional
     quantities that the log does not have.  `source` : the file, for messages.  `begin` : time of the
-    first row in the file [s].
+    first row in the file [s].  `rows` : where the rows stand in the file, from 1, array (rows,).
     """
 
     table: pd.DataFrame
@@ -64,6 +65,7 @@ class Log:
     report: Report
     source: str = ""
     begin: float = 0.0
+    rows: np.ndarray | None = None
 
     @property
     def time(self):
@@ -78,6 +80,10 @@ class Log:
         """`LogError` that names the file of the log."""
         return LogError(f"{self.source}: {text}" if self.source else text)
 
+    def cannot_fly(self, text):
+        """`LogError` on what no tether can do, with the units that were probably meant."""
+        return self.wrong("; ".join([text, *self.report.of_units]))
+
 
 def read(path, of, constants=()):
     """`Log` of a CSV file; of : a `Columns`, or the name or the file of a map. LogError says in one line what is wrong.
@@ -86,64 +92,16 @@ def read(path, of, constants=()):
     """
     path, report = Path(path), Report()
     try:
-        cells = read_cells(path, report)
-        found = of if isinstance(of, columns.Columns) else map_for(of, cells)
-        return log_of(cells, found.with_constants(dict(constants)), report, str(path))
+        table = csv_files.read(contents_of(path), readings.FEWEST)
+        lines = 1 + table.comments + len(table.broken) + len(table.cells)
+        report.count("dropped", table.comments, lines, f"which begin with {csv_files.COMMENT}")
+        report.count("dropped", len(table.broken), lines, "which have more cells than the header")
+        found = of if isinstance(of, columns.Columns) else map_for(of, table.cells)
+        return log_of(table, found.with_constants(dict(constants)), report, str(path))
     except columns.MapError:
         raise
     except ValueError as error:
         raise LogError(f"{path}: {' '.join(str(error).split())}") from None
-
-
-def read_cells(path, report):
-    """Cells of a CSV file as texts, a DataFrame; ValueError says why there are none."""
-    written = [line for line in text_of(contents_of(path)).split("\n") if line.strip()]
-    lines = [line for line in written if not line.lstrip().startswith(COMMENT)]
-    if len(lines) < 2:
-        raise ValueError(f"has {len(lines)} lines; it must have a header row and {readings.FEWEST} rows at least")
-    report.count("dropped", len(written) - len(lines), len(written), f"which begin with {COMMENT}")
-    separator = max(",;\t", key=lines[0].count)
-    lines = [line.rstrip(f"{separator} \r") for line in lines]
-    options = {"sep": separator, "header": None, "dtype": str, "skipinitialspace": True, "na_filter": False}
-    try:
-        cells = pd.read_csv(StringIO("\n".join(lines)), on_bad_lines="skip", **options)
-    except ValueError as error:
-        raise ValueError(f"is no CSV file with a header row ({error})") from None
-    names = cells.iloc[0].str.strip()
-    if pd.to_numeric(names, errors="coerce").notna().all():
-        raise ValueError("has a number in each cell of the first row; it must have the names of the columns there")
-    repeated = names[names.duplicated() & (names != "")]
-    if len(repeated):
-        raise ValueError(f"the column {shown(repeated)} is there twice")
-    report.count("dropped", len(lines) - len(cells), len(lines), "which have more cells than the header")
-    cells = cells[1:].set_axis(names, axis=1).reset_index(drop=True)
-    return cells if separator == "," else cells.apply(with_points)
-
-
-def text_of(contents):
-    """Text of the bytes of a file, lines separated by newlines; ValueError if it is none."""
-    utf_16 = contents.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
-    if b"\0" in contents and not utf_16:
-        raise ValueError("is no text file (it has bytes that are 0)")
-    try:
-        text = contents.decode("utf-16" if utf_16 else "utf-8-sig")
-    except UnicodeDecodeError:
-        text = contents.decode("latin-1")
-    return text.replace("\r\n", "\n").replace("\r", "\n")
-
-
-def with_points(cells):
-    """Texts of a column with decimal points for commas; ValueError if it has both."""
-    commas = cells.str.fullmatch(r"[-+\d]*,\d*([eE][-+]?\d+)?")
-    if commas.any() and cells.str.fullmatch(r"[-+\d]*\.\d*([eE][-+]?\d+)?").any():
-        raise ValueError(f"the column {shown([cells.name])} has decimal commas and points, as {cells[commas].iloc[0]!r}")
-    return cells.where(~commas, cells.str.replace(",", ".", regex=False)) if commas.any() else cells
-
-
-def shown(names):
-    """Names of columns in words, what is printable of them and not too many."""
-    text = ", ".join("".join(each for each in str(name) if each.isprintable()) for name in names)
-    return text if len(text) <= LONGEST_NAMES else f"{text[:LONGEST_NAMES]}..."
 
 
 def map_for(name, cells):
@@ -158,17 +116,16 @@ def map_for(name, cells):
     return columns.load(columns.BY_YEAR[year])
 
 
-def log_of(cells, found, report=None, source=""):
-    """`Log` of the cells of a file (texts); ValueError says what is wrong."""
+def log_of(table, found, report=None, source=""):
+    """`Log` of a `csv_files.Table`; ValueError says what is wrong."""
     report = Report() if report is None else report
     report.say(f"map {found.name}: {found.about}" if found.about else f"map {found.name}")
-    found = found.for_log(cells, report)
+    found, cells = found.for_log(table, report), table.cells
     missing = [name for name in found.columns if name not in cells]
     if missing:
         raise ValueError(f"the column {missing[0]} of the map {found.name} is missing; there are {shown(cells.columns)}")
     if len(cells) < readings.FEWEST:
         raise ValueError(f"has {len(cells)} rows; it must have at least {readings.FEWEST}")
-    say_units(cells, found, report)
     time, kept = clock.repaired(cells, found.time.name, found.time.factor, report)
     cells, table = cells.iloc[kept], pd.DataFrame({"time": time - time[0]})
     raw = {name: numbers(cells, name, report) for name in found.columns if name != found.time.name}
@@ -189,14 +146,7 @@ def log_of(cells, found, report=None, source=""):
         report.doubt(
             "ground_position is not used; the outlet of the winch must stand still, and kite_position be seen from there"
         )
-    return Log(table, found, report, source, float(time[0]))
-
-
-def say_units(cells, found, report):
-    """A line on a second header row, which has units."""
-    first = cells.iloc[0][list(found.columns)].astype(str)
-    if not first.str.contains(r"^[-+.]*\d").any() and first.str.contains(r"[a-zA-Z]").any():
-        report.say(f"the first row has no numbers ({shown(first)}); units are those of the map")
+    return Log(table, found, report, source, float(time[0]), cells.index.to_numpy())
 
 
 def numbers(cells, name, report):

@@ -157,9 +157,9 @@ def spikes_of(values, floor, step):
 
 
 def is_covered(time, known, longest_gap):
-    """Whether enough readings are known for most of the time."""
-    steps = np.diff(time[known])
-    return known.sum() >= FEWEST and steps[steps <= longest_gap].sum() >= COVERED * (time[-1] - time[0])
+    """Whether enough readings are known for most of the time; where the log has no rows at all, none are missing."""
+    steps, rows = np.diff(time[known]), np.diff(time)
+    return known.sum() >= FEWEST and steps[steps <= longest_gap].sum() >= COVERED * rows[rows <= longest_gap].sum()
 
 
 def judge_frozen(table, report):

@@ -25,6 +25,7 @@ SHORTEST_BEFORE = 20.0  # s before the flight, from which on they are the part o
 class Replay:
     """A measured flight with what the tethers gave: `flown`, dict from the name of a tether to `runs.Flown`.
 
+    `not_flown` : sentences on the tethers that gave nothing.
     `fit` : `fitting.Fit` or None.  `tested` : a sentence on how it does on another part.  `residuals`, `errors` : tables of
     `comparison`.
     """
@@ -36,6 +37,7 @@ class Replay:
     tested: str
     residuals: pd.DataFrame
     errors: pd.DataFrame
+    not_flown: tuple = ()
 
     @property
     def finest(self):
@@ -62,15 +64,22 @@ class Replay:
             )
         for name, each in self.flown.items():
             if each.refusals:
-                yield f"{name} refused {len(each.refusals)} communication steps; the first: {each.refusals[0].reason}"
+                yield refused(name, each)
+        yield from self.not_flown
+
+
+def refused(name, flown):
+    """A sentence on the steps that a tether refused."""
+    end = "" if flown.given_up is None else f" and was given up at {flown.given_up:.1f} s"
+    return f"{name} refused {len(flown.refusals)} communication steps{end}; the first: {flown.refusals[0].reason}"
 
 
 def default_lead(read):
-    """What leads the winch: the tension if the log has it, else the length, else the speed; WrongUse if it has none."""
+    """What leads the winch: the tension if the log has it, else the length, else the speed; LogError if it has none."""
     for lead, column in MEASURED.items():
         if column in read.table:
             return lead
-    raise WrongUse(f"the log has none of {', '.join(MEASURED.values())}: nothing can lead the winch")
+    raise read.wrong(f"has none of {', '.join(MEASURED.values())}: nothing can lead the winch")
 
 
 def part_of_fit(flight, start=None, end=None):
@@ -87,7 +96,7 @@ def replay(flight, lead, tethers=tuple(runs.TETHERS), wanted=("offset",), fit_pa
     """`Replay` of a `Flight` led by "tension", "length" or "speed".
 
     tethers : names of `runs.TETHERS`.  wanted : what is fitted, see `fitting.fit`; () for nothing.  fit_part : the `Flight`
-    on which it is; None: `part_of_fit`.  LogError if the log has not what that needs, or a tether cannot start.
+    on which it is; None: `part_of_fit`.  LogError if the log has not what that needs, a tether cannot start, or none flies.
     """
     found, tested = None, ""
     if wanted:
@@ -95,19 +104,28 @@ def replay(flight, lead, tethers=tuple(runs.TETHERS), wanted=("offset",), fit_pa
         found = fitting.fit(fit_part or part_of_fit(flight), wanted)
         tested = fitting.test(found, flight)
         flight = flight.corrected(found.correction)
-    flown = {}
+    flown, not_flown = {}, []
     for name in tethers:
         now(f"flying {name}")
-        flown[name] = runs.fly(flight, name, lead, segments)
+        each = runs.fly(flight, name, lead, segments)
+        if each.table.tether_length[flight.times >= flight.start + comparison.SETTLED].notna().any():
+            flown[name] = each
+        else:
+            not_flown.append(f"without results: {refused(name, each)}")
+    if not flown:
+        raise flight.log.cannot_fly(f"no tether can fly this: {not_flown[0]}")
     table = comparison.residuals(flight, flown)
-    return Replay(flight, lead, flown, found, tested, table, comparison.errors(table, flight.start, lead))
+    errors = comparison.errors(table, flight.start, lead)
+    if not flight.has_whole_length:
+        errors = errors.drop(columns="length: mean m", errors="ignore")
+    return Replay(flight, lead, flown, found, tested, table, errors, tuple(not_flown))
 
 
 def series(made):
     """All numbers of a `Replay` in a DataFrame: the log, then the outputs of each tether after its name."""
     flight = made.flight
     table = flight.signals().assign(measured_tension=flight.measured("ground_tension", flight.times))
-    if flight.has("length"):
+    if flight.has_length:
         table["measured_length"] = flight.length(flight.times)
     tables = [each.table.drop(columns="time").add_prefix(f"{name}.") for name, each in made.flown.items()]
     return pd.concat([table, *tables], axis=1)
@@ -138,7 +156,7 @@ def wanted_fits(flight, named):
             raise WrongUse(f"--fit {' '.join(named)} is not possible; {NOTHING} stands alone")
         return tuple(dict.fromkeys(each for each in named if each != NOTHING))
     known, table = flight.log.map.station.length_offset, flight.log.table
-    if known or not flight.has("length") or "ground_tension" not in table:
+    if known or not flight.has_length or "ground_tension" not in table:
         return ()
     before, long = flight.start - flight.log.time[0], flight.end - flight.start
     if before < SHORTEST_BEFORE and long < SHORTEST_FLIGHT:

@@ -24,7 +24,7 @@ SCALARS = (
 )
 FORCES = ("ground_force", "kite_force")
 KEPT = (*SCALARS, *FORCES)
-CHUNK = 500  # times that are flown at once: what bounds the memory
+CHUNK = 20  # times that are flown at once: a tether that refuses all of them, 2 s, is given up
 SHORT = 1e-3  # s, of the step that finds the first length
 TAUT = 1.05  # first length over the distance of the ends, at most, where a tension is measured
 
@@ -34,12 +34,14 @@ class Flown(NamedTuple):
 
     Columns beside outputs of these names: `mean_tension`, of `ground_tension` over the steps since the row before [N];
     `air_force`, what forces at both ends and weight leave [N]: drag, of a tether that hangs in equilibrium in the air.
-    `shapes` : (rows, points, 3) [m].  `refusals` : `results.Refusal` of the steps that were refused.
+    `shapes` : (rows, points, 3) [m].  `refusals` : `results.Refusal` of the steps that were refused.  `given_up` : time from
+    which on nothing was tried any more [s], None if all of the flight was.
     """
 
     table: pd.DataFrame
     shapes: np.ndarray
     refusals: tuple
+    given_up: float | None = None
 
 
 def finest(names):
@@ -81,8 +83,7 @@ def fly(flight, variant, lead, segments=SEGMENTS, **quantities):
     variant : a key of `TETHERS`.  lead : "tension", "length" or "speed", what the winch follows.  quantities : others than
     those of the map of the log, by name.  LogError if the log cannot lead it, or the tether cannot start.
     """
-    if not flight.has(lead):
-        raise LogError(f"the log has no {lead} that could lead the winch")
+    flight.require(lead)
     rows, found = flight.inputs(lead), flight.log.map
     start = by_name(rows[0])
     given = {"winch_control": LEADS[lead], "segments": segments, "initial_shape": "quasi_steady"}  # the kite is in flight
@@ -100,9 +101,10 @@ def flown_of(tether, rows, times, found):
     """`Flown` of a tether that is initialized; rows : inputs, as many for each of the times [s] but the first."""
     first, each = tether.outputs(), round(EVERY / STEP)
     table, shapes, refusals = {name: [[getattr(first, name)]] for name in KEPT}, [first.shape[None]], []
-    means = [[first.ground_tension]]
+    means, given_up = [[first.ground_tension]], None
     for begin in range(0, len(rows), each * CHUNK):
-        flown = tether.fly(rows[begin : begin + each * CHUNK], STEP, on_refusal="skip")
+        part = rows[begin : begin + each * CHUNK]
+        flown = tether.fly(part, STEP, on_refusal="skip")
         for name in KEPT:
             values = getattr(flown, name) if name in FORCES else flown.of(name)
             table[name].append(values[each - 1 :: each])
@@ -111,12 +113,21 @@ def flown_of(tether, rows, times, found):
         means.append(np.divide(np.nansum(tension, axis=1), known, np.full(len(known), np.nan), where=known > 0))
         shapes.append(flown.shape[each - 1 :: each])
         refusals += flown.refusals
-    columns = {"time": times, "mean_tension": np.concatenate(means)}
-    columns |= {name: np.concatenate(table[name]) for name in SCALARS}
+        if len(flown.refusals) == len(part) == each * CHUNK:
+            given_up = float(times[begin // each + CHUNK])
+            break
+    columns = {"time": times, "mean_tension": filled(means, len(times))}
+    columns |= {name: filled(table[name], len(times)) for name in SCALARS}
     for end in FORCES:
-        columns |= {f"{end}[{i + 1}]": values for i, values in enumerate(np.concatenate(table[end]).T)}
+        columns |= {f"{end}[{i + 1}]": values for i, values in enumerate(filled(table[end], len(times)).T)}
     made = pd.DataFrame(columns)
     weight = found.weight * made.tether_length
     air = [made[f"ground_force[{i}]"] + made[f"kite_force[{i}]"] + (weight if i == 3 else 0.0) for i in (1, 2, 3)]
     made["air_force"] = np.linalg.norm(air, axis=0)
-    return Flown(made, np.concatenate(shapes), tuple(refusals))
+    return Flown(made, filled(shapes, len(times)), tuple(refusals), given_up)
+
+
+def filled(parts, count):
+    """Arrays one after the other, (count, ...), with NaN where they end before."""
+    whole = np.concatenate(parts)
+    return np.concatenate([whole, np.full((count - len(whole), *whole.shape[1:]), np.nan)])

@@ -1,6 +1,5 @@
 """A flight from a CSV file: any time series of the user, made smooth by splines."""
 
-from io import BytesIO
 from itertools import chain
 
 import numpy as np
@@ -11,60 +10,87 @@ from tetherfmu.input_files import contents_of
 from tetherfmu.runtime.inputs import components, inputs_of
 from tetherfmu.runtime.limits import LARGEST_INPUT
 
+from . import csv_files
 from .flights import Motion
 
-VECTORS = {each.name: components(each.name, each.size) for each in inputs_of(kite_is_free=False) if each.size > 1}
+INPUTS = inputs_of(kite_is_free=False)
+VECTORS = {each.name: components(each.name, each.size) for each in INPUTS if each.size > 1}
+KITE = VECTORS["kite_position"]
 LENGTHS = ("tether_length", "winch_length")  # unstretched: as it is logged; by the name of the input of an FMU
 FORCES = ("ground_tension", "winch_force")  # of the winch, likewise
 REELING = ("reel_out_speed", *LENGTHS, *FORCES)
-COLUMNS = ("time", *chain(*VECTORS.values()), *REELING)
+UNITS = {"time": "s"} | {name: each.unit for each in INPUTS for name in components(each.name, each.size)}
+UNITS |= dict(zip(csv_files.ANGLES, csv_files.UNITS_OF_ANGLES, strict=True)) | {"tether_length": "m", "ground_tension": "N"}
+COLUMNS = ("time", *chain(*VECTORS.values()), *csv_files.ANGLES, *REELING)
 FEWEST_ROWS = 4  # that a C2 spline needs
 LONGEST_NAME = 40  # characters of a column's name in a message
 JUDGED_ROWS = 10_000  # of which noise is sought
 ALTERNATING = -0.5  # correlation of neighbours: noise has -0.8 in fourth differences, a smooth path nearly 1
 
 
-def read_columns(path, contents):
-    """Columns of a CSV file (bytes) with a header row, a DataFrame of numbers; ValueError says in one line what is wrong.
+def read_columns(contents):
+    """Columns of a CSV file (bytes) by their names, a DataFrame of numbers in SI units; its index has the rows of the file.
 
-    The head line is quoted, no other: the file may be none that was meant.
+    Angles and distance have become a position.  ValueError says in one line what is wrong; of the file it quotes the header
+    and units only: it may be none that was meant.
     """
-    try:
-        cells = pd.read_csv(BytesIO(contents), header=None, dtype=str, skipinitialspace=True, na_filter=False)
-    except ValueError as error:
-        raise ValueError(f"{path}: is no CSV file with a header row ({str(error).strip()})") from None
-    table = cells[1:].set_axis(cells.iloc[0].str.strip(), axis=1)
-    numbers = table.apply(pd.to_numeric, errors="coerce").astype(float)
-    for problem in problems(table, numbers):
-        raise ValueError(f"{path}: {problem}")
+    table = csv_files.read(contents, FEWEST_ROWS)
+    names = [csv_files.split(each)[0] for each in table.cells]
+    numbers = table.cells.apply(pd.to_numeric, errors="coerce").astype(float)
+    for problem in chain(problems_of_names(names), problems(table, numbers.set_axis(names, axis=1))):
+        raise ValueError(problem)
+    for column, name in zip(table.cells, names, strict=True):
+        numbers[column] *= csv_files.factor(table.unit(column), UNITS[name], column)
+    numbers.columns = names
+    if "elevation" in numbers:
+        numbers[[*KITE]] = csv_files.from_angles(numbers[[*csv_files.ANGLES]].to_numpy())
+        numbers = numbers.drop(columns=[*csv_files.ANGLES])
+    for problem in too_large(numbers.drop(columns="time")):  # which may be that of Unix
+        raise ValueError(problem)
+    if len(numbers) < FEWEST_ROWS:
+        raise ValueError(f"has {len(numbers)} rows; it must have at least {FEWEST_ROWS}")
     return numbers
 
 
-def problems(table, numbers):
-    """What is wrong with the columns of a flight, texts; `numbers` are those of the texts of a table."""
-    for name in table.columns.difference(COLUMNS, sort=False):
-        shown = name if len(name) <= LONGEST_NAME else f"{name[:LONGEST_NAME]}..."
-        yield f"unknown column {shown!r}; known are {', '.join(COLUMNS)}"
-    for name in table.columns[table.columns.duplicated()]:
-        yield f"has the column {name} twice"
-    for row, column in np.argwhere(~np.isfinite(numbers.to_numpy())):
-        yield f"row {row + 2}, column {table.columns[column]} has no number; it must be a finite number"
-    inputs = numbers.drop(columns="time", errors="ignore")  # which may be that of Unix
-    for row, column in np.argwhere(np.abs(inputs.to_numpy()) > LARGEST_INPUT):
-        found = f"row {row + 2}, column {inputs.columns[column]} is {inputs.iat[row, column]:g}"
-        yield f"{found}; it must be at most {LARGEST_INPUT:g} in magnitude"
-    given = {"kite_position", *(name.partition("[")[0] for name in table)}
-    needed = {"time", *chain(*(VECTORS[name] for name in given.intersection(VECTORS)))}
-    for name in sorted(needed.difference(table)):
-        yield f"the column {name} is missing"
+def problems_of_names(names):
+    """What is wrong with the names of the columns of a flight, texts."""
+    for name in names:
+        if name not in COLUMNS:
+            shown = name if len(name) <= LONGEST_NAME else f"{name[:LONGEST_NAME]}..."
+            yield f"unknown column {shown!r}; known are {', '.join(COLUMNS)}"
+        if names.count(name) > 1:
+            yield f"the column {name} is there twice"
+    given = {name.partition("[")[0] for name in names}
+    angles = given.intersection(csv_files.ANGLES)
+    if angles and "kite_position" in given:
+        yield f"has columns of kite_position and {', '.join(sorted(angles))}; it must have one of both"
+    where = csv_files.ANGLES if angles else KITE
+    needed = ("time", *where, *chain(*(VECTORS[name] for name in VECTORS if name in given)))
+    for name in needed:
+        if name not in names:
+            yield f"the column {name} is missing"
     if "ground_velocity" in given and "ground_position" not in given:
         yield "has columns of ground_velocity, but none of ground_position"
-    if len(controls := [name for name in REELING if name in table]) > 1:
+    if len(controls := [name for name in REELING if name in names]) > 1:
         yield f"has the columns {' and '.join(controls)}; it must have one of them"
-    if len(table) < FEWEST_ROWS:
-        yield f"has {len(table)} rows; it must have at least {FEWEST_ROWS}"
-    for row in np.flatnonzero(np.diff(numbers["time"]) <= 0.0):
-        yield f"row {row + 3}: time must grow from row to row"
+
+
+def problems(table, numbers):
+    """What is wrong with the rows of a `csv_files.Table` whose numbers are these, texts."""
+    for row in table.broken:
+        yield f"row {row} has more cells than the header"
+    for row, column in np.argwhere(~np.isfinite(numbers.to_numpy())):
+        yield f"row {numbers.index[row]}, column {numbers.columns[column]} has no number; it must be a finite number"
+    for k in np.flatnonzero(np.diff(numbers["time"]) <= 0.0):
+        before, after = numbers["time"].iloc[k : k + 2]
+        yield f"row {numbers.index[k + 1]}: time is {after:.10g} after {before:.10g}; it must grow from row to row"
+
+
+def too_large(inputs):
+    """What no input of a tether can be, texts."""
+    for row, column in np.argwhere(np.abs(inputs.to_numpy()) > LARGEST_INPUT):
+        found = f"row {inputs.index[row]}, column {inputs.columns[column]} is {inputs.iat[row, column]:g}"
+        yield f"{found}; it must be at most {LARGEST_INPUT:g} in magnitude"
 
 
 def curve(time, positions, velocities):
@@ -101,7 +127,7 @@ class Series:
     [m] are None if the file has none; `has_velocities` is whether the file gives those of all ends that it moves,
     `has_length` whether it gives the unstretched length, `has_force` whether the force of the winch (`force`), with which
     nothing is known of the length. `scatter` [m] and `shaking` [m/s2] are those of `noise` at the
-    kite. `columns` are the names of the columns, `contents` the bytes of the file.
+    kite. `columns` are the names of the columns, those of a position for angles, `contents` the bytes of the file.
     """
 
     kite_is_free = False
@@ -109,9 +135,9 @@ class Series:
     def __init__(self, path):
         try:
             self.contents = contents_of(path)
+            table = read_columns(self.contents)
         except ValueError as error:
             raise ValueError(f"{path}: {error}") from None
-        table = read_columns(path, self.contents)
         self.columns = tuple(table)
         time = table["time"].to_numpy() - table["time"].iloc[0]
         given = {name: table[[*each]].to_numpy() for name, each in VECTORS.items() if each[0] in table}
