@@ -146,7 +146,7 @@ def test_blocks_of_cranes_and_drones(tmp_path):
         commands = [as_here(line) for line in code.splitlines()] if language == "bash" else [[sys.executable, "-c", code]]
         printed += [ran(command, tmp_path) for command in commands]
     wire, text = tetherfmu.tether_of("steel", 0.012), "".join(printed)
-    hanging = (500.0 + wire.mass_per_meter * 80.0) * 9.81
+    hanging = (500.0 + wire.mass_per_length * 80.0) * 9.81
     found = re.search(r"tension at rest: (\d+) N, largest tension: (\d+) N", text).groups()
     assert float(found[0]) == pytest.approx(hanging, abs=1.0)  # N, no digits printed
     assert re.search(r"(\d+) N at rest, .*, and at most (\d+) N", page("cranes_and_drones")).groups() == found

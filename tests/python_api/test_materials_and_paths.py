@@ -10,7 +10,7 @@ def test_another_diameter_is_as_stiff_as_its_area():
     """Twice the diameter: four times E A, damping and mass; a hanging weight stretches it a quarter as far."""
     thin = Tether(initial_length=500.0)
     thick = thin.with_diameter(2.0 * thin.diameter)
-    assert thick.mass_per_meter == pytest.approx(4.0 * thin.mass_per_meter)
+    assert thick.mass_per_length == pytest.approx(4.0 * thin.mass_per_length)
     assert thick.axial_damping / thick.axial_stiffness == pytest.approx(thin.axial_damping / thin.axial_stiffness)
     tensions = [TetherStraight(each, gravity=0.0).initialize((0.0, 0.0, 505.0)).kite_tension for each in (thin, thick)]
     assert tensions[0] == pytest.approx(614600.0 * 0.01)
@@ -29,7 +29,7 @@ def test_another_diameter_is_as_stiff_as_its_area():
 def test_materials_have_the_numbers_of_their_sources(material, mass, stiffness):
     """Per square of the nominal diameter, kg/m and N for a diameter of 1 m; 10 mm has 1e-4 of both."""
     tether = tether_of(material, 0.01, initial_length=50.0)
-    assert tether.mass_per_meter == pytest.approx(1e-4 * mass)
+    assert tether.mass_per_length == pytest.approx(1e-4 * mass)
     assert tether.axial_stiffness == pytest.approx(1e-4 * stiffness)
     assert tether.initial_length == 50.0
     assert MATERIALS[material].source

@@ -9,6 +9,7 @@ from importlib import import_module
 from tetherfmu.console.ending import WrongUse, command
 from tetherfmu.console.options import Parser, folder
 from tetherfmu.libraries.examples import EXAMPLES, example
+from tetherfmu.runtime.naming import meant_or_all
 
 ROOM = "tutorial"
 NEEDED = (  # what to install for the copied files
@@ -32,7 +33,9 @@ def lesson(text):
     name = text.removesuffix(".py").removeprefix("tether_")
     name = name.zfill(2) if name.isdecimal() else name
     if name not in (*lessons(), "all"):
-        raise argparse.ArgumentTypeError(f"there is no lesson {text!r}; choose from {', '.join(lessons())}, or all")
+        known = (*lessons(), "all")
+        hint = meant_or_all(text, known, "choose from {}")
+        raise argparse.ArgumentTypeError(f"there is no lesson {text!r}{hint}")
     return name
 
 

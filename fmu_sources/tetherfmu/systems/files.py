@@ -2,11 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from pathlib import Path
 
-from tetherfmu.input_files import TABLE_OF_GROUND, ground_of, record, require, tables_of, value_of, vector_in
-from tetherfmu.materials import MATERIALS, tether_of
+from tetherfmu.input_files import (
+    TABLE_OF_GROUND,
+    ground_of,
+    keys_of,
+    name_in,
+    record,
+    require,
+    tables_of,
+    value_of,
+    vector_in,
+)
+from tetherfmu.materials import tether_of
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.inputs import INPUT_TABLE
 from tetherfmu.runtime.outputs import OUTPUT_TABLE
@@ -38,7 +48,7 @@ class TableOfLine(Winch, Tether):
     reel_out_speed: float = quantity(0.0, "m/s", "at the start; positive pays out", -at.LARGEST_INPUT, at.LARGEST_INPUT)
 
 
-OF_A_LINE = ("from", "to", "material", *(each.name for each in fields(TableOfLine)))
+OF_A_LINE = ("from", "to", "material", *keys_of(TableOfLine))
 
 
 @dataclass(frozen=True)
@@ -65,9 +75,7 @@ def load(path: str | Path) -> SystemFile:
 def read(table, name):
     """`SystemFile` from the table of a file; ValueError names the key. name : of the system, if the table has none."""
     require(table, "", ("name", *TABLES), ("points", "lines"))
-    name = table.get("name", name)
-    if not isinstance(name, str):
-        raise ValueError(f"name is {name!r}; it must be a text")
+    name = name_in(table, name)
     checked_name("system", name)
     points = tuple(point_of(each, given) for each, given in named(table["points"], "points"))
     lines = tuple(line_of(each, given) for each, given in named(table["lines"], "lines"))
@@ -120,8 +128,6 @@ def line_of(name, table):
 
 def tether_in(table, given, section):
     """`Tether` with the quantities that are given, of the material in a table of a file; ValueError names the key."""
-    if "material" in table and table["material"] not in tuple(MATERIALS):
-        raise ValueError(f"{section}.material is {table['material']!r}; it must be one of {', '.join(MATERIALS)}")
     try:
         if "material" in table:
             return tether_of(table["material"], given.pop("diameter", Tether.diameter), **given)

@@ -1,0 +1,43 @@
+"""What an imported file becomes: the text of a scene or a system, and what of the file has no place there."""
+
+import json
+from contextlib import contextmanager
+from math import isfinite, nan
+from typing import NamedTuple
+
+
+class Imported(NamedTuple):
+    """A file of another program, as a file of this one."""
+
+    kind: str  # "scene" or "system"
+    tables: dict  # as TOML has them: dict of names of tables, "" for what is before them, to dicts
+    left_out: list  # sentences
+
+
+@contextmanager
+def row(number):
+    """ValueError names the row of a file that the block is about."""
+    try:
+        yield
+    except ValueError as problem:
+        raise ValueError(f"row {number}: {problem}") from None
+
+
+def number(name, text):
+    """A number of a file; ValueError names what is none."""
+    try:
+        found = float(text)
+    except ValueError:
+        found = nan
+    if not isfinite(found):
+        raise ValueError(f"{name} is {text!r}; it must be a finite number")
+    return found
+
+
+def toml(made, origin):
+    """Text of the file; origin : name of the file that it was made from."""
+    lines = [f"# Made from {origin}.", *(f"# Left out: {each}." for each in made.left_out)]
+    for name, table in made.tables.items():
+        lines += ["", f"[{name}]"] if name else []
+        lines += [f"{key} = {json.dumps(value, ensure_ascii=False)}" for key, value in table.items()]
+    return "\n".join([*lines, ""])
