@@ -147,9 +147,9 @@ def summary(name, flight):
 def tether(text):
     """A variant of the tether by any of its names, or "all"."""
     try:
-        return text if text == "all" else variant_of(text, VARIANTS)
+        return text if text == "all" else variant_of(text, VARIANTS, ", or all")
     except ValueError as error:
-        raise argparse.ArgumentTypeError(f"{error}, or all") from None
+        raise argparse.ArgumentTypeError(str(error)) from None
 
 
 def parse(arguments, prog):

@@ -88,6 +88,8 @@ def end_along(name, given, times, step):
     if isinstance(given, MovingEnd):
         both = [given.at(time) for time in times]
         return np.array(both, dtype=float).reshape(-1, 2, 3).swapaxes(0, 1)
+    if callable(given):
+        raise ValueError(f"{name} is a function; make a MovingEnd of it")
     positions = values_along(name, given, times, 3, "or a MovingEnd")
     if np.ndim(given) == 1 or len(times) < 2:
         return positions, np.zeros_like(positions)

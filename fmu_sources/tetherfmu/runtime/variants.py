@@ -171,11 +171,14 @@ def library_of(variant):
     return BY_NAME[variant].library or variant
 
 
-def variant_of(text, variants=EVERY_VARIANT):
-    """Which of some variants a text names, as "quasi_steady", "quasi-steady" or "TetherQuasiSteady"; ValueError if none."""
+def variant_of(text, variants=EVERY_VARIANT, others=""):
+    """Which of some variants a text names, as "quasi_steady", "quasi-steady" or "TetherQuasiSteady"; ValueError if none.
+
+    others : what else one may choose, in words.
+    """
     letters = "".join(character for character in text.lower() if character not in "_- ").removeprefix("tether")
     for variant in variants:
         if letters == variant.replace("_", ""):
             return variant
     allowed = ", ".join(f"{variant} ({class_name(variant)})" for variant in variants)
-    raise ValueError(f"no tether is called {text}{meant(letters, variants) or f'; choose from {allowed}'}")
+    raise ValueError(f"no tether is called {text}{meant(letters, variants) or f'; choose from {allowed}{others}'}")

@@ -9,7 +9,6 @@ from tetherfmu.input_files import (
     TABLE_OF_GROUND,
     ground_of,
     keys_of,
-    name_in,
     record,
     require,
     tables_of,
@@ -75,7 +74,9 @@ def load(path: str | Path) -> SystemFile:
 def read(table, name):
     """`SystemFile` from the table of a file; ValueError names the key. name : of the system, if the table has none."""
     require(table, "", ("name", *TABLES), ("points", "lines"))
-    name = name_in(table, name)
+    name = table.get("name", name)
+    if not isinstance(name, str):
+        raise ValueError(f"name is {name!r}; it must be a text")
     checked_name("system", name)
     points = tuple(point_of(each, given) for each, given in named(table["points"], "points"))
     lines = tuple(line_of(each, given) for each, given in named(table["lines"], "lines"))

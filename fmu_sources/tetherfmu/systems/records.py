@@ -35,8 +35,8 @@ def checked_name(kind: str, name: str) -> None:
         raise TypeError(f"the name of a {kind} is {name!r}; it must be a text")
     if not (name.isidentifier() and name.isascii() and len(name) <= LONGEST_NAME):
         raise ValueError(
-            f"the name of a {kind} is {shortened(name)}; it must be at most {LONGEST_NAME} letters from a to z, digits and "
-            "underscores, no digit first"
+            f"the name of a {kind} is {shortened(name)}; it must be letters from a to z, digits and underscores, no digit "
+            f"first, at most {LONGEST_NAME} of them"
         )
 
 
