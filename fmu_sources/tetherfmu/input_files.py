@@ -11,7 +11,7 @@ from dataclasses import field, fields, make_dataclass
 from pathlib import Path
 
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime.naming import LONGEST_NAME, meant_or_all, shortened
+from tetherfmu.runtime.naming import LONGEST_NAME, meant, meant_or_all, shortened
 from tetherfmu.runtime.parameters import GROUND_WITHOUT_GRAVITY, Ground
 from tetherfmu.runtime.quantities import can_be_given, check
 
@@ -130,6 +130,10 @@ def value_of(kind, key, value, label):
         is_named = isinstance(value, str) and value in declared.numbers
         number = declared.numbers[value] if is_named else in_si(value, declared.unit)
     except ValueError as error:
+        if declared and declared.choices:
+            raise ValueError(
+                f"{label}{key} is {value!r}; it must be {declared.range()}{meant(str(value), declared.numbers)}"
+            ) from None
         more = f", {declared.range()}" if declared else ""
         raise ValueError(f"{label}{key} is {value!r}; {error}{more}") from None
     if not declared.allows(number):

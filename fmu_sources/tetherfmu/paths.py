@@ -133,7 +133,8 @@ def inputs_along(
     """
     rows, times = np.zeros((steps, COUNT)), start + step * np.arange(steps)
     columns = by_name(rows)
-    check_names("inputs_along", signals, [name for name in columns if name not in ("kite_position", "ground_position")])
+    known = ["kite", "ground", *(name for name in columns if name not in ("kite_position", "ground_position"))]
+    check_names("inputs_along", signals, known)
     for name, end in (("kite", KITE_AT_START if kite is None else kite), ("ground", ZERO if ground is None else ground)):
         columns[f"{name}_position"][:], columns[f"{name}_velocity"][:] = end_along(name, end, times, step)
     for name, signal in signals.items():

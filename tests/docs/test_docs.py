@@ -142,7 +142,7 @@ def test_blocks_for_users_of_tethers_jl(tmp_path):
     for language, code in blocks(page("from_tethers_jl")):
         commands += [as_here(line) for line in code.splitlines()] if language == "bash" else [[sys.executable, "-c", code]]
     printed = "".join(ran(command, tmp_path) for command in commands)
-    quasi_steady, coarse, fine = map(float, re.findall(r"wrong by ([\d.e+-]+) %", printed))
+    quasi_steady, coarse, fine = map(float, re.findall(r"kite wrong by ([\d.e+-]+) %", printed))
     assert quasi_steady > coarse > 10.0 * fine  # of second order: a quarter of the length is a sixteenth of the error
     pressure = 0.5 * 1.225 * 10.0 * 8.0**2  # times the area [N]: the kite hovers in the wind
     up, along = 0.7 * pressure - 10.0 * 9.81, 0.15 * pressure  # lift less weight, drag [N]

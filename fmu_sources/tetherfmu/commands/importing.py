@@ -20,12 +20,11 @@ def main(arguments=None, prog="tetherfmu import"):
     if out.exists():
         raise WrongUse(f"{out} is there already; choose another file with --out")
     try:
-        made, text = import_module("tetherfmu.study.imported.reading").imported(given.file)
+        made, text, sentences = import_module("tetherfmu.study.imported.reading").imported(given.file)
     except ValueError as problem:
         raise WrongUse(f"{given.file}: {one_line(problem)}") from None
     out.write_text(text, encoding="utf-8")
     commands = {"scene": f"tetherfmu advise {out}", "system": f"tetherfmu build --system {out}"}
     print(f"{out}  a {made.kind}: {commands[made.kind]}")
-    for each in made.left_out:
-        print(f"left out: {each}")
+    print("\n".join(sentences))
     return 0

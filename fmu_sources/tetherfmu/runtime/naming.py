@@ -47,9 +47,14 @@ ELSEWHERE = {
     "wind_speed": "wind_velocity",
     "z0": "surface_roughness",
 }
-MOST = 3  # names that are asked for
+MOST, SHORTEST = 3, 3  # names that are asked for, letters of a word that is cut short
 LONGEST_NAME = 100  # characters: file systems allow some 255 for the name of a file, which has more than this in it
 WORDS = re.compile("[a-z0-9]+")
+
+
+def begins(word, words):
+    """Whether a word is among others, or is one of them cut short."""
+    return any(each == word or (len(word) >= SHORTEST and each.startswith(word)) for each in words)
 
 
 def candidates(name, known):
@@ -58,8 +63,8 @@ def candidates(name, known):
 
     known, name = list(known), name.lower()
     found = [each for each in ELSEWHERE.get(name, "").split() if each in known]
-    words = set(WORDS.findall(name))
-    having = [each for each in known if words and words <= set(WORDS.findall(each.lower()))]
+    words = WORDS.findall(name)
+    having = [each for each in known if words and all(begins(word, WORDS.findall(each.lower())) for word in words)]
     return found or (having if len(having) <= MOST else []) or get_close_matches(name, known, 1)
 
 

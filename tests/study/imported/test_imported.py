@@ -55,12 +55,18 @@ def test_a_modulus_stands_for_the_stiffness(tmp_path):
     assert files.load(path).tether.axial_stiffness == pytest.approx(5.5e10 * np.pi / 4.0 * 0.003**2)
 
 
+def test_what_is_missing_is_said(tmp_path, capsys):
+    imported(SETTINGS, tmp_path, drag=("cd_tether: 1.0", "other: 1.0"), law=("profile_law: 2", "rule: 2"))
+    missing = "gravity = 9.81, environment.wind_profile = 1\n"
+    assert f"taken by default: tether.drag_coefficient = 0.958, environment.{missing}" in capsys.readouterr().out
+
+
 def test_what_is_left_out_is_said(tmp_path, capsys):
     path, _ = imported(SETTINGS, tmp_path)
     shown = capsys.readouterr().out
     assert shown.startswith(f"{path}  a scene: tetherfmu advise {path}\n")
     assert "left out: system.segments, kite, environment.upwind_dir\n" in shown
-    assert "# Left out: system.segments, kite, environment.upwind_dir.\n" in path.read_text(encoding="utf-8")
+    assert "# left out: system.segments, kite, environment.upwind_dir.\n" in path.read_text(encoding="utf-8")
     path.unlink()
     again = imported(MOORED, tmp_path, volume=("70    2.0   0 ", "70    2.0   0.3 "))[1]
     shown = capsys.readouterr().out

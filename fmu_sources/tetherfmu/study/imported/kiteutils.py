@@ -28,7 +28,6 @@ TETHER = {
     "initial_length": (("initial.l_tether", "initial.l_tethers"), 1.0),
     "diameter": (("tether.d_tether",), 1e-3),
     "density": (("tether.rho_tether",), 1.0),
-    "axial_stiffness": (("tether.c_spring", "tether.unit_stiffness"), 1.0),
     "axial_damping": (("tether.damping", "tether.unit_damping"), 1.0),
     "drag_coefficient": (("tether.cd_tether",), 1.0),
 }
@@ -38,6 +37,7 @@ ENVIRONMENT = {
     "wind_exponent": (("environment.alpha",), 1.0),
     "surface_roughness": (("environment.z0",), 1.0),
 }
+OF_AIR = ("air_density", "wind_profile")
 ELEVATION = ("initial.elevation", "initial.elevations")
 
 
@@ -100,9 +100,7 @@ def scene(text):
     tether, environment = settings.all_of(TETHER, Tether), settings.all_of(ENVIRONMENT, Environment)
     if "initial_length" not in tether:
         raise ValueError("initial.l_tether, the length of the tether, is missing")
-    modulus = settings.first("tether.e_tether")
-    if not tether.get("axial_stiffness") and modulus and "diameter" in tether:
-        tether["axial_stiffness"] = modulus * pi / 4.0 * tether["diameter"] ** 2
+    tether |= stiffness(settings, tether.get("diameter", Tether.diameter))
     environment |= air(settings)
     if (law := settings.first("environment.profile_law")) is not None:
         environment["wind_profile"] = profile(law, settings)
@@ -117,8 +115,23 @@ def scene(text):
     }
     if elevation is not None:
         tables["flight"]["elevation"] = f"{elevation:g} deg"
-    about = ["the motion of the kite, which is parked downwind here, at the end of the tether: give another [flight]"]
-    return Imported("scene", tables, [*about, *([", ".join(settings.left_out())] if settings.left_out() else [])])
+    about = "the motion of the kite, which is parked downwind here, at the end of the tether: give another [flight]"
+    left_out = [about, *filter(None, [", ".join(settings.left_out())])]
+    records = {"tether": (Tether, [*TETHER, "axial_stiffness"]), "environment": (Environment, [*ENVIRONMENT, *OF_AIR])}
+    defaults = [
+        f"{section}.{name} = {getattr(kind, name):g}"
+        for section, (kind, names) in records.items()
+        for name in names
+        if name not in tables[section]
+    ]
+    return Imported("scene", tables, left_out, defaults)
+
+
+def stiffness(settings, diameter):
+    """E A of the spring, or where that is 0 or not there, of the modulus; {} without both.  diameter [m]."""
+    spring, modulus = settings.first("tether.c_spring", "tether.unit_stiffness"), settings.first("tether.e_tether")
+    found = spring or (modulus and modulus * pi / 4.0 * diameter**2)
+    return {"axial_stiffness": found} if found else {}
 
 
 def air(settings):

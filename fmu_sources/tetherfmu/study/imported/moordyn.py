@@ -61,7 +61,8 @@ def system(text):
             name = f"line{words[0]}"
             tables[f"lines.{name}"] = line_of(words, types, tables)
             files.line_of(name, tables[f"lines.{name}"])
-    return Imported("system", tables | surroundings(options, left_out), left_out)
+    defaults = [] if "g" in options else [f"g = {GRAVITY}"]
+    return Imported("system", tables | surroundings(options, left_out), left_out, defaults)
 
 
 def sections(text):

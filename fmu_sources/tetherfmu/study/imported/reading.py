@@ -7,11 +7,11 @@ from tetherfmu.study.scenes import files as scenes
 from tetherfmu.systems import files as systems
 
 from . import kiteutils, moordyn
-from .written import toml
+from .written import said, toml
 
 
 def imported(path):
-    """`Imported` of a file, and its text in TOML; ValueError without the name of the file says what is wrong."""
+    """`Imported` of a file, its text in TOML, and sentences on it; ValueError without the name of the file is one."""
     text = contents_of(path).decode("utf-8", errors="replace")
     if moordyn.HAS_IT.search(text):
         made = moordyn.system(text)
@@ -28,4 +28,4 @@ def imported(path):
         scenes.read(table, path.parent, "imported")
     else:
         systems.read(table, "imported")
-    return made, written
+    return made, written, list(said(made))

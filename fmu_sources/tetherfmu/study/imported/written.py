@@ -11,7 +11,8 @@ class Imported(NamedTuple):
 
     kind: str  # "scene" or "system"
     tables: dict  # as TOML has them: dict of names of tables, "" for what is before them, to dicts
-    left_out: list  # sentences
+    left_out: list  # what of the file has no place there, in words
+    defaults: list  # what the file does not say, with the value that is taken
 
 
 @contextmanager
@@ -34,9 +35,16 @@ def number(name, text):
     return found
 
 
+def said(made):
+    """What a user should know of it, sentences."""
+    yield from (f"left out: {each}" for each in made.left_out)
+    if made.defaults:
+        yield f"not in the file, so taken by default: {', '.join(made.defaults)}"
+
+
 def toml(made, origin):
     """Text of the file; origin : name of the file that it was made from."""
-    lines = [f"# Made from {origin}.", *(f"# Left out: {each}." for each in made.left_out)]
+    lines = [f"# Made from {origin}.", *(f"# {each}." for each in said(made))]
     for name, table in made.tables.items():
         lines += ["", f"[{name}]"] if name else []
         lines += [f"{key} = {json.dumps(value, ensure_ascii=False)}" for key, value in table.items()]

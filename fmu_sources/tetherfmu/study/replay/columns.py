@@ -199,7 +199,9 @@ class Columns:
         for key, value in changes.items():
             section, _, name = key.partition(".")
             if section not in (*OWN, *OF_SCENES):
-                raise MapError(f"{key} is no constant of a map{meant_or_all(section, (*OWN, *OF_SCENES))}")
+                raise MapError(
+                    f"{key} is no constant of a map{meant_or_all(section, (*OWN, *OF_SCENES), 'sections are {}')}"
+                )
             records.setdefault(section, {})[name] = value
         try:
             return replace(self, **read_records(records, self))
