@@ -238,6 +238,8 @@ def fly_each(given, fly):
 
     fly : function of the path of an FMU, its `Flight`.
     """
+    if given.fmu and given.fmus:
+        raise WrongUse("--fmu is the one FMU that is flown; it goes without --fmus")
     if given.html:
         import shared.flight_page  # noqa: F401 - before the flight, which would be in vain without plotly
     names = TETHERS.values() if given.tether == "all" else [TETHERS[given.tether]]
