@@ -34,7 +34,7 @@ def test_another_name_is_refused_with_those_that_exist():
     tether.initialize()
     flown = tether.fly(inputs_along(1, STEP), STEP)
     with pytest.raises(
-        ValueError, match=r"^there is no scalar output 'tension'; did you mean ground_tension, kite_tension or max_t"
+        ValueError, match=r"^there is no scalar output 'tension'; did you mean ground_tension, kite_tension, max_tens"
     ):
         flown.of("tension")
     with pytest.raises(ValueError, match=r"^there is no scalar output 'lift'; there are ground_tension, kite_tension, "):

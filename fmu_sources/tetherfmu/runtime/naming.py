@@ -47,7 +47,7 @@ ELSEWHERE = {
     "wind_speed": "wind_velocity",
     "z0": "surface_roughness",
 }
-MOST, SHORTEST = 3, 3  # names that are asked for, letters of a word that is cut short
+MOST, SHORTEST = 4, 3  # names that are asked for, letters of a word that is cut short
 LONGEST_NAME = 100  # characters: file systems allow some 255 for the name of a file, which has more than this in it
 WORDS = re.compile("[a-z0-9]+")
 
