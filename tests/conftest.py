@@ -3,6 +3,7 @@
 import gc
 import os
 import sys
+import tempfile
 import time
 from pathlib import Path
 
@@ -12,6 +13,9 @@ from xdist.scheduler import LoadScopeScheduling
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parent / "docs" / "make")]
 gc.disable()  # until all tests are collected
+# FMUs that commands and examples keep for the user are kept for a run, not in the home of whoever runs it
+KEPT = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
+os.environ.setdefault("XDG_CACHE_HOME", KEPT.name)
 # a worker has one core; threads of numpy's linear algebra would wait for each other, with up to 40 times the processor time
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 

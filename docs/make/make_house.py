@@ -19,7 +19,7 @@ ROOMS_OF_FILES = {  # modules that stand beside the folders
     "commands": ("__main__", "commands"),
     "Python API": (
         *("models", "tether_model", "given_inputs", "running", "compiled_flight", "arguments"),
-        *("energy", "input_files", "materials", "paths", "results", "states", "naming"),
+        *("energy", "input_files", "materials", "paths", "results", "states"),
     ),
     "kernels.entry_points": ("kernels.entry_points",),
     "kernels": ("kernels.arrays", "kernels.compilation"),

@@ -111,7 +111,8 @@ wind at K points at equal unstretched lengths, ground first, linear in between (
 points](../models/theory.md#wind-at-points)). It is all the wind then: `wind_velocity` and the parameters of the profile
 are there and ignored. In an FMU for FMI 3 it is one array of K x 3 numbers. The FMU
 [`TurbulentWind`](example_fmus.md#turbulent-wind) gives it, from a box of turbulence; in Python it is the argument
-`wind_at` of `initialize`, `step` and `fly` (a row of points for each step) of a tether that is made with `wind_points=K`.
+`wind_at` of `initialize`, `step` and `fly` (a row of points for each step) of a tether that is made with `wind_points=K`,
+and `FrozenTurbulence` of the [Python API](../reference/api.md#turbulence) reads it from a box.
 [Scenes](how_much_tether.md#scene-files) have it from `wind.file`.
 
 ## Outputs

@@ -22,7 +22,7 @@ def parse(arguments):
     option("--points", type=number(1, whole=True), default=20_000, metavar="N", help=about)
     option("--seed", type=number(0, whole=True), default=1, metavar="SEED", help="seed of the random points (default: 1)")
     about = "control of the winch: speed, force or length (default: speed)"
-    option("--control", choices=("speed", "force", "length"), default="speed", metavar="CONTROL", help=about)
+    parser.add_choice("--control", ("speed", "force", "length"), default="speed", metavar="CONTROL", help=about)
     about = "with a ground, and free kites instead of the straight tethers, which ignore it"
     option("--ground", action="store_true", help=about)
     about = "folder for measurements/, data/ and figures/ (default: docs)"

@@ -29,7 +29,7 @@ WINDS = np.linspace(0.0, 25.0, 26)
 def survey(files=None, slacks=SLACKS, winds=WINDS):
     """Dict name of the tether -> forces [N], array (slacks, winds, 2): magnitude at the ground station and at the kite.
 
-    files : dict name of the tether -> FMU, None: those in dist/.  slacks [-], winds [m/s].
+    files : dict name of the tether -> FMU, None: those of `find_fmu`.  slacks [-], winds [m/s].
     """
     files = files or {name: find_fmu(file) for name, file in TETHERS.items()}
     distance = np.linalg.norm(KITE)
@@ -75,7 +75,7 @@ def main(arguments=None):
     """Print the forces in the strongest wind, write the figure."""
     parser = Parser(description="compute the force of a tether over wind and slack")
     parser.add_out()
-    add_fmu(parser, "all in dist/, built where they are missing; with one beside the dynamic tether")
+    add_fmu(parser, "all, in dist/ or else in a cache of yours; with one beside the dynamic tether")
     given = parser.parse_args(arguments)
     files = None
     if given.fmu:

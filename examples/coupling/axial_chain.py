@@ -49,7 +49,7 @@ class AxialChain:
     def __init__(self, tether, kite_mass):
         n, rest = tether.segments, tether.initial_length / tether.segments
         self.k, self.c = tether.axial_stiffness / rest, tether.axial_damping / rest
-        half = 0.5 * tether.mass_per_meter * rest
+        half = 0.5 * tether.mass_per_length * rest
         self.mass = kite_mass + half
         self.a, self.b = chain_matrices(n, self.k, self.c, 2.0 * half)
         self.inner, self.passages = n - 1, {}

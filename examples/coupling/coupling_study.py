@@ -113,7 +113,7 @@ def formula(way, tether, kite_mass, step):
     (+- k h/2 M/m - c)/(2 m): M the mass that the force is applied to, m that which oscillates, with a third of the tether.
     """
     k, c = tether.axial_stiffness / tether.initial_length, tether.axial_damping / tether.initial_length
-    weight = tether.mass_per_meter * tether.initial_length
+    weight = tether.mass_per_length * tether.initial_length
     applied, moving = kite_mass + 0.5 * weight / tether.segments, kite_mass + weight / 3.0
     late = {"parallel": 1.0, "sequential": -1.0}.get(way, 0.0)
     return (late * 0.5 * k * step * applied / moving - c) / (2.0 * moving)

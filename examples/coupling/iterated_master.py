@@ -179,7 +179,7 @@ def main(arguments=None):
     option(
         "--tolerance", type=number(1e-9, 1e3, "N"), default=0.1, help="tolerance of the force on the kite [N] (default: 0.1)"
     )
-    option("--next-guess", choices=NEXT_GUESS, default="aitken", help="next guess of the force (default: aitken)")
+    parser.add_choice("--next-guess", NEXT_GUESS, default="aitken", help="next guess of the force (default: aitken)")
     option(
         "--kite-mass",
         type=number(0.01, 1e6, "kg"),
@@ -187,7 +187,7 @@ def main(arguments=None):
         metavar="M",
         help=f"mass of the kite [kg] (default: {MASS:g})",
     )
-    add_fmu(parser, "dist/TetherDynamic.fmu, which the iterated master flies")
+    add_fmu(parser, "TetherDynamic, in dist/ or else in a cache of yours; the iterated master flies it")
     given = parser.parse_args(arguments)
     if given.fmu:
         variables_of(given.fmu)  # before others are built

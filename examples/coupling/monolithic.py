@@ -38,7 +38,7 @@ def leg_forces(leg, x, v, time, scene):
     n = leg.tether.segments
     rest = (leg.tether.initial_length + leg.reel_out_speed * time) / n
     pull, drag = segment_forces(leg.tether, x, v, rest, leg.reel_out_speed / n, scene)
-    half, gravity = 0.5 * leg.tether.mass_per_meter * rest, scene.environment.gravity
+    half, gravity = 0.5 * leg.tether.mass_per_length * rest, scene.environment.gravity
     force = np.zeros((n + 1, 3))
     force[:-1] += pull + drag
     force[1:] += drag - pull

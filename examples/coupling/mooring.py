@@ -105,7 +105,7 @@ def main(arguments=None):
     allowed = number(1e-4, 0.05, "s")
     parser.add_argument("--step", type=allowed, default=0.002, metavar="H", help="communication step [s] (default: 0.002)")
     parser.add_argument("--quick", action="store_true", help="a fifth of a second instead of two seconds")
-    add_fmu(parser, "dist/TetherDynamic.fmu, for the two legs that do not carry the balloon")
+    add_fmu(parser, "TetherDynamic, in dist/ or else in a cache of yours; for the two legs that do not carry the balloon")
     given = parser.parse_args(arguments)
     if given.fmu:
         variables_of(given.fmu)  # before others are built

@@ -39,7 +39,7 @@ def controlled(error, integral):
 
 def fly():
     """After each step: time [s], height of the load [m], speed of lifting [m/s], torque of the motor [N m], tension [N]."""
-    stretch = (LOAD + 0.5 * WIRE.mass_per_meter * LENGTH) * GRAVITY * LENGTH / WIRE.axial_stiffness
+    stretch = (LOAD + 0.5 * WIRE.mass_per_length * LENGTH) * GRAVITY * LENGTH / WIRE.axial_stiffness
     drum = {"winch_control": "force", "winch_mass": DRUM, "winch_friction": FRICTION, "input_continuation": "held"}
     hoist = TetherDynamicFree(WIRE, segments=SEGMENTS, kite_mass=LOAD, **drum)
     found = hoist.initialize(kite_position=(0.0, 0.0, -LENGTH - stretch))

@@ -34,7 +34,7 @@ SEGMENTS, DAMPING_RATIO = 20, 0.01  # of the wire; of the load that bounces on i
 DECK = Ground(ground_contact="flat", ground_height=0.0)
 WIRE = tether_of("steel", 0.012, initial_length=LENGTH)
 WIRE = replace(WIRE, segments=SEGMENTS, axial_damping=2.0 * DAMPING_RATIO * np.sqrt(LOAD * LENGTH * WIRE.axial_stiffness))
-WEIGHT, OF_WIRE = LOAD * GRAVITY, WIRE.mass_per_meter * LENGTH * GRAVITY  # [N]
+WEIGHT, OF_WIRE = LOAD * GRAVITY, WIRE.mass_per_length * LENGTH * GRAVITY  # [N]
 STIFFNESS = WIRE.axial_stiffness / LENGTH  # [N/m]
 
 
@@ -53,7 +53,7 @@ def expected(speed):
 
 def wave(speed):
     """Tension of a wave along the wire [N]."""
-    return speed * np.sqrt(WIRE.axial_stiffness * WIRE.mass_per_meter)
+    return speed * np.sqrt(WIRE.axial_stiffness * WIRE.mass_per_length)
 
 
 def fly(speed):

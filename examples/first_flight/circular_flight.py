@@ -26,7 +26,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tetherfmu.console.ending import WrongUse, command
-from tetherfmu.console.options import Parser, file, number
+from tetherfmu.console.options import Parser, file, folder, number
 from tetherfmu.console.progress import now
 from tetherfmu.runtime.variants import VARIANTS, class_name, variant_of
 
@@ -147,9 +147,9 @@ def summary(name, flight):
 def tether(text):
     """A variant of the tether by any of its names, or "all"."""
     try:
-        return text if text == "all" else variant_of(text, VARIANTS)
+        return text if text == "all" else variant_of(text, VARIANTS, ", or all")
     except ValueError as error:
-        raise argparse.ArgumentTypeError(f"{error}, or all") from None
+        raise argparse.ArgumentTypeError(str(error)) from None
 
 
 def parse(arguments, prog):
@@ -170,6 +170,8 @@ def add_options(parser, rate=True, length="default: 525", wind="default: none", 
         "--tether", type=tether, default="dynamic", metavar="NAME", help=f"tether FMU: {allowed}, or all (default: dynamic)"
     )
     option("--fmu", type=file, metavar="FILE", help="a tether FMU of your own instead, for FMI 2 or 3")
+    about = "folder of the tether FMUs, built there if missing (default: those in dist/, or else in a cache of yours)"
+    option("--fmus", type=folder, metavar="DIR", help=about)
     option(
         "--length",
         type=number(1e-3, 1e5, "m"),
@@ -190,9 +192,8 @@ def add_options(parser, rate=True, length="default: 525", wind="default: none", 
     )
     option("--step", type=number(1e-6, 1e3, "s"), default=0.02, metavar="H", help="communication step [s] (default: 0.02)")
     option("--duration", type=number(1e-6, 1e6, "s"), metavar="T", help=f"duration of the flight [s] ({duration})")
-    option(
-        "--start", choices=STARTS, default="quasi_steady", help="shape of the tether at the start (default: quasi_steady)"
-    )
+    about = "shape of the tether at the start (default: quasi_steady)"
+    parser.add_choice("--start", STARTS, default="quasi_steady", help=about)
     option("--ground", action="store_true", help="a flat ground at the height of the ground station carries the tether")
     parser.add_out("the figures")
     option("--html", action="store_true", help="also write an interactive page (needs plotly)")
@@ -237,11 +238,13 @@ def fly_each(given, fly):
 
     fly : function of the path of an FMU, its `Flight`.
     """
+    if given.fmu and given.fmus:
+        raise WrongUse("--fmu is the one FMU that is flown; it goes without --fmus")
     if given.html:
         import shared.flight_page  # noqa: F401 - before the flight, which would be in vain without plotly
     names = TETHERS.values() if given.tether == "all" else [TETHERS[given.tether]]
     flights = {}
-    for fmu_file in [given.fmu] if given.fmu else [find_fmu(name) for name in names]:
+    for fmu_file in [given.fmu] if given.fmu else [find_fmu(name, given.fmus) for name in names]:
         now(f"flying {fmu_file}")
         flight = fly(fmu_file)
         report_missing(fmu_file, flight, given.html)

@@ -27,6 +27,7 @@ from tetherfmu.console.ending import WrongUse, command
 from tetherfmu.console.options import Parser
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.inputs import by_name
+from tetherfmu.runtime.naming import meant_or_all
 from tetherfmu.runtime.parameters import Tether
 from tetherfmu.runtime.quantities import quantities
 from tetherfmu.runtime.variables import RECORDS
@@ -156,8 +157,9 @@ def setting(text):
     if name in DECIDED:
         raise argparse.ArgumentTypeError(f"{name} follows from {DECIDED[name]}")
     if name not in RECORD_OF:
-        allowed = ", ".join(each for each in RECORD_OF if each not in DECIDED)
-        raise argparse.ArgumentTypeError(f"{text!r} is not possible; it must be NAME=VALUE with one of the names {allowed}")
+        allowed = [each for each in RECORD_OF if each not in DECIDED]
+        hint = meant_or_all(name, allowed, "it must be NAME=VALUE with one of the names {}")
+        raise argparse.ArgumentTypeError(f"{text!r} is not possible{hint}")
     try:
         number = float(value)
     except ValueError:

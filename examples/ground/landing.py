@@ -30,7 +30,7 @@ MASS, SINKING, GRIP, REELING, REEL_TIME = 3.0, 1.6, 15.0, 0.5, 40.0  # kite [kg]
 WIND = (0.0, 1.5, 0.0)  # [m/s]
 GROUND = Ground(ground_contact="flat", ground_friction=FRICTION)
 TETHER = Tether(initial_length=LENGTH, segments=SEGMENTS)
-WEIGHT = TETHER.mass_per_meter * LENGTH * GRAVITY  # of the tether [N]
+WEIGHT = TETHER.mass_per_length * LENGTH * GRAVITY  # of the tether [N]
 
 
 def ramp(u):

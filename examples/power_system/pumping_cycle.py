@@ -141,7 +141,7 @@ def fly(cycles=2, step=STEP, master="jacobi", start=START, frames=False, tether=
     """Fly until so many whole cycles are done after the first reeling in; `Cycles`.
 
     step [s] : communication step.  master : of `MASTERS`.  start : start values.  frames : whether to keep shapes.
-    tether : path of an FMU with a free kite end, None: that in dist/.
+    tether : path of an FMU with a free kite end, None: that of `find_fmu`.
     """
     from tqdm import tqdm
 
@@ -212,7 +212,7 @@ def parse(arguments, prog):
     option(
         "--step", type=number(1e-4, 0.1, "s"), default=STEP, metavar="H", help=f"communication step [s] (default: {STEP:g})"
     )
-    option("--master", choices=MASTERS, default="jacobi", help="way of exchange (default: jacobi)")
+    parser.add_choice("--master", MASTERS, default="jacobi", help="way of exchange (default: jacobi)")
     about = "wind at 10 m [m/s], 6 to 14: in less the kite comes down (default: 8)"
     option("--wind", type=number(6.0, 14.0, "m/s"), default=8.0, metavar="W", help=about)
     option(
@@ -220,7 +220,7 @@ def parse(arguments, prog):
     )
     parser.add_out("the figures")
     option("--html", action="store_true", help="also write an animated page (needs plotly)")
-    add_fmu(parser, "dist/TetherDynamicFree.fmu")
+    add_fmu(parser, "TetherDynamicFree, in dist/ or else in a cache of yours")
     return parser.parse_args(arguments)
 
 

@@ -11,25 +11,23 @@ from fmpy import extract, read_model_description
 from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Slave
 
-from shared import example_fmus
 from shared.scalars_of_fmi3 import ScalarsOfFmi3, scalars
 from tetherfmu.check.inspection import MADE_BY_PYTHONFMU, crashing_characters
 from tetherfmu.console.ending import WrongUse, one_line
 from tetherfmu.console.options import file
-from tetherfmu.export.archive import build
+from tetherfmu.export import cache
 from tetherfmu.libraries.children import ctrl_c_waits
 
 WIND, WIND_AT = "wind_", "wind_at"  # begins the names of what an FMU with wind at points ignores, and the wind at these
 SLAVES = {"2.0": FMU2Slave, "3.0": ScalarsOfFmi3}  # by version of FMI
 
 
-def find_fmu(name):
-    """Path of an FMU in dist/, which is built if it is not there."""
-    file = Path("dist") / f"{name}.fmu"
-    if not file.exists():
-        make = example_fmus.build if name in example_fmus.SLAVES else build
-        print(f"{make(name, file.parent)} is built")
-    return file
+def find_fmu(name, place=None):
+    """Path of an FMU in a folder, which is built if it is not there; None: that in dist/, or else one that is kept."""
+    file = (place or Path("dist")) / f"{name}.fmu"
+    if file.exists():
+        return file
+    return cache.build(name, place) if place else cache.kept(name)
 
 
 def description_of(fmu_file):
@@ -91,7 +89,7 @@ def variables_of(fmu_file, free=False):
     return variables
 
 
-def add_fmu(parser, default="those in dist/, built where they are missing"):
+def add_fmu(parser, default="those in dist/, or else in a cache of yours"):
     """Add the option --fmu FILE."""
     text = f"a tether FMU of your own, for FMI 2 or 3 (default: {default})"
     parser.add_argument("--fmu", type=file, metavar="FILE", help=text)

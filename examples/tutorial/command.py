@@ -9,6 +9,7 @@ from pathlib import Path
 
 from tetherfmu.console.ending import WrongUse, command
 from tetherfmu.console.options import Parser, folder
+from tetherfmu.runtime.naming import meant_or_all
 
 LESSONS = Path(__file__).resolve().parent
 NEEDED = (  # what to install for the copied files
@@ -31,7 +32,8 @@ def lesson(text):
     name = text.removesuffix(".py").removeprefix("tether_")
     name = name.zfill(2) if name.isdecimal() else name
     if name not in (*lessons(), "all"):
-        raise argparse.ArgumentTypeError(f"there is no lesson {text!r}; choose from {', '.join(lessons())}, or all")
+        hint = meant_or_all(text, (*lessons(), "all"), "choose from {}")
+        raise argparse.ArgumentTypeError(f"there is no lesson {text!r}{hint}")
     return name
 
 

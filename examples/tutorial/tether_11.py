@@ -1,7 +1,7 @@
 """What does a kite on a circle feel from its tether? The first lesson with an FMU.
 
 The kite flies one turn on a cone, 500 m away, on 525 m of tether (examples/first_flight/circular_flight.py). FMPy drives
-TetherDynamic.fmu, which is built if dist/ has none: positions and velocities of the kite go in every 20 ms, forces and
+TetherDynamic.fmu, which is built if it is missing: positions and velocities of the kite go in every 20 ms, forces and
 shape come out. The file replaces the Python class of lessons 06 to 10: every tool that imports FMUs gets these numbers.
 """
 

@@ -36,7 +36,7 @@ def simulate(friction, **options):
 
 def sliding(friction):
     """Pull of a tether that slides [N]."""
-    return friction * TETHER.mass_per_meter * LENGTH * GRAVITY * (1.0 - 0.5 / SEGMENTS)
+    return friction * TETHER.mass_per_length * LENGTH * GRAVITY * (1.0 - 0.5 / SEGMENTS)
 
 
 def lesson():

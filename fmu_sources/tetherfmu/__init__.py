@@ -17,6 +17,8 @@ _HOMES = {
     "materials": ("MATERIALS", "tether_of"),
     "runtime.parameters": ("Tether", "Environment", "Solver", "Winch", "Ground"),
     "energy": ("Energy", "EnergyAudit"),
+    "wind.frozen_turbulence": ("FrozenTurbulence", "MeanWind"),
+    "wind.wind_boxes": ("open_box",),
 }
 __all__ = ["__version__", *(name for names in _HOMES.values() for name in names)]
 

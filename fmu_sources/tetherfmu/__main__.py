@@ -6,6 +6,7 @@ from importlib import import_module
 from .console.ending import WrongUse, command
 from .console.subcommands import SUBCOMMANDS
 from .runtime import __version__
+from .runtime.naming import meant_or_all
 
 HEAD = "usage: tetherfmu COMMAND [OPTIONS]; tetherfmu COMMAND --help has the options, --version the version"
 
@@ -28,7 +29,7 @@ def main(arguments=None):
         print(f"tetherfmu {__version__}")
         return 0
     if name not in SUBCOMMANDS:
-        raise WrongUse(f"tetherfmu: there is no command {name!r}; choose from {', '.join(SUBCOMMANDS)}")
+        raise WrongUse(f"tetherfmu: there is no command {name!r}{meant_or_all(name, SUBCOMMANDS, 'choose from {}')}")
     return import_module(SUBCOMMANDS[name].module or f"tetherfmu.commands.{name}").main(rest, prog=f"tetherfmu {name}")
 
 

@@ -2,14 +2,14 @@
 
 from array import array
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.inputs import BY_NAME, PLACES
-from tetherfmu.runtime.parameters import Tether, diameter_in_doubt
-from tetherfmu.runtime.quantities import quantities
+from tetherfmu.runtime.naming import check_names
+from tetherfmu.runtime.parameters import Tether, changed, diameter_in_doubt
+from tetherfmu.runtime.quantities import can_be_given
 from tetherfmu.runtime.variables import RECORDS
 
 
@@ -43,16 +43,12 @@ def check_wind(environment, wind_points):
 
 def with_quantities(model, given, tethers, *records):
     """Tethers and records with the quantities (a dict) in the place of theirs; TypeError if one does not exist."""
-    owners = {name: kind for kind in RECORDS for name, _ in quantities(kind)}
-    for name in given:
-        if name not in owners:
-            raise TypeError(f"{model} has no quantity {name}; there are {', '.join(owners)}")
+    owners = {name: kind for kind in RECORDS for name, _ in can_be_given(kind)}
+    check_names(model, given, owners, "argument")
     parts = {kind: {name: value for name, value in given.items() if owners[name] is kind} for kind in set(owners.values())}
     if parts[Tether] and len(tethers) > 1:
         raise TypeError(f"{', '.join(parts[Tether])}: give it to each of the {len(tethers)} tethers in series")
-    return tuple(replace(each, **parts[Tether]) for each in tethers), *(
-        replace(each, **parts[type(each)]) for each in records
-    )
+    return tuple(changed(each, parts[Tether]) for each in tethers), *(changed(each, parts[type(each)]) for each in records)
 
 
 def doubts(tethers):

@@ -14,10 +14,10 @@ from typing import Any
 
 import numpy as np
 
-from tetherfmu.naming import check_names
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.inputs import by_name
 from tetherfmu.runtime.instance import address
+from tetherfmu.runtime.naming import check_names
 
 # inputs that powers depend on, beside the motion of the ends
 WITH_POWER = ("reel_out_speed", "wind_velocity", "kite_load", "winch_force")

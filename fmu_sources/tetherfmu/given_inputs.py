@@ -5,10 +5,10 @@ from typing import NamedTuple, TypedDict
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tetherfmu.naming import check_names
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.inputs import DRIVEN_KITE, INPUT_TABLE, WIND_AT
 from tetherfmu.runtime.instance import Instance
+from tetherfmu.runtime.naming import check_names
 from tetherfmu.runtime.variants import Variant
 
 from . import arguments, compiled_flight

@@ -4,19 +4,21 @@ Scenes (`study.scenes.files`), maps of columns (`study.replay.columns`) and syst
 """
 
 import csv
+import re
 import stat
 import tomllib
 from dataclasses import field, fields, make_dataclass
 from pathlib import Path
 
-from tetherfmu.naming import meant
 from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.naming import LONGEST_NAME, meant, meant_or_all, shortened
 from tetherfmu.runtime.parameters import GROUND_WITHOUT_GRAVITY, Ground
-from tetherfmu.runtime.quantities import check, quantities
+from tetherfmu.runtime.quantities import can_be_given, check
 
 with Path(__file__).with_name("units.csv").open(encoding="utf-8", newline="") as _table:
     # what else a quantity may be given in than in its unit, and the factor to the unit
     UNITS = list(csv.DictReader(_table))
+NAME_OF_FILE = re.compile(r'[^\x00-\x1f\\/:*?"<>|]+')  # on all platforms
 LARGEST_FILE = 1_000_000_000  # [B]
 
 
@@ -55,6 +57,17 @@ def tables_of(path):
         raise ValueError("cannot be used (its tables or lists are nested too deeply)") from None
 
 
+def name_in(table, name):
+    """The name of a table of a file, by which files are named, or else `name`; ValueError if none can be."""
+    name = table.get("name", name)
+    if not isinstance(name, str) or not 0 < len(name) <= LONGEST_NAME or not NAME_OF_FILE.fullmatch(name):
+        raise ValueError(
+            f"name is {shortened(name)}; files are named by it: it must be a text of 1 to {LONGEST_NAME} characters, "
+            'none of them one of \\ / : * ? " < > |'
+        )
+    return name
+
+
 def vector_in(unit, limit):
     """Function that reads three numbers of this unit, or texts with units, none beyond a limit, from a value of a file."""
 
@@ -82,17 +95,22 @@ def require(table, section, known, needed=()):
     label = f"{section}." if section else ""
     if not isinstance(table, dict):
         raise ValueError(f"{section} is {table!r}; it must be a table [{section}]")
+    for key in table:
+        if key not in known:
+            raise ValueError(f"unknown key {label}{key}{meant_or_all(key, known, 'known are {}')}")
     for key in needed:
         if key not in table:
             raise ValueError(f"the key {label}{key} is missing")
-    for key in table:
-        if key not in known:
-            raise ValueError(f"unknown key {label}{key}; known are {', '.join(known)}{meant(key, known)}")
+
+
+def keys_of(kind):
+    """Keys that a table of a record may have."""
+    return [*(item.name for item in fields(kind)), *getattr(kind, "instead", ())]
 
 
 def record(kind, table, section, needed=(), left_out=()):
     """A record from a table of a file; ValueError names the key. left_out : quantities that the file has not."""
-    require(table, section, [item.name for item in fields(kind) if item.name not in left_out], needed)
+    require(table, section, [name for name in keys_of(kind) if name not in left_out], needed)
     given = {key: value_of(kind, key, value, f"{section}.") for key, value in table.items()}
     try:
         return kind(**given)
@@ -105,18 +123,32 @@ def value_of(kind, key, value, label):
 
     A field without a quantity has a function of its value in its metadata, `read`.
     """
-    declared = dict(quantities(kind)).get(key)
+    declared = dict(can_be_given(kind)).get(key)
     try:
         if declared is None:
             return kind.__dataclass_fields__[key].metadata["read"](value)
         is_named = isinstance(value, str) and value in declared.numbers
         number = declared.numbers[value] if is_named else in_si(value, declared.unit)
     except ValueError as error:
+        if declared and declared.choices:
+            raise ValueError(
+                f"{label}{key} is {value!r}; it must be {declared.range()}{meant(str(value), declared.numbers)}"
+            ) from None
         more = f", {declared.range()}" if declared else ""
         raise ValueError(f"{label}{key} is {value!r}; {error}{more}") from None
     if not declared.allows(number):
-        raise ValueError(f"{label}{key} is {value!r}; it must be {declared.range()}")
+        raise ValueError(f"{label}{key} is {value!r}; it must be {declared.range()}{unit_meant(value, declared)}")
     return number
+
+
+def unit_meant(value, declared):
+    """Words that ask for the smaller unit in which a number that is too large was meant, such as deg; "" if none fits."""
+    no_part = declared.unit == "" and declared.maximum > 1.0  # of something, as percents are
+    if isinstance(value, str) or declared.choices or abs(value) <= declared.maximum or no_part:
+        return ""
+    smaller = (each for each, factor in factors(declared.unit).items() if factor < 1.0 and declared.allows(factor * value))
+    unit = next(smaller, "")
+    return f'; did you mean "{value:g} {unit}"?' if unit else ""
 
 
 def factors(unit):

@@ -6,10 +6,11 @@ numbers refer to the full circle of the nominal diameter, so they are below thos
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import pi
 
-from tetherfmu.runtime.parameters import Tether, allowed_by
+from tetherfmu.runtime.naming import meant_or_all
+from tetherfmu.runtime.parameters import Tether, allowed_by, changed
 
 
 @dataclass(frozen=True)
@@ -44,11 +45,11 @@ def tether_of(material: str, diameter: float, **more: float | str) -> Tether:
     ValueError if the material does not exist or a quantity is out of range.
 
     >>> tether = tether_of("steel", 0.01, initial_length=100.0)
-    >>> round(tether.mass_per_meter, 5), round(tether.axial_stiffness)
+    >>> round(tether.mass_per_length, 5), round(tether.axial_stiffness)
     (0.39897, 4040000)
     """
-    if material not in MATERIALS:
-        raise ValueError(f"material is {material!r}; it must be one of {', '.join(MATERIALS)}")
+    if material not in tuple(MATERIALS):
+        raise ValueError(f"material is {material!r}{meant_or_all(str(material), MATERIALS, 'it must be one of {}')}")
     found = MATERIALS[material]
     default = Tether()
     with allowed_by(diameter):
@@ -56,4 +57,4 @@ def tether_of(material: str, diameter: float, **more: float | str) -> Tether:
         damping = stiffness * default.axial_damping / default.axial_stiffness
         values = {"density": found.density, "axial_stiffness": stiffness, "axial_damping": damping}
         tether = Tether(diameter=diameter, **values)
-    return replace(tether, **more)
+    return changed(tether, more)

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import reprlib
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tetherfmu.naming import check_names
 from tetherfmu.runtime.inputs import COUNT, KITE_AT_START, ZERO, by_name
+from tetherfmu.runtime.naming import check_names, names_checked
 
 
 def polar(distance, elevation, azimuth):
@@ -35,6 +36,7 @@ def kite_at(elevation: float, azimuth: float, distance: float, ground_position: 
     return np.add(ground_position, polar(distance, elevation, azimuth))
 
 
+@names_checked
 @dataclass(frozen=True)
 class MovingEnd:
     """An end of a tether that moves along a path.
@@ -78,17 +80,35 @@ class MovingEnd:
         return found
 
 
-def end_of(name, given):
-    """A moving end as it is, three numbers as an end that stays there [m]; ValueError for anything else."""
+def end_along(name, given, times, step):
+    """Positions [m] and velocities [m/s] of an end at times [s] that are a step apart, two arrays (times, 3).
+
+    given : as an end of `inputs_along`.  ValueError for anything else.
+    """
     if isinstance(given, MovingEnd):
-        return given
+        both = [given.at(time) for time in times]
+        return np.array(both, dtype=float).reshape(-1, 2, 3).swapaxes(0, 1)
+    if callable(given):
+        raise ValueError(f"{name} is a function; make a MovingEnd of it")
+    positions = values_along(name, given, times, 3, "or a MovingEnd")
+    if np.ndim(given) == 1 or len(times) < 2:
+        return positions, np.zeros_like(positions)
+    return positions, np.gradient(positions, step, axis=0, edge_order=min(2, len(times) - 1))
+
+
+def values_along(name, given, times, size, otherwise="or a function of the time"):
+    """Numbers of an input at times [s], array (times, size): constant, a row for each, or those of a function.
+
+    ValueError for another shape; otherwise : what else is allowed, in words.
+    """
+    constant, rows = ((size,), (len(times), size)) if size > 1 else ((), (len(times),))
     try:
-        place = np.asarray(given, dtype=float)
+        found = np.array([given(time) for time in times] if callable(given) else given, dtype=float)
     except (TypeError, ValueError):
-        place = np.empty(0)
-    if place.shape != (3,):
-        raise ValueError(f"{name} is {given!r}; it must be a MovingEnd, or three numbers where it stays")
-    return MovingEnd(lambda time: place, lambda time: (0.0, 0.0, 0.0))
+        raise ValueError(f"{name} is {reprlib.repr(given)}; it must be numbers, {otherwise}") from None
+    if found.shape not in (constant, rows):
+        raise ValueError(f"{name} has the shape {found.shape}; it must be {constant or 'a number'}, {rows} {otherwise}")
+    return np.broadcast_to(found.reshape(-1, size), (len(times), size))
 
 
 def inputs_along(
@@ -102,24 +122,21 @@ def inputs_along(
 ) -> NDArray:
     """Inputs of `steps` communication steps [s] for `TetherModel.fly`, array (steps, INPUTS).
 
-    kite, ground : ends that move, or positions [m] of ends that stay; None: at the start values of `kite_position` and
-    `ground_position`, wherever `initialize` put them.  start : time of the first step [s].  signals : the other inputs by
-    name, see `Inputs`: constant, or functions of time [s]; 0 where they are not given.  ValueError if an end is something
-    else, TypeError if there is no such input.
+    kite, ground : ends that move; positions [m] of ends that stay, (3,); positions from a log, (steps, 3), with central
+    differences as velocities; None: at the start values of `kite_position` and `ground_position`, wherever `initialize` put
+    them.  start : time of the first step [s].  signals : the other inputs by name, see `Inputs`: constant, a row for each
+    step, or functions of time [s]; 0 where they are not given; `kite_velocity` and `ground_velocity`, as from a log, in the
+    place of those of the ends.  ValueError if something has another shape, TypeError if there is no such input.
 
-    >>> inputs_along(3, 0.02, wind_velocity=(8.0, 0.0, 0.0)).shape
+    >>> inputs_along(3, 0.02, wind_velocity=(8.0, 0.0, 0.0), reel_out_speed=[0.0, 0.1, 0.2]).shape
     (3, 21)
     """
-    rows = np.zeros((steps, COUNT))
-    ends = [("kite", KITE_AT_START if kite is None else kite), ("ground", ZERO if ground is None else ground)]
-    ends = [(name, end_of(name, end)) for name, end in ends]
+    rows, times = np.zeros((steps, COUNT)), start + step * np.arange(steps)
     columns = by_name(rows)
-    of_ends = [f"{name}_{what}" for name, _ in ends for what in ("position", "velocity")]
-    check_names("inputs_along", signals, [name for name in columns if name not in of_ends])
-    for k in range(steps):
-        time = start + k * step
-        for name, end in ends:
-            columns[f"{name}_position"][k], columns[f"{name}_velocity"][k] = end.at(time)
-        for name, signal in signals.items():
-            columns[name][k] = signal(time) if callable(signal) else signal
+    known = ["kite", "ground", *(name for name in columns if name not in ("kite_position", "ground_position"))]
+    check_names("inputs_along", signals, known)
+    for name, end in (("kite", KITE_AT_START if kite is None else kite), ("ground", ZERO if ground is None else ground)):
+        columns[f"{name}_position"][:], columns[f"{name}_velocity"][:] = end_along(name, end, times, step)
+    for name, signal in signals.items():
+        columns[name][:] = values_along(name, signal, times, columns[name].shape[1])
     return rows

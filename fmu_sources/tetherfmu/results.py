@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.naming import meant_or_all
 from tetherfmu.runtime.outputs import BY_NAME, OUTPUT_TABLE, PLACES, SCALAR, Outputs
 from tetherfmu.runtime.status import code
 
@@ -66,6 +67,8 @@ class Flown(NamedTuple):
         Wall time of all steps [s].
     refusals : tuple of `Refusal`
         Steps that could not be done, see `on_refusal` of `TetherModel.fly`.
+    time : (rows,) array
+        Since the start of the flight [s]: the sum of all communication steps up to the row, left out or not.
 
     Examples
     --------
@@ -75,6 +78,8 @@ class Flown(NamedTuple):
     >>> flown = tether.fly(inputs_along(100, 0.02, reel_out_speed=0.5), 0.02, every=10)
     >>> flown.kite_force.shape, flown.shape.shape, flown.positions.shape
     ((10, 3), (10, 7, 3), (10, 7, 3))
+    >>> flown.time.round(3).tolist()[:3]
+    [0.2, 0.4, 0.6]
     >>> bool(flown.of("max_tension").max() >= flown.of("kite_tension").max())
     True
     """
@@ -84,6 +89,7 @@ class Flown(NamedTuple):
     positions: np.ndarray
     seconds: float = 0.0
     refusals: tuple = ()
+    time: np.ndarray | None = None
 
     def __repr__(self):
         """How much there is, instead of all its numbers."""
@@ -104,7 +110,7 @@ class Flown(NamedTuple):
     def of(self, name: str) -> np.ndarray:
         """A scalar output by its name in `Outputs`, such as "max_tension", array (rows,); ValueError for other names."""
         if name not in SCALARS:
-            raise ValueError(f"name is {name!r}; it must be one of {', '.join(SCALARS)}")
+            raise ValueError(f"there is no scalar output {name!r}{meant_or_all(name, SCALARS)}")
         return self._observed()[:, PLACES[name]]
 
     @property
@@ -166,7 +172,7 @@ class StepRefused(ValueError):
         self.status = None if status is None else code(status)
 
 
-def flown_of(rows, seconds, refusals):
-    """`Flown` of the rows of one line, see `compiled_flight.fly`."""
+def flown_of(rows, seconds, refusals, time):
+    """`Flown` of the rows of one line at these times [s], see `compiled_flight.fly`."""
     peak = None if rows.peaks is None else rows.peaks[:, 0]
-    return Flown(rows.outputs, peak, rows.motion[0][:, 0].copy(), seconds, refusals)
+    return Flown(rows.outputs, peak, rows.motion[0][:, 0].copy(), seconds, refusals, time)

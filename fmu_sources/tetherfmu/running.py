@@ -113,13 +113,15 @@ class Running:
             warn(sentence, PlausibilityWarning, stacklevel=3 + deeper)
 
     def _fly(self, inputs, step, every, when, on_refusal, flown_of, winds=None):
-        """What `fly` does; flown_of : function that makes its result of what `compiled_flight.fly` gives."""
+        """What `fly` does; flown_of : makes its result of what `compiled_flight.fly` gives, and the times of rows."""
         if on_refusal not in compiled_flight.ON_REFUSAL:
             names = ", ".join(map(repr, compiled_flight.ON_REFUSAL))
             raise ValueError(f"on_refusal is {on_refusal!r}; it must be one of {names}")
         every = arguments.whole("every", every)
         found = compiled_flight.fly(self._instance, inputs, step, every, when, on_refusal == "skip", winds)
-        flown, refusals = flown_of(*found), found[-1]
+        times = np.cumsum(step) if np.ndim(step) else step * np.arange(1, len(inputs) + 1)  # at the end of each step [s]
+        count = len(found[0].motion[0])
+        flown, refusals = flown_of(*found, times[every - 1 :: every][:count] if every else times[:0]), found[-1]
         self._warn(deeper=1)
         if refusals and on_refusal == "raise":
             ((place, problem, status),) = refusals

@@ -164,12 +164,12 @@ class MoorDyn:
 
         self.library, self.name, self.free = moordyn, name, name == "drag"
         self.path, self.duration = SCENES[name]
-        weight = TETHER.mass_per_meter * AIR.gravity
-        density = TETHER.mass_per_meter / (0.25 * np.pi * TETHER.diameter**2)
+        weight = TETHER.mass_per_length * AIR.gravity
+        density = TETHER.mass_per_length / (0.25 * np.pi * TETHER.diameter**2)
         a, b = self.path(0.0) - (0.0, 0.0, DEPTH)
         facts = {
             "d": TETHER.diameter,
-            "mass": TETHER.mass_per_meter,
+            "mass": TETHER.mass_per_length,
             "length": TETHER.initial_length,
             "stiffness": TETHER.axial_stiffness,
             "damping": TETHER.axial_damping,

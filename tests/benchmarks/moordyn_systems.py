@@ -150,10 +150,10 @@ class MoorDyn:
         self.ours, self.free, self.path = system_of(name, drag, Solver())
         found = self.ours.initialize().points[self.free.name].position
         self.names = [*self.path(0.0), self.free.name]
-        density = ROPE.mass_per_meter / (0.25 * np.pi * ROPE.diameter**2)
+        density = ROPE.mass_per_length / (0.25 * np.pi * ROPE.diameter**2)
         text = FILE.format(
             d=ROPE.diameter,
-            mass=ROPE.mass_per_meter,
+            mass=ROPE.mass_per_length,
             stiffness=ROPE.axial_stiffness,
             damping=ROPE.axial_damping,
             drag=drag,

@@ -45,7 +45,7 @@ def _left(network, ground, outputs, point, loads):
     depth = ground.ground_height - found.position[2] if ground.ground_contact == 2 else 0.0
     if depth > 0.0:
         tethers = [line.tether for line in network.lines if point.name in (line.start, line.end)]
-        mass = point.mass + sum(0.5 * each.mass_per_meter * each.initial_length / each.segments for each in tethers)
+        mass = point.mass + sum(0.5 * each.mass_per_length * each.initial_length / each.segments for each in tethers)
         pressure = mass * gravity * depth / ground.ground_sink
         sideways = np.linalg.norm(total[:2])
         total[:2] *= max(0.0, 1.0 - ground.ground_friction * pressure / max(sideways, 1e-300))

@@ -127,10 +127,22 @@ def test_blocks_run_one_after_the_other(fmu_folder, tmp_path, text, prints):
     assert (tmp_path / "result.csv").exists() is ("write_csv" in text)
 
 
+def test_blocks_of_the_python_api(tmp_path):
+    """A force, a time and a tension from a log, a tension in turbulence."""
+    printed = [ran([sys.executable, "-c", code], tmp_path) for language, code in blocks(page("api")) if language == "python"]
+    assert len(printed) == 3
+    assert float(printed[1].split()[0]) == 20.0
+    assert all(float(number) > 0.0 for text in printed[1:] for number in text.split())
+
+
 def test_blocks_for_users_of_tethers_jl(tmp_path):
     """Waves count most on a figure of eight, then segments; the kite comes to rest near atan((lift - weight)/drag)."""
-    printed = "".join(ran([sys.executable, "-c", code], tmp_path) for _, code in blocks(page("from_tethers_jl")))
-    quasi_steady, coarse, fine = map(float, re.findall(r"wrong by ([\d.e+-]+) %", printed))
+    (tmp_path / "examples").symlink_to(ROOT / "examples", target_is_directory=True)
+    commands = []
+    for language, code in blocks(page("from_tethers_jl")):
+        commands += [as_here(line) for line in code.splitlines()] if language == "bash" else [[sys.executable, "-c", code]]
+    printed = "".join(ran(command, tmp_path) for command in commands)
+    quasi_steady, coarse, fine = map(float, re.findall(r"kite wrong by ([\d.e+-]+) %", printed))
     assert quasi_steady > coarse > 10.0 * fine  # of second order: a quarter of the length is a sixteenth of the error
     pressure = 0.5 * 1.225 * 10.0 * 8.0**2  # times the area [N]: the kite hovers in the wind
     up, along = 0.7 * pressure - 10.0 * 9.81, 0.15 * pressure  # lift less weight, drag [N]
@@ -146,7 +158,7 @@ def test_blocks_of_cranes_and_drones(tmp_path):
         commands = [as_here(line) for line in code.splitlines()] if language == "bash" else [[sys.executable, "-c", code]]
         printed += [ran(command, tmp_path) for command in commands]
     wire, text = tetherfmu.tether_of("steel", 0.012), "".join(printed)
-    hanging = (500.0 + wire.mass_per_meter * 80.0) * 9.81
+    hanging = (500.0 + wire.mass_per_length * 80.0) * 9.81
     found = re.search(r"tension at rest: (\d+) N, largest tension: (\d+) N", text).groups()
     assert float(found[0]) == pytest.approx(hanging, abs=1.0)  # N, no digits printed
     assert re.search(r"(\d+) N at rest, .*, and at most (\d+) N", page("cranes_and_drones")).groups() == found

@@ -178,15 +178,16 @@ def test_a_refused_step_is_told_as_by_the_model_and_the_tether_stays(address, br
     assert "the reel_out_speed -20.0 m/s over a step of 0.02 s" in sentence
 
 
-def test_a_number_out_of_range_is_told_beside_its_slider(address, browser):
+@pytest.mark.parametrize(("typed", "value"), [("20000", "20.0"), ("4 mm", "'4 mm'"), (" ", "''")])
+def test_a_number_that_cannot_be_is_told_beside_its_slider_as_it_was_typed(address, browser, typed, value):
     opened(browser, address, "scene=circle")
     told = browser.execute_script(
         "const row = [...document.querySelectorAll('.quantity')].find(each => each.innerText.startsWith('diameter'));"
         "const number = row.querySelector('.value input');"
-        "number.value = '20000'; number.dispatchEvent(new Event('change'));"
+        f"number.value = '{typed}'; number.dispatchEvent(new Event('change'));"
         "return [row.querySelector('.problem').innerText, tetherfmu.settings.values.diameter]"
     )
-    assert told == ["diameter is 20.0; it must be at least 1e-06 m and at most 10 m", 0.004]
+    assert told == [f"diameter is {value}; it must be at least 1e-06 m and at most 10 m", 0.004]
 
 
 def test_a_restored_flight_continues_bit_for_bit(address, browser):

@@ -51,7 +51,7 @@ def test_the_whole_system_swings_as_a_mass_on_a_spring():
     start = np.array([0.0, 0.0, 100.2])
     scene = Scene((Leg(tether),), 10.0, start, lambda _x, _v: np.array([0.0, 0.0, 0.1 * stiffness]), np.zeros(3), 2.0, void)
     forces, positions = exact(scene, times)
-    moved = 0.1 * np.cos(np.sqrt(stiffness / (10.0 + 50.0 * tether.mass_per_meter)) * times)
+    moved = 0.1 * np.cos(np.sqrt(stiffness / (10.0 + 50.0 * tether.mass_per_length)) * times)
     np.testing.assert_allclose(positions[:, 2], 100.1 + moved, atol=1e-6)  # the tolerance, 1e-9, of 100 m in 100 steps
     np.testing.assert_allclose(forces[:, 0, 2], -stiffness * (0.1 + moved), atol=1e-6 * stiffness)
 

@@ -49,13 +49,13 @@ def hoisted():
 
 def test_the_load_is_lifted_and_held(hoisted):
     time, height, speed, torque, _ = hoisted
-    shorter = (hoisting.LOAD + WIRE.mass_per_meter * 50.0) * GRAVITY * hoisting.LIFT / WIRE.axial_stiffness  # its stretch
+    shorter = (hoisting.LOAD + WIRE.mass_per_length * 50.0) * GRAVITY * hoisting.LIFT / WIRE.axial_stiffness  # its stretch
     rest = height[time > hoisting.DURATION - 5.0]  # some periods of the bounce
     assert rest.mean() - height[0] == pytest.approx(hoisting.LIFT + shorter, abs=0.005)  # 2 mm, and the bounce
     off = time > 25.0
     assert not torque[off].any()
     assert not speed[off].any()  # not by a rounding error: it is held
-    assert (hoisting.LOAD + WIRE.mass_per_meter * hoisting.LENGTH) * GRAVITY < hoisting.FRICTION  # which holds it
+    assert (hoisting.LOAD + WIRE.mass_per_length * hoisting.LENGTH) * GRAVITY < hoisting.FRICTION  # which holds it
 
 
 def test_the_work_of_the_motor_lifts_and_rubs(hoisted):
@@ -65,7 +65,7 @@ def test_the_work_of_the_motor_lifts_and_rubs(hoisted):
     """
     _, height, speed, torque, _ = hoisted
     left = hoisting.LENGTH - hoisting.LIFT
-    wire = 0.5 * WIRE.mass_per_meter * GRAVITY * (hoisting.LENGTH**2 - left**2) * (1.0 - 0.5 / hoisting.SEGMENTS)
+    wire = 0.5 * WIRE.mass_per_length * GRAVITY * (hoisting.LENGTH**2 - left**2) * (1.0 - 0.5 / hoisting.SEGMENTS)
     lifting = hoisting.LOAD * GRAVITY * (height[-1] - height[0]) + wire
     assert hoisting.work(speed, torque) == pytest.approx(lifting + hoisting.FRICTION * hoisting.LIFT, rel=1e-3)
 
@@ -73,7 +73,7 @@ def test_the_work_of_the_motor_lifts_and_rubs(hoisted):
 def test_the_tension_is_that_of_a_load_on_a_spring(hoisted):
     """At most twice the acceleration of the drum, the largest of which is seen from step to step."""
     _, _, speed, torque, tension = hoisted
-    mass = hoisting.LOAD + WIRE.mass_per_meter * hoisting.LENGTH
+    mass = hoisting.LOAD + WIRE.mass_per_length * hoisting.LENGTH
     faster = np.diff(speed)[:-1].max() / hoisting.STEP
     assert mass * GRAVITY < tension.max() < mass * (GRAVITY + 2.0 * faster)
     assert np.abs(torque).max() < hoisting.TORQUE

@@ -22,7 +22,7 @@ def elevation(up, along, drag_of_tether=1.0, weight_of_tether=1.0):
     """
     tether, length, angle = Tether(), 200.0, 1.0
     drag = drag_of_tether * 0.5 * 1.225 * tether.drag_coefficient * tether.diameter * length * 8.0**2
-    weight = weight_of_tether * tether.mass_per_meter * length * 9.81
+    weight = weight_of_tether * tether.mass_per_length * length * 9.81
     for _ in range(50):
         across = 0.5 * drag * np.sin(angle) ** 2
         angle = np.arctan2(up - 0.5 * weight - across * np.cos(angle), along + across * np.sin(angle))

@@ -38,6 +38,6 @@ def weight_in_rope():
     The chord leans by an angle from the vertical, and the lower end leans more than it by w sin/(2 T), so T there is
     (m g/4 + w sin^2/2)/cos; all the weight but that of half a segment comes on top of it.
     """
-    weight = TetherSystem.from_file(four_drones.FILE).lines[0].tether.mass_per_meter * four_drones.ROPE * 9.81
+    weight = TetherSystem.from_file(four_drones.FILE).lines[0].tether.mass_per_length * four_drones.ROPE * 9.81
     cos = four_drones.BELOW / four_drones.ROPE
     return weight * (0.5 * (1.0 - cos**2) / cos + (1.0 - 1.0 / 8.0) * cos)

@@ -208,7 +208,7 @@ def test_12_falls_through_air_until_it_lies():
     """
     positions, _ = tether_12.simulate(0.5)
     middle, tether = positions[:, 10, 2], tether_12.TETHER
-    square = tether.mass_per_meter * 9.81 / (0.5 * 1.225 * tether.drag_coefficient * tether.diameter)
+    square = tether.mass_per_length * 9.81 / (0.5 * 1.225 * tether.drag_coefficient * tether.diameter)
     fallen = square / 9.81 * np.log(np.cosh(9.81 * tether_12.TIMES / np.sqrt(square)))
     flies = fallen < 2.0
     np.testing.assert_allclose(middle[flies], 2.0 - fallen[flies], rtol=0, atol=0.02)

@@ -52,8 +52,8 @@ def test_line_density_to_the_last_bit(variant):
         tether = Tether(diameter=diameter, density=1000.0 / 3.0)
         segments, parameters = pack_records(kernels(variant), (tether,), Environment(), Solver())
         quantities = np.array(numbers_of((tether,), Environment(), Solver()), float)
-        assert segment_property(parameters, segments, at.LINE_DENSITY)[0] == tether.mass_per_meter
-        assert packing.line_density(quantities, 0) == tether.mass_per_meter
+        assert segment_property(parameters, segments, at.LINE_DENSITY)[0] == tether.mass_per_length
+        assert packing.line_density(quantities, 0) == tether.mass_per_length
 
 
 @every_variant

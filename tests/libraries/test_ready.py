@@ -39,14 +39,16 @@ def test_the_fast_way_gives_the_bits_of_the_plain_way(compiled):
 
 
 def test_equal_sources_give_equal_bytes_whatever_was_compiled_together(tmp_path, capfd, monkeypatch):
-    """And that something is compiled is told, with an estimate; other platforms follow without numba, as it is forbidden."""
+    """And it is said what is compiled, how long it took, and what is not yet; other platforms follow without numba."""
     alone = ready.compiled_in(tmp_path, ["straight"], HERE)["straight"]
-    first, second = capfd.readouterr().err.splitlines()
-    assert first.startswith(f"compiling kernels for {this_platform()}, once, about ")
+    first, second, third = capfd.readouterr().err.splitlines()
+    assert first == f"compiling kernels for {this_platform()}, once: straight"
     assert second.startswith("  straight after ")
+    others = "catenary, quasi_steady, dynamic, systems of tethers, tetherfmu web"
+    assert third == f"not yet compiled, each will be when it is first used: {others}"
     monkeypatch.setitem(ready.FOR_NUMBA, "NUMBA_DISABLE_JIT", "1")  # see `test_what_the_compiler_says_is_told`
     ready.compiled_in(tmp_path, ["straight"], [*HERE, OTHER])
-    assert capfd.readouterr().err.startswith(f"compiling kernels for {OTHER}, once, about ")
+    assert capfd.readouterr().err.startswith(f"compiling kernels for {OTHER}, once: straight\n")
     together = ready.folders(["straight"], [*HERE, OTHER])["straight"]
     for name in (file_name("straight", platform) for platform in (*HERE, OTHER)):
         assert (alone / name).read_bytes() == (together / name).read_bytes()

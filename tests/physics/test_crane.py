@@ -7,8 +7,8 @@ from tetherfmu import TetherDynamic, TetherDynamicFree, tether_of
 
 LOAD, LENGTH, GRAVITY, STEP = 500.0, 80.0, 9.81, 0.02  # kg, m, m/s2, s
 WIRE = tether_of("steel", 0.012, initial_length=LENGTH)
-WEIGHT = (LOAD + WIRE.mass_per_meter * LENGTH) * GRAVITY  # of load and wire [N]
-STRETCH = (LOAD + 0.5 * WIRE.mass_per_meter * LENGTH) * GRAVITY * LENGTH / WIRE.axial_stiffness  # mean tension times L/EA
+WEIGHT = (LOAD + WIRE.mass_per_length * LENGTH) * GRAVITY  # of load and wire [N]
+STRETCH = (LOAD + 0.5 * WIRE.mass_per_length * LENGTH) * GRAVITY * LENGTH / WIRE.axial_stiffness  # mean tension times L/EA
 
 
 def tensions(hanging, duration):
@@ -20,7 +20,7 @@ def tensions(hanging, duration):
 
 def test_a_load_that_starts_where_it_hangs_stays_at_rest():
     """Tension of the first segment: all but its upper half. The sum over segments is the integral, so STRETCH is exact."""
-    at_rest = WEIGHT - 0.5 * WIRE.mass_per_meter * LENGTH / WIRE.segments * GRAVITY
+    at_rest = WEIGHT - 0.5 * WIRE.mass_per_length * LENGTH / WIRE.segments * GRAVITY
     assert tensions(LENGTH + STRETCH, 2.0) == pytest.approx(at_rest, rel=1e-6)  # tolerance of the first equilibrium
 
 

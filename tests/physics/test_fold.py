@@ -20,7 +20,7 @@ def test_fold_table(row):
             tether = Tether(segments=n, initial_length=500.0 / (1.0 - slack), slack_stiffness_ratio=ratio)
             model = TetherQuasiSteady(tether)
             force = model.initialize((0.0, 0.0, 500.0)).ground_force
-            load = tether.mass_per_meter * 9.81
+            load = tether.mass_per_length * 9.81
             segment = load * tether.initial_length / n
             hanging = (0.0, 0.0, -0.5 * load * (tether.initial_length - 500.0))
             errors.append(np.linalg.norm(force - hanging) / segment)

@@ -99,7 +99,7 @@ def test_a_load_that_grows_linearly(fixed_step):
     void = Environment(gravity=0.0, air_density=0.0)
     model = TetherDynamic(tether, void, solver, free_ends=(False, True), point_masses={1: 10.0})
     model.initialize((30.0, 0.0, 0.0))
-    mass = 10.0 + 0.5 * tether.mass_per_meter * 50.0
+    mass = 10.0 + 0.5 * tether.mass_per_length * 50.0
     step, count, rate = 0.05, 20, np.array([4.0, -3.0, 5.0])
     for k in range(count):
         model.step(step, kite_load=rate * k * step)

@@ -58,8 +58,8 @@ def forces_of_nodes(tensions, tether, mass, wind, load):
     drag = 0.5 * 1.225 * width * length * np.linalg.norm(across, axis=1)[:, None] * across
     forces = 0.5 * drag - pull
     forces[:-1] += pull[1:] + 0.5 * drag[1:]
-    forces[:, 2] -= tether.mass_per_meter * rest * G
-    forces[-1] += np.add(load, (0.0, 0.0, (0.5 * tether.mass_per_meter * rest - mass) * G))
+    forces[:, 2] -= tether.mass_per_length * rest * G
+    forces[-1] += np.add(load, (0.0, 0.0, (0.5 * tether.mass_per_length * rest - mass) * G))
     return forces.ravel()
 
 
@@ -77,7 +77,7 @@ def test_forces_are_in_balance_as_an_independent_solver_finds_it(scene):
     kite, outputs = started(mass, wind, load, begin=begin, **SHEARED)
     total = outputs.kite_force + np.subtract(load, (0.0, 0.0, mass * G))
     assert np.linalg.norm(total) <= 1e-9 * max(np.linalg.norm(outputs.kite_force), mass * G)
-    guess = np.tile(np.add(load, (0.0, 0.0, -(mass + 0.5 * WIRE.mass_per_meter * 40.0) * G)), (6, 1))
+    guess = np.tile(np.add(load, (0.0, 0.0, -(mass + 0.5 * WIRE.mass_per_length * 40.0) * G)), (6, 1))
     found, _, done, _ = fsolve(forces_of_nodes, guess, (WIRE, mass, wind, load), full_output=True, xtol=1e-13)
     assert done == 1
     expected = chain_of(found.reshape(-1, 3), WIRE)[1]
@@ -90,7 +90,7 @@ def test_tensions_without_wind_follow_from_the_load():
     _, outputs = started(mass, load=load)
     position = TIP.copy()
     for s in range(1, 7):
-        t = np.subtract(load, (0.0, 0.0, (mass + (6 - s + 0.5) * WIRE.mass_per_meter * LENGTH) * G))
+        t = np.subtract(load, (0.0, 0.0, (mass + (6 - s + 0.5) * WIRE.mass_per_length * LENGTH) * G))
         position += LENGTH * (1.0 / np.linalg.norm(t) + 1.0 / WIRE.axial_stiffness) * t
     np.testing.assert_allclose(outputs.kite_position, position, rtol=0.0, atol=1e-9)
 
@@ -142,7 +142,7 @@ def test_on_the_ground(height):
         return
     carried = 100.0 * G - outputs.kite_force[2]
     depth = height - outputs.kite_position[2]
-    assert carried == pytest.approx((100.0 + 0.5 * WIRE.mass_per_meter * LENGTH) * G * depth / 0.002, rel=1e-9)
+    assert carried == pytest.approx((100.0 + 0.5 * WIRE.mass_per_length * LENGTH) * G * depth / 0.002, rel=1e-9)
     np.testing.assert_allclose(outputs.kite_position[:2], place[:2], rtol=0.0, atol=1e-3)
 
 

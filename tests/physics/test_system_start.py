@@ -31,7 +31,7 @@ def test_a_load_hangs_as_the_springs_say():
     points = [Point("top", (1.0, 2.0, 50.0)), Point("load", mass=5.0)]
     system = TetherSystem(points, [Line("line", "top", "load", LINE)])
     found = system.initialize().points["load"].position
-    weight = LINE.mass_per_meter * 5.0 * G  # of a segment of 5 m
+    weight = LINE.mass_per_length * 5.0 * G  # of a segment of 5 m
     stretch = sum((5.0 * G + (k + 0.5) * weight) / (LINE.axial_stiffness / 5.0) for k in range(6))
     # 1e-9 of some 50 N over the stiffness of the line across, 2 N/m
     np.testing.assert_allclose(found, (1.0, 2.0, 50.0 - 30.0 - stretch), rtol=0, atol=1e-7)
@@ -103,7 +103,7 @@ def test_a_point_lies_on_the_ground():
     system = TetherSystem(points, [Line("line", "post", "stone", LINE)], ground=ground)
     force = system.initialize(positions={"stone": None}).points["stone"].force
     below = system.positions["line"][-1, 2] - ground.ground_height
-    half_segment = 0.5 * LINE.mass_per_meter * 5.0
+    half_segment = 0.5 * LINE.mass_per_length * 5.0
     carried = (3.0 + half_segment) * G * -below / ground.ground_sink
     assert carried == pytest.approx(3.0 * G - force[2], rel=1e-9)
     assert np.hypot(*force[:2]) <= ground.ground_friction * carried

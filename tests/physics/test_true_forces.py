@@ -21,7 +21,7 @@ def oscillation(strain, step, **solver):
     """Largest error of the tension of the mass over the largest tension [-], and the internal steps in each step."""
     tether = Tether(segments=1, initial_length=LENGTH, axial_damping=0.0, diameter=1e-3)
     mass = 100.0
-    moving = mass + 0.5 * tether.mass_per_meter * LENGTH
+    moving = mass + 0.5 * tether.mass_per_length * LENGTH
     weight = moving * GRAVITY
     tether = Tether(segments=1, initial_length=LENGTH, axial_damping=0.0, diameter=1e-3, axial_stiffness=weight / strain)
     model = TetherDynamicFree(tether, Environment(air_density=0.0), Solver(**HELD, **solver), kite_mass=mass)

@@ -33,8 +33,12 @@ def test_another_name_is_refused_with_those_that_exist():
     tether = TetherDynamic(segments=5)
     tether.initialize()
     flown = tether.fly(inputs_along(1, STEP), STEP)
-    with pytest.raises(ValueError, match=r"^name is 'tension'; it must be one of ground_tension, kite_tension, "):
+    with pytest.raises(
+        ValueError, match=r"^there is no scalar output 'tension'; did you mean ground_tension, kite_tension, max_tens"
+    ):
         flown.of("tension")
+    with pytest.raises(ValueError, match=r"^there is no scalar output 'lift'; there are ground_tension, kite_tension, "):
+        flown.of("lift")
 
 
 def test_it_is_printed_in_one_line():

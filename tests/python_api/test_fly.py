@@ -35,6 +35,17 @@ def circle_inputs():
     return inputs
 
 
+def test_rows_have_their_times():
+    """At the end of the step of the row; of steps that differ, their sums; with steps left out, as if they had been done."""
+    inputs, steps = circle_inputs(), np.linspace(0.01, 0.03, STEPS)
+    np.testing.assert_allclose(started().fly(inputs, STEP, every=5).time, (0.1, 0.2, 0.3, 0.4), rtol=1e-12)
+    np.testing.assert_allclose(started().fly(inputs, steps, every=5).time, np.cumsum(steps)[4::5], rtol=1e-12)
+    assert started().fly(inputs, STEP, every=0).time.shape == (0,)
+    inputs[12, PLACES["reel_out_speed"]] = np.nan
+    assert len(started().fly(inputs, STEP, on_refusal="skip").time) == STEPS
+    np.testing.assert_allclose(started().fly(inputs, STEP, on_refusal="stop").time, STEP * np.arange(1, 13), rtol=1e-12)
+
+
 def started(variant="TetherDynamic", **options):
     model = getattr(models, variant)(CIRCLE_TETHER, **options)
     model.initialize(*circle(0.0), wind_velocity=(8.0, 1.0, 0.0))

@@ -11,6 +11,7 @@ from tetherfmu.runtime.quantities import quantities
 
 PUBLIC = [name for name in tetherfmu.__all__ if name not in ("__version__", "MATERIALS")]
 MODULES = ("energy", "materials", "models", "paths", "results", "runtime.outputs", "runtime.parameters")
+MODULES += ("wind.frozen_turbulence", "wind.wind_boxes")
 
 
 @pytest.mark.parametrize("name", MODULES)

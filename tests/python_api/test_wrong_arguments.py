@@ -37,7 +37,7 @@ WRONG = {
     "unknown quantity": (
         lambda: TetherDynamic(length=5.0),
         TypeError,
-        "has no quantity length; there are segments, initial_",
+        r"TetherDynamic has no argument 'length'; did you mean initial_length\?$",
     ),
     "quantity of several": (lambda: TetherDynamic([Tether()] * 2, diameter=0.1), TypeError, "to each of the 2 tethers"),
     "no segments": (lambda: TetherDynamic(segments=0), ValueError, "segments is 0; it must be at least 1 and at most 300"),

@@ -46,7 +46,7 @@ def taut(distance, load, stretch):
 def weight_scene(load, stretch):
     """A kite at rest whose tether weighs `load` times its tension T = s EA: g = q s EA/(mu L)."""
     tether = Tether(initial_length=taut(LENGTH, load, stretch), density=10000.0, drag_coefficient=0.0)
-    gravity = load * stretch * tether.axial_stiffness / (tether.mass_per_meter * LENGTH)
+    gravity = load * stretch * tether.axial_stiffness / (tether.mass_per_length * LENGTH)
     return Scene("sweep", 2.0, AT_REST, tether, Environment(gravity=float(gravity)))
 
 

@@ -52,7 +52,7 @@ def slope(scene, time, y, kite, kite_velocity):
     x, v = casadi.horzsplit(casadi.reshape(y, 3, 2 * free), free)
     x, v = casadi.horzcat(casadi.DM.zeros(3), x, kite), casadi.horzcat(casadi.DM.zeros(3), v, kite_velocity)
     rest = (tether.initial_length + scene.reel_out_speed * time) / tether.segments
-    half_mass = 0.5 * tether.mass_per_meter * rest
+    half_mass = 0.5 * tether.mass_per_length * rest
     pull, drag = segment_forces(x, v, rest, scene.reel_out_speed / tether.segments, scene)
     nothing = casadi.DM(3, 1)
     force = casadi.horzcat(pull + drag, nothing) + casadi.horzcat(nothing, drag - pull)

@@ -67,7 +67,7 @@ MOST_WORK = 300_000  # segments times internal steps, after which a flight ends
 DEFAULT = Tether()
 # drag per length over speed squared [N s2/m3]
 DRAG_FACTOR = 0.5 * Environment().air_density * DEFAULT.drag_coefficient * DEFAULT.diameter
-LINE_DENSITY = DEFAULT.mass_per_meter  # [kg/m]
+LINE_DENSITY = DEFAULT.mass_per_length  # [kg/m]
 HELD, FORBIDDEN = ("converged", "stable"), ("wrong", "crashed", "hanging")
 VERDICTS = (*HELD, "refused", *FORBIDDEN)
 CONVERGED = 0.01

@@ -16,6 +16,7 @@ from tetherfmu.libraries.examples import example
 from tetherfmu.materials import MATERIALS, tether_of
 from tetherfmu.runtime.kernel_library import PYTHONFMU, this_platform
 from tetherfmu.runtime.limits import MAX_WIND_POINTS
+from tetherfmu.runtime.naming import meant_or_all
 from tetherfmu.runtime.parameters import Tether, diameter_in_doubt
 from tetherfmu.runtime.quantities import Quantity, quantities
 from tetherfmu.runtime.variants import class_name, library_of, variant_of
@@ -40,7 +41,8 @@ def platforms(text):
     names = tuple(TARGETS) if text == "all" else tuple(text.split(","))
     for name in names:
         if name not in TARGETS:
-            raise argparse.ArgumentTypeError(f"no platform is called {name!r}; choose from {', '.join(TARGETS)}, or all")
+            hint = meant_or_all(name, (*TARGETS, "all"), "choose from {}")
+            raise argparse.ArgumentTypeError(f"no platform is called {name!r}{hint}")
     return names
 
 
@@ -72,7 +74,7 @@ def parse(arguments, prog="tetherfmu build"):
     option = parser.add_argument
     option("names", nargs="*", type=fmu, metavar="NAME", help=f"FMUs to build, of {', '.join(SLAVES)} (default: all)")
     option("--out", default="dist", type=folder, metavar="DIR", help="folder of the FMUs (default: dist)")
-    _add_start_values(option)
+    _add_start_values(parser)
     _add_points(option)
     _add_flavours(option)
     options = parser.parse_args(arguments)
@@ -83,18 +85,19 @@ def parse(arguments, prog="tetherfmu build"):
     return options
 
 
-def _add_start_values(option):
-    """Declare the start values of the rope; option : adds one to the parser."""
+def _add_start_values(parser):
+    """Declare the start values of the rope."""
+    option = parser.add_argument
     about = f"start value of segments (default: {BuildOptions.segments})"
     option("--segments", type=amount(SEGMENTS, whole=True), metavar="N", help=about)
     about = "start value of diameter [m]; those of stiffness and damping grow with its square (default: 0.004)"
     option("--diameter", type=amount(DIAMETER), metavar="D", help=about)
     about = "start values of density, stiffness and damping of a rope of this material (default: 724 kg/m3 and 49 GPa)"
-    option("--material", choices=tuple(MATERIALS), help=about)
+    parser.add_choice("--material", tuple(MATERIALS), help=about)
 
 
 def _add_points(option):
-    """Declare the points of the shape and of the wind; see `_add_start_values`."""
+    """Declare the points of the shape and of the wind; option : adds one to the parser."""
     usual = f"(default: {BuildOptions.shape_points}; of a system, one at each node)"
     about = f"points of the output shape, 0 for none {usual}"
     option("--shape-points", type=points(MAX_SHAPE_POINTS), metavar="K", help=about)
@@ -103,7 +106,7 @@ def _add_points(option):
 
 
 def _add_flavours(option):
-    """Declare for whom the FMUs are, and of what; see `_add_start_values`."""
+    """Declare for whom the FMUs are, and of what; see `_add_points`."""
     here = this_platform()
     about = f"platforms to compile for, of {', '.join(TARGETS)}, or all (default: {here}, this one)"
     option("--platforms", type=platforms, default=here, metavar="P,...", help=about)

@@ -34,9 +34,10 @@ def parse(arguments, prog):
     about = "change a constant of the map, such as tether.diameter=0.014"
     option("--set", type=constant, action="append", metavar="NAME=VALUE", help=about)
     about = "what the winch follows: tension, length or speed (default: the first of them in the log)"
-    option("--lead", choices=("tension", "length", "speed"), help=about)
+    parser.add_choice("--lead", ("tension", "length", "speed"), help=about)
     tethers = tuple(reversed(VARIANTS))
-    option("--tether", choices=tethers, nargs="+", metavar="NAME", help=f"tethers: {', '.join(tethers)} (default: all)")
+    about = f"tethers: {', '.join(tethers)} (default: all)"
+    parser.add_choice("--tether", tethers, nargs="+", metavar="NAME", help=about)
     whole, about = number(1, MAX_SEGMENTS, whole=True), f"segments of tethers with nodes (default: {Tether.segments})"
     option("--segments", type=whole, default=Tether.segments, metavar="N", help=about)
     time, about = number(unit="s"), "start of the flight, in s of the log (default: its first)"
@@ -46,7 +47,7 @@ def parse(arguments, prog):
     about = (
         "what is fitted so that length and positions agree: offset, origin, delay, or nothing (default: offset, if possible)"
     )
-    option("--fit", choices=fits, nargs="+", metavar="WHAT", help=about)
+    parser.add_choice("--fit", fits, nargs="+", metavar="WHAT", help=about)
     about = (
         "start of the part used for the fit (default: what is before the flight; its first half if that is less than 20 s)"
     )

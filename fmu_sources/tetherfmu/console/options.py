@@ -3,8 +3,10 @@
 import argparse
 import os
 import re
+import sys
 from pathlib import Path
 
+from tetherfmu.runtime.naming import meant_or_all
 from tetherfmu.runtime.quantities import Quantity
 
 from .ending import WRONG_USE
@@ -25,9 +27,25 @@ class Parser(argparse.ArgumentParser):
         """Description and options; the example is one line, however narrow the terminal is, so that it can be copied."""
         return super().format_help() + self._end_of_help
 
+    def parse_args(self, args=None, namespace=None):
+        """The options; one that does not exist is named before anything else, with that which was probably meant."""
+        args = sys.argv[1:] if args is None else args
+        known = re.findall(r"--[\w-]+", self.format_help())
+        for name in (each.partition("=")[0] for each in args if re.match("--[a-z]", each)):
+            if not any(each.startswith(name) for each in known):
+                self.error(f"there is no option {name}{meant_or_all(name, dict.fromkeys(known))}")
+        return super().parse_args(args, namespace)
+
     def error(self, message):
-        """Leave with status 2."""
+        """Leave with status 2; of an option of several values, with what they are."""
+        option = re.match(r"argument (--[\w-]+): expected \d+ arguments$", message)
+        if option:
+            message += f", {re.search(rf'{option[1]}[^]]*', self.format_usage())[0]}"
         self.exit(WRONG_USE, f"{self.prog}: {message}\n")
+
+    def add_choice(self, option, names, **more):
+        """Add an option whose value is one of some names."""
+        self.add_argument(option, type=one_of(names), **{"metavar": f"{{{','.join(names)}}}"} | more)
 
     def add_out(self, what="the figure"):
         """Add the option --out: the folder of what the command writes."""
@@ -62,6 +80,17 @@ def amount(quantity, whole=False):
         return value
 
     return converted
+
+
+def one_of(names):
+    """Type of an option that is one of some names."""
+
+    def checked(text):
+        if text not in names:
+            raise argparse.ArgumentTypeError(f"{text!r} is not possible{meant_or_all(text, names, 'choose from {}')}")
+        return text
+
+    return checked
 
 
 def file(text):

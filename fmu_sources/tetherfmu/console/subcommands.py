@@ -29,6 +29,11 @@ SUBCOMMANDS = {
         "measure error and cost of every configuration in a scene",
         "tetherfmu tradeoff examples/scenes/circle.toml",
     ),
+    "import": Subcommand(
+        "make a scene of settings of KiteUtils.jl, or a system of a file of MoorDyn",
+        "tetherfmu import examples/systems/moored.txt --out moored.toml",
+        "tetherfmu.commands.importing",
+    ),
     "tutorial": Subcommand(
         "list, run and copy the lessons of the tutorial",
         "tetherfmu tutorial 06 --out plots",

@@ -22,14 +22,14 @@ ALIGNED = 16
 
 
 def c_kernels(library):
-    """Path of the C file of a library; made if it is missing, in some 10 s.
+    """Path of the C file of a library; made if it is missing.
 
     The functions that the shell calls are `in_c_pack` and so on; RuntimeError if compiling fails, or what compiles is
     missing.
     """
     path = webassembly.place_of(f"c_{library}", FILE, [library], [__file__, *RECIPE])
     if not path.exists():
-        print(f"writing the kernels of {library} as C, once, about 10 s:", file=sys.stderr, flush=True)
+        print(f"writing the kernels of {library} as C, once", file=sys.stderr, flush=True)
         ready.run("c_kernels", [library, str(path)], path.parents[1])
     return path
 

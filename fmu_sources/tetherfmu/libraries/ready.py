@@ -12,19 +12,16 @@ from time import monotonic
 
 from tetherfmu.runtime import kernel_library
 from tetherfmu.runtime.kernel_library import file_name, this_platform
-from tetherfmu.runtime.variants import BY_NAME, VARIANTS
+from tetherfmu.runtime.variants import VARIANTS
 
-from .ahead_of_time import CODE, TARGETS
+from .ahead_of_time import TARGETS
 from .children import child
 from .sources import PACKAGE, digest
 
 IN_WHEEL = PACKAGE / "libraries" / "compiled"
 TOOLS = ("llvmlite", "numba", "ziglang")
-SECONDS = {**{variant: BY_NAME[variant].compile_seconds for variant in VARIANTS}, kernel_library.SYSTEM: 25}
-LIBRARIES = tuple(SECONDS)  # all that there are
-SECONDS_TO_START = 5
+LIBRARIES = (*VARIANTS, kernel_library.SYSTEM)  # all that there are; the later, the longer they take to compile
 TESTED = (0, 63), (0, 68)  # first and last version of numba whose internals are known; the extra `build` has the same
-SLOW_WAY = 4  # times as long
 TEMPORARY = ("TMPDIR", "TEMP", "TMP")  # environment variables that name the folder for temporary files
 FOR_NUMBA = {  # environment variables
     "NUMBA_CPU_NAME": "x86-64",  # the plainest processor, as the targets of `ahead_of_time` are
@@ -66,7 +63,7 @@ def compiled_in(root, variants, platforms, way=None, browser=None):
     found = {variant: place(root, variant) for variant in variants}
     missing = [variant for variant in found if not has_all(found[variant], variant, platforms)]
     if missing:
-        slowest_first = sorted(missing, key=SECONDS.get, reverse=True)
+        slowest_first = sorted(missing, key=LIBRARIES.index, reverse=True)
         wanted = [each for each in platforms if not all(has_all(found[variant], variant, [each]) for variant in missing)]
         _compile({variant: found[variant] for variant in slowest_first}, wanted, way or fitting_way(), browser)
     return found
@@ -111,15 +108,17 @@ def fitting_way():
 
 def _compile(folders, platforms, way, browser):
     """Compile variants in a process of its own, announced on stderr; folders : dict of variant to folder, in their order."""
-    written = [variant for variant, folder in folders.items() if (folder / CODE).exists()]
-    slow = SLOW_WAY if way == "plain" else 1
-    expected = SECONDS_TO_START + sum(
-        SECONDS[variant] // 2 if variant in written else slow * SECONDS[variant] for variant in folders
-    )
-    print(f"compiling kernels for {', '.join(platforms)}, once, about {expected} s:", file=sys.stderr, flush=True)
+    root = next(iter(folders.values())).parent
+    print(f"compiling kernels for {', '.join(platforms)}, once: {', '.join(folders)}", file=sys.stderr, flush=True)
     variants = [f"{variant}={folder}" for variant, folder in folders.items()]
     module, first = ("ahead_of_time", [way]) if browser is None else ("webassembly", [way, str(browser)])
-    run(module, [*first, ",".join(platforms), *variants], next(iter(folders.values())).parent)
+    run(module, [*first, ",".join(platforms), *variants], root)
+    if browser is None:
+        later = [each for each in LIBRARIES if not has_all(place(root, each), each, platforms)]
+        names = ", ".join(
+            [*("systems of tethers" if each == kernel_library.SYSTEM else each for each in later), "tetherfmu web"]
+        )
+        print(f"not yet compiled, each will be when it is first used: {names}", file=sys.stderr, flush=True)
 
 
 def run(module, arguments, root):

@@ -47,13 +47,13 @@ define internal {i64, i1} @checked_product(i64 %a, i64 %b) {
 
 
 def browser_file():
-    """Path of the WebAssembly file of all variants, in lanes; compiled if it is missing, in some 80 s.
+    """Path of the WebAssembly file of all variants, in lanes; compiled if it is missing.
 
     RuntimeError if compiling fails, or what compiles is missing.
     """
     path = _place()
     if not path.exists():
-        print("compiling the kernels for the browser, once, about 80 s:", file=sys.stderr, flush=True)
+        print("compiling the kernels for the browser, once", file=sys.stderr, flush=True)
         ready.run("webassembly", [ready.fitting_way(), str(path)], path.parents[1])
     return path
 

@@ -5,11 +5,13 @@ Each quantity: default, unit, meaning, minimum, maximum (of an enumeration its c
 
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from functools import wraps
 from math import pi
+from typing import ClassVar
 
 from .enumerations import EXPLOG, LOGARITHMIC, WINCH_BY_FORCE
 from .limits import MAX_SEGMENTS, MIN_SEGMENT_LENGTH
-from .quantities import check, checked, documented, quantities, quantity
+from .quantities import Quantity, check, checked, documented, quantities, quantity
 
 DEFAULT_TOLERANCE, LOOSEST_TOLERANCE = 1e-4, 0.1
 THICK = 0.2  # diameter [m] beyond which millimetres were probably meant
@@ -19,22 +21,63 @@ ROUGHNESS_TOO_LARGE = (
     "surface_roughness is {roughness!r}; it must be less than wind_reference_height ({height!r} m) for this wind_profile"
 )
 GROUND_WITHOUT_GRAVITY = "ground_contact is flat; it needs a gravity above 0, for ground_sink is a depth under weight"
+MASS_AND_DENSITY = "mass_per_length and density are both given; give one of them: density is mass_per_length over the area"
 STOPS_CROSSED = "shortest_length is {shortest_stop!r} m; it must be less than longest_length ({longest_stop!r} m)"
 
 
+def in_density(given, diameter):
+    """Quantities of a tether (dict), with the density [kg/m3] in the place of a `mass_per_length` [kg/m] if they have one.
+
+    diameter [m] : where they have none.  ValueError if both are given, or the mass is out of the range that follows from
+    that of the density.
+    """
+    if "mass_per_length" not in given:
+        return given
+    if "density" in given:
+        raise ValueError(MASS_AND_DENSITY)
+    declared, diameter = dict(quantities(Tether)), given.get("diameter", diameter)
+    across = pi * checked("diameter", diameter, declared["diameter"]) ** 2 / 4.0  # area [m2]
+    density = declared["density"]
+    allowed = replace(Tether.instead["mass_per_length"], minimum=across * density.minimum, maximum=across * density.maximum)
+    try:
+        mass = checked("mass_per_length", given["mass_per_length"], allowed)
+    except ValueError as problem:
+        raise ValueError(f"{problem} with a diameter of {diameter:g} m") from None
+    return {name: value for name, value in given.items() if name != "mass_per_length"} | {"density": mass / across}
+
+
+def by_mass(record):
+    """Let the constructor of `Tether` (modified) take a mass per length instead of the density; the record."""
+    make, names = record.__init__, [name for name, _ in quantities(record)]
+
+    @wraps(make)
+    def __init__(self, *values, **named):
+        first = dict(zip(names, values, strict=False))
+        given = in_density(first | named, record.diameter)
+        make(self, *values, **{name: value for name, value in given.items() if name in named or name not in first})
+
+    record.__init__ = __init__
+    return record
+
+
 @documented
+@by_mass
 @dataclass(frozen=True)
 class Tether:
     """A uniform tether. ValueError if a number is out of range.
 
+    `mass_per_length` [kg/m] may be given instead of the density.
+
     >>> Tether(initial_length=525.0, damping_law="stretch_rate").damping_law
     2
+    >>> round(Tether(diameter=0.001, mass_per_length=0.14).density)
+    178254
     """
 
     segments: int = quantity(20, "", "number of segments", 1, MAX_SEGMENTS)
     initial_length: float = quantity(505.0, "m", "unstretched length at the start", MIN_SEGMENT_LENGTH, 1e5)
     diameter: float = quantity(0.004, "m", "diameter", 1e-6, 10.0, display=("mm", 1000.0))
-    density: float = quantity(724.0, "kg/m3", "density of the tether material", 1e-3, 1e5)
+    density: float = quantity(724.0, "kg/m3", "density of the tether material", 1e-3, 1e7)
     axial_stiffness: float = quantity(614600.0, "N", "stiffness E A: force per strain", 1e-3, 1e12)
     axial_damping: float = quantity(473.0, "N.s", "damping constant times length: force per strain rate", 0.0, 1e9)
     slack_stiffness_ratio: float = quantity(
@@ -53,12 +96,13 @@ class Tether:
         },
     )
     drag_coefficient: float = quantity(0.958, "", "drag coefficient of a cylinder in cross flow", 0.0, 100.0)
+    instead: ClassVar = {"mass_per_length": Quantity("kg/m", "mass per unstretched length, instead of the density", 0.0)}
 
     def __post_init__(self):
         check(self)
 
     @property
-    def mass_per_meter(self) -> float:
+    def mass_per_length(self) -> float:
         """Mass per unstretched length [kg/m]."""
         return self.density * pi * self.diameter**2 / 4.0
 
@@ -84,6 +128,11 @@ def allowed_by(diameter):
         yield
     except ValueError as problem:
         raise ValueError(f"diameter is {diameter!r} m (4 mm are 0.004): with it {problem}") from None
+
+
+def changed(record, given):
+    """A copy of a record with other values (dict), as by `dataclasses.replace`; a tether takes a mass per length, too."""
+    return replace(record, **(in_density(given, record.diameter) if isinstance(record, Tether) else given))
 
 
 def diameter_in_doubt(diameter):

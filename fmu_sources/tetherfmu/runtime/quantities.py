@@ -3,6 +3,8 @@
 from dataclasses import dataclass, field, fields
 from math import degrees, inf, isfinite
 
+from .naming import names_checked
+
 OUT_OF_RANGE = "{name} is {value!r}; it must be {range}"
 NOT_WHOLE = "{name} is {value!r}; it must be a whole number"
 DEGREES = ("deg", degrees(1.0))  # `Quantity.display` of an angle
@@ -69,8 +71,13 @@ def quantities(record):
     return [(item.name, item.metadata["quantity"]) for item in fields(record) if "quantity" in item.metadata]
 
 
+def can_be_given(record):
+    """Pairs (name, Quantity) of what a record takes: its quantities, and those of its `instead`, which stand for one."""
+    return [*quantities(record), *getattr(record, "instead", {}).items()]
+
+
 def documented(record):
-    """Add to the docstring of a record a section with unit, meaning, range and default of each quantity."""
+    """Add to the docstring of a record a section with unit, meaning, range and default of each quantity; check its names."""
     defaults = {item.name: item.default for item in fields(record)}
     lines = [record.__doc__.rstrip(), "", "Parameters", "----------"]
     for name, declared in quantities(record):
@@ -78,7 +85,7 @@ def documented(record):
         lines += [f"{name} : {type(defaults[name]).__name__}, default {defaults[name]!r}"]
         lines += [f"    {declared.meaning}{unit}; {declared.in_words()}"]
     record.__doc__ = "\n".join(lines)
-    return record
+    return names_checked(record, [name for name, _ in can_be_given(record)])
 
 
 def check(record):

@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field, replace
 
 from .dependencies import AIR, GROUND, LENGTH, POSITIONS, STRETCH, WHERE_KITE_RESTS
+from .naming import meant
 
 
 @dataclass(frozen=True)
@@ -13,7 +14,6 @@ class Variant:
     description: str  # of the FMU
     has_nodes: bool
     has_waves: bool  # if not, it is in equilibrium at each instant
-    compile_seconds: float  # of its library, on two cores
     colour: str  # in all pictures, see `console.colours`
     # largest deviation from the reference of the evidence set, as a part of the largest value: what the solver makes at its
     # default tolerance; where nothing is integrated, only the digits of the files are left
@@ -74,7 +74,6 @@ STRAIGHT = Variant(
     ),
     has_nodes=False,
     has_waves=False,
-    compile_seconds=3,
     colour="orange",
     evidence_deviation=1e-6,
     ignored=_IGNORED_BY_A_STRAIGHT_LINE,
@@ -108,7 +107,6 @@ CATENARY = Variant(
     ),
     has_nodes=False,
     has_waves=False,
-    compile_seconds=4,
     colour="green",
     evidence_deviation=1e-6,
     has_kink=False,
@@ -125,7 +123,6 @@ QUASI_STEADY = Variant(
     ),
     has_nodes=True,
     has_waves=False,
-    compile_seconds=10,
     colour="blue",
     evidence_deviation=1e-6,
     ignored=_IGNORED_WITHOUT_WAVES,
@@ -139,7 +136,6 @@ DYNAMIC = Variant(
     ),
     has_nodes=True,
     has_waves=True,
-    compile_seconds=25,
     colour="vermillion",
     evidence_deviation=5e-3,
 )
@@ -175,11 +171,14 @@ def library_of(variant):
     return BY_NAME[variant].library or variant
 
 
-def variant_of(text, variants=EVERY_VARIANT):
-    """Which of some variants a text names, as "quasi_steady", "quasi-steady" or "TetherQuasiSteady"; ValueError if none."""
+def variant_of(text, variants=EVERY_VARIANT, others=""):
+    """Which of some variants a text names, as "quasi_steady", "quasi-steady" or "TetherQuasiSteady"; ValueError if none.
+
+    others : what else one may choose, in words.
+    """
     letters = "".join(character for character in text.lower() if character not in "_- ").removeprefix("tether")
     for variant in variants:
         if letters == variant.replace("_", ""):
             return variant
     allowed = ", ".join(f"{variant} ({class_name(variant)})" for variant in variants)
-    raise ValueError(f"no tether is called {text}; choose from {allowed}")
+    raise ValueError(f"no tether is called {text}{meant(letters, variants) or f'; choose from {allowed}{others}'}")

@@ -2,11 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from pathlib import Path
 
-from tetherfmu.input_files import TABLE_OF_GROUND, ground_of, record, require, tables_of, value_of, vector_in
-from tetherfmu.materials import MATERIALS, tether_of
+from tetherfmu.input_files import (
+    TABLE_OF_GROUND,
+    ground_of,
+    keys_of,
+    record,
+    require,
+    tables_of,
+    value_of,
+    vector_in,
+)
+from tetherfmu.materials import tether_of
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.inputs import INPUT_TABLE
 from tetherfmu.runtime.outputs import OUTPUT_TABLE
@@ -38,7 +47,7 @@ class TableOfLine(Winch, Tether):
     reel_out_speed: float = quantity(0.0, "m/s", "at the start; positive pays out", -at.LARGEST_INPUT, at.LARGEST_INPUT)
 
 
-OF_A_LINE = ("from", "to", "material", *(each.name for each in fields(TableOfLine)))
+OF_A_LINE = ("from", "to", "material", *keys_of(TableOfLine))
 
 
 @dataclass(frozen=True)
@@ -120,8 +129,6 @@ def line_of(name, table):
 
 def tether_in(table, given, section):
     """`Tether` with the quantities that are given, of the material in a table of a file; ValueError names the key."""
-    if "material" in table and table["material"] not in tuple(MATERIALS):
-        raise ValueError(f"{section}.material is {table['material']!r}; it must be one of {', '.join(MATERIALS)}")
     try:
         if "material" in table:
             return tether_of(table["material"], given.pop("diameter", Tether.diameter), **given)

@@ -10,11 +10,11 @@ from tetherfmu.arguments import node_vectors
 from tetherfmu.compiled_flight import put_node_winds
 from tetherfmu.fmi.system_variables import GIVEN
 from tetherfmu.given_inputs import check_effect
-from tetherfmu.naming import check_names
 from tetherfmu.results import StepRefused
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import status
 from tetherfmu.runtime.inputs import PLACES
+from tetherfmu.runtime.naming import check_names, meant_or_all
 
 Vectors = Mapping[str, ArrayLike]
 
@@ -136,7 +136,7 @@ def _put_wind(wind, arrays, rows, names, at_start):
 def _check_known(what, name, names):
     """ValueError if a name does not exist."""
     if name not in names:
-        raise ValueError(f"there is no {what} with the name {name!r}; there are {', '.join(names) or 'none'}")
+        raise ValueError(f"there is no {what} with the name {name!r}{meant_or_all(name, names or ['none'])}")
 
 
 def _numbers(name, value, shape, steps):

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from tetherfmu import arguments
 from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.naming import LONGEST_NAME, meant_or_all, names_checked, shortened
 from tetherfmu.runtime.parameters import FreeKite, Tether, Winch
 
 Vector = tuple[float, float, float]
@@ -32,12 +33,14 @@ def checked_name(kind: str, name: str) -> None:
     """TypeError or ValueError unless this is a name for a point, a line or a system."""
     if not isinstance(name, str):
         raise TypeError(f"the name of a {kind} is {name!r}; it must be a text")
-    if not (name.isidentifier() and name.isascii()):
+    if not (name.isidentifier() and name.isascii() and len(name) <= LONGEST_NAME):
         raise ValueError(
-            f"the name of a {kind} is {name!r}; it must be letters from a to z, digits and underscores, no digit first"
+            f"the name of a {kind} is {shortened(name)}; it must be letters from a to z, digits and underscores, no digit "
+            f"first, at most {LONGEST_NAME} of them"
         )
 
 
+@names_checked
 @dataclass(frozen=True)
 class Point:
     """A point where lines begin and end: driven by its inputs, or free with a mass. ValueError if a number is wrong.
@@ -82,6 +85,7 @@ class Point:
         return self.mass is None
 
 
+@names_checked
 @dataclass(frozen=True)
 class Line:
     """A tether from one point to another. ValueError if a name or a number is wrong.
@@ -144,7 +148,9 @@ def check_system(points: Sequence[Point], lines: Sequence[Line]) -> None:
     for line in lines:
         for end in (line.start, line.end):
             if end not in known:
-                raise ValueError(f"the line {line.name} goes to the point {end}, which does not exist; there are {known}")
+                raise ValueError(
+                    f"the line {line.name} goes to the point {end}, which does not exist{meant_or_all(end, known)}"
+                )
     _check_connected(known, lines)
 
 

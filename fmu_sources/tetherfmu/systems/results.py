@@ -85,13 +85,16 @@ class SystemFlown(NamedTuple):
         Wall time of all steps [s].
     refusals : tuple of `tetherfmu.results.Refusal`
         Steps that could not be done, see `on_refusal` of `TetherSystem.fly`.
+    time : (rows,) array
+        As that of `tetherfmu.Flown`.
     """
 
     points: dict[str, PointOutputs]
     outputs: dict[str, np.ndarray]
     positions: dict[str, np.ndarray]
     seconds: float
-    refusals: tuple = ()
+    refusals: tuple
+    time: np.ndarray
 
     def __repr__(self):
         """How much there is, instead of all its numbers."""

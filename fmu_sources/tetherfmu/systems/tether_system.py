@@ -303,10 +303,10 @@ class TetherSystem(Running):
         """Node velocities of each line [m/s], arrays (segments + 1, 3)."""
         return {line.name: self._motion(k)[1].copy() for k, line in enumerate(self.lines)}
 
-    def _flown(self, rows, seconds, refusals):
-        """`SystemFlown` of the rows of `compiled_flight.fly`."""
+    def _flown(self, rows, seconds, refusals, time):
+        """`SystemFlown` of the rows of `compiled_flight.fly` at these times [s]."""
         outputs = np.zeros((len(rows.motion[0]), len(self._instance.values) - self._instance.outputs_at))
         values = self._arrays.outputs_by_line(outputs if rows.outputs is None else rows.outputs)
         positions = {line.name: motion[:, 0].copy() for line, motion in zip(self.lines, rows.motion, strict=True)}
         points = points_of(self.points, self.lines, rows.motion, values)
-        return SystemFlown(points, values, positions, seconds, refusals)
+        return SystemFlown(points, values, positions, seconds, refusals, time)

@@ -30,8 +30,15 @@ BOTH = np.array((0, 1))[:, None, None]  # from the point before a place to those
 AXES = ("along the wind", "across the wind", "upwards")
 
 
+SPAN = 10_000  # points whose wind is read from a box at once
+
+
 class MeanWind(NamedTuple):
-    """The mean wind: U [m/s] at the height h [m], direction in which it blows [rad, from x to y], exponent alpha [-]."""
+    """The mean wind: U [m/s] at the height h [m], direction in which it blows [rad, from x to y], exponent alpha [-].
+
+    >>> MeanWind(8.0, reference_height=6.0, exponent=0.1).direction
+    0.0
+    """
 
     speed: float
     direction: float = 0.0
@@ -77,13 +84,32 @@ def profile(mean, height):
 
 
 class FrozenTurbulence:
-    """Wind at any point and time; all that does not depend on them is computed once."""
+    """Wind at any point and time, from a box of turbulence that the mean wind carries along.
+
+    Parameters
+    ----------
+    mean : MeanWind
+        A box with a mean wind of its own replaces its speed and height.
+    box : wind.wind_boxes.Box or None
+        As `open_box` gives it; None: the mean wind alone.
+    origin : (3,) array
+        Of the box [m].
+    periodic : bool
+        Whether the box is repeated in all directions; if not, WrongBox names a point beyond it.
+
+    Examples
+    --------
+    Wind at 11 points between the ends of a tether, at the start of each of 50 communication steps, for `fly`:
+
+    >>> from tetherfmu import TetherDynamic, inputs_along
+    >>> wind = FrozenTurbulence(MeanWind(8.0, exponent=0.1))
+    >>> tether = TetherDynamic(wind_points=11)
+    >>> at_points = wind.between([0.0], (0.0, 0.0, 0.0), (300.0, 0.0, 400.0), 11)
+    >>> start = tether.initialize(wind_at=at_points[0])
+    >>> flown = tether.fly(inputs_along(50, 0.02), 0.02, wind_at=np.repeat(at_points, 50, axis=0))
+    """
 
     def __init__(self, mean, box=None, origin=(0.0, 0.0, 0.0), periodic=True):
-        """Take a `MeanWind`, a `Box` (None: the mean wind alone), its origin [m], and what to do outside.
-
-        A box with a mean wind of its own replaces speed and height of the given one.
-        """
         if box and box.mean:
             mean = mean._replace(speed=box.mean[0], reference_height=box.mean[1])
         self.mean, self.box, self.periodic = mean, box, periodic
@@ -116,11 +142,25 @@ class FrozenTurbulence:
         part = place - before
         around = (before.astype(np.int64) + BOTH) % self._points
         shares = np.array((1.0 - part, part))
-        wind = self._between(around * self._strides, shares)
+        wind = self._interpolated(around * self._strides, shares)
         wind[0] += self._mean_beyond(points[:, 2], place[2], around[:, 2], shares[:, 2])
         return (self._turn @ wind).T
 
-    def _between(self, ends, shares):
+    def between(self, time, ground, kite, count):
+        """Wind [m/s] at points of equal distance from the ground end to the kite end, array (times, count, 3).
+
+        time [s] (times,).  ground, kite : ends [m], (3,) or (times, 3).  count : of points. WrongBox as of `at`.
+        """
+        time, share = np.asarray(time, dtype=float), np.linspace(0.0, 1.0, count)[:, None]
+        ground, kite = (np.broadcast_to(np.asarray(end, dtype=float), (len(time), 3))[:, None] for end in (ground, kite))
+        found, span = np.empty((len(time), count, 3)), max(1, SPAN // count)
+        for first in range(0, len(time), span):
+            part = slice(first, first + span)
+            points = ground[part] + share * (kite[part] - ground[part])
+            found[part] = self.at(np.repeat(time[part], count), points.reshape(-1, 3)).reshape(points.shape)
+        return found
+
+    def _interpolated(self, ends, shares):
         """Trilinear velocity in the axes of the box (3, K).
 
         ends : what each axis adds to the numbers of the points before and behind a place (2, 3, K).

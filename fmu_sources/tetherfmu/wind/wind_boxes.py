@@ -21,6 +21,7 @@ import re
 import stat
 import struct
 import zipfile
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -53,10 +54,16 @@ class Box(NamedTuple):
     mean: tuple | None = None  # mean wind [m/s] that the box contains, and at which height [m]; None: fluctuations only
 
 
-def open_box(file, points=(0, 0, 0), spacing=(0.0, 0.0, 0.0)):
+def open_box(file: str | os.PathLike, points: Sequence[int] = (0, 0, 0), spacing: Sequence[float] = (0.0, 0.0, 0.0)) -> Box:
     """The `Box` in a file of any kind, by the end of its name; WrongBox says what is wrong with it.
 
     points, spacing : of a Mann box, which does not say it: how many points along, across and up, how far apart [m].
+
+    >>> import numpy as np, tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     np.savez(f"{folder}/still.npz", velocity=np.zeros((16, 8, 8, 3)), spacing=(5.0, 5.0, 5.0))
+    ...     open_box(f"{folder}/still.npz").points
+    (16, 8, 8)
     """
     name = str(file)
     try:

@@ -23,7 +23,7 @@ def reference(tether, kite):
     """End forces [N] and the largest tension [N] of the lumped chain at rest in still air."""
     n, stiffness, chord = tether.segments, tether.axial_stiffness, np.array(kite)
     rest = tether.initial_length / n
-    weight = np.array([0.0, 0.0, tether.mass_per_meter * rest * 9.81])
+    weight = np.array([0.0, 0.0, tether.mass_per_length * rest * 9.81])
 
     def pulls(first):
         return n * weight[2] * first + np.arange(n)[:, None] * weight

@@ -81,7 +81,7 @@ def scene(request, tmp_path_factory):
 
 def test_it_starts_at_rest(scene):
     """Nothing moves yet: the first force is that of the mass, with half of the tether, under weight and pull."""
-    mass = scene.flight.kite_mass + 0.5 * scene.tether.mass_per_meter * scene.tether.initial_length
+    mass = scene.flight.kite_mass + 0.5 * scene.tether.mass_per_length * scene.tether.initial_length
     force = np.linalg.norm(scene.flight.load() - (0.0, 0.0, 9.81 * mass))
     still = {"rate": 0.0, "speed": 0.0, "heave": 0.0}
     calm = replace(scene, flight=replace(scene.flight, **still), wind=Wind())

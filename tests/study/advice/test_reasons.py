@@ -35,9 +35,9 @@ def test_wave_number_grows_with_the_rate_of_the_flight():
     assert fast.wave > 2.0 * slow.wave
 
 
-def test_mass_per_meter():
+def test_mass_per_length():
     """mu = rho pi d^2/4"""
-    assert wave_scene(60.0).tether.mass_per_meter == pytest.approx(724.0 * np.pi * 0.004**2 / 4.0)
+    assert wave_scene(60.0).tether.mass_per_length == pytest.approx(724.0 * np.pi * 0.004**2 / 4.0)
 
 
 @pytest.mark.parametrize("variant", ["straight", "catenary", "quasi_steady"])

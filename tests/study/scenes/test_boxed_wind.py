@@ -114,7 +114,7 @@ WRONG = {
         '[environment]\nwind_profile = "logarithmic"\n[wind]',
         r"environment.wind_profile is 3; with wind.file it must be 1 \(uniform\) or 2 \(power_law\)",
     ),
-    "unknown key": ("wind_points", "wind_point", "unknown key wind.box.wind_point; .*; did you mean wind_points?"),
+    "unknown key": ("wind_points", "wind_point", "unknown key wind.box.wind_point; did you mean wind_points?"),
     "one point": ("wind_points = 5", "wind_points = 1", "wind.box.wind_points is 1; it must be at least 2"),
     "origin": (
         "wind_points = 5",

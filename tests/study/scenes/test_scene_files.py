@@ -11,7 +11,7 @@ from study.scenes_of_tests import SCENE, written
 from tetherfmu.__main__ import main
 from tetherfmu.input_files import contents_of
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime.parameters import Ground
+from tetherfmu.runtime.parameters import Ground, Tether
 from tetherfmu.study.measuring.runs import Config, parameters_of
 from tetherfmu.study.scenes.files import load
 
@@ -26,7 +26,7 @@ WRONG = {
     "NaN in a vector": (r"\[8.0", "[nan", "wind.velocity is [nan, 0.0, 0.0]; each must be a finite number"),
     "unknown flight": ("circle", "spiral", "flight.kind is 'spiral'; it must be one of circle"),
     "unknown output": (r"allowed_error", 'outputs = ["sag"]\nallowed_error', "wanted.outputs is ['sag']"),
-    "no table": (r"\[tether\]", "tether = 3\n[more]", "the key tether is missing"),
+    "no table": (r"\[tether\]", "tether = 3\n[more]", "unknown key more; known are name, duration, flight"),
     "no TOML": ("duration =.*", "duration =", "is no TOML file"),
     "nested lists": ("duration =.*", "duration = " + "[" * 5000, "nested too deeply"),
     "nested tables": ("duration =.*", "duration = " + "{a=" * 5000, "nested too deeply"),
@@ -34,7 +34,7 @@ WRONG = {
     "unknown ground": (
         r"\[wind",
         '[ground]\ncontact = "grass"\n[wind',
-        "ground.contact is 'grass'; it must be a number with one of the units no unit, %, one of 1 (none), 2 (flat)",
+        "ground.contact is 'grass'; it must be one of 1 (none), 2 (flat)",
     ),
     "unknown key of the ground": (
         r"\[wind",
@@ -55,6 +55,21 @@ WRONG = {
         r"\[wind",
         '[environment]\ngravity = 0\n[ground]\ncontact = "flat"\n[wind',
         "ground.contact is flat; it needs a gravity above 0, for ground.sink is a depth under weight",
+    ),
+    "unknown choice": (
+        r"\[wind",
+        "[environment]\nwind_profile = 'log'\n[wind",
+        "'log'; it must be one of 1 (uniform), 2 (power_law), 3 (logarithmic), 4 (explog); did you mean logarithmic?",
+    ),
+    "degrees": (
+        "rate = .*",
+        "half_angle = 20",
+        'flight.half_angle is 20; it must be at least -1.5708 rad and at most 1.5708 rad; did you mean "20 deg"?',
+    ),
+    "mass and density": (
+        "505 m",
+        '505 m"\nmass_per_length = 1\ndensity = "700 kg/m3',
+        "tether.mass_per_length and density are both given; give one of them",
     ),
     "longer than a day": ('"2 s"', '"25 h"', "duration is '25 h'; it must be at least 0.5 s and at most 86400 s"),
 }
@@ -167,6 +182,12 @@ def test_numbers_with_units_and_in_si_are_the_same_scene(tmp_path):
     assert scenes[0].tether == scenes[1].tether
     assert scenes[0].wanted == scenes[1].wanted
     assert scenes[0].tether.initial_length == 505.0
+
+
+def test_a_scene_may_say_the_mass_of_a_metre(tmp_path):
+    """1 mm with 140 g/m; the density follows."""
+    text = SCENE.replace('"505 m"', '"505 m"\ndiameter = "1 mm"\nmass_per_length = "140 g/m"')
+    assert load(written(tmp_path, text)).tether == Tether(initial_length=505.0, diameter=0.001, mass_per_length=0.14)
 
 
 def test_the_ground_of_a_scene_is_that_of_its_tether(tmp_path):

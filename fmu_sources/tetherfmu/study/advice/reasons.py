@@ -47,7 +47,7 @@ def numbers(scene, flown=None):
     motion = scene.flight.motion(scene.times[1:])
     tether, force = scene.tether, flown.kite_force
     tension, length = rms(flown.outputs[:, at.KITE_TENSION]), flown.outputs[:, at.TETHER_LENGTH]
-    weight = tether.mass_per_meter * scene.environment.gravity * length
+    weight = tether.mass_per_length * scene.environment.gravity * length
     load = force + flown.ground_force + np.multiply.outer(weight, [0.0, 0.0, 1.0])
     rate = rms(size(np.diff(force, axis=0))) / scene.every / rms(size(force))
     kite = flown.outputs[:, at.OUTPUT_KITE_POSITION : at.OUTPUT_KITE_POSITION + 3] if scene.kite_is_free else motion.kite

@@ -298,7 +298,7 @@ def judge_what_is_not_said(log):
     if tether == Tether() and not log.map.names_tether:
         log.report.doubt(
             f"the map does not say which tether flew: a default one of {1000.0 * tether.diameter:g} mm and "
-            f"{1000.0 * tether.mass_per_meter:.3g} g/m does; give a table [tether], or set tether.diameter, ..."
+            f"{1000.0 * tether.mass_per_length:.3g} g/m does; give a table [tether], or set tether.diameter, ..."
         )
     if log.of(WIND) is None:
         log.report.doubt("there is no wind_velocity: the tethers fly in still air")

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from tetherfmu.input_files import GROUND, factors, ground_of, record, require, tables_of
-from tetherfmu.runtime.parameters import Environment, Ground, Tether
+from tetherfmu.runtime.naming import meant_or_all
+from tetherfmu.runtime.parameters import Environment, Ground, Tether, changed
 from tetherfmu.runtime.quantities import check, quantity
 from tetherfmu.study.scenes import csv_files
 from tetherfmu.study.scenes.files import NOT_OF_A_SCENE, RECORDS, SceneError
@@ -196,7 +197,7 @@ class Columns:
     @property
     def weight(self):
         """Weight of a metre of tether [N/m]."""
-        return self.tether.mass_per_meter * self.environment.gravity
+        return self.tether.mass_per_length * self.environment.gravity
 
     def columns_of(self, name):
         """Names of the columns of a quantity, () if the map does not have it."""
@@ -230,7 +231,9 @@ class Columns:
         for key, value in changes.items():
             section, _, name = key.partition(".")
             if section not in (*OWN, *OF_SCENES):
-                raise MapError(f"{key} is no constant of a map; sections are {', '.join((*OWN, *OF_SCENES))}")
+                raise MapError(
+                    f"{key} is no constant of a map{meant_or_all(section, (*OWN, *OF_SCENES), 'sections are {}')}"
+                )
             records.setdefault(section, {})[name] = value
         try:
             return replace(self, **read_records(records, self))
@@ -242,7 +245,8 @@ def load(name):
     """`Columns` of a map of this package, by its name, or of a file; MapError says in one line what is wrong."""
     path = MAPS.get(str(name), Path(name))
     if path not in MAPS.values() and path.suffix != ".toml":
-        raise MapError(f"there is no map {name}; it must be one of {', '.join([KITEPOWER, *MAPS])}, or a file (.toml)")
+        known = [KITEPOWER, *MAPS]
+        raise MapError(f"there is no map {name}{meant_or_all(str(name), known, 'it must be one of {}, or a file (.toml)')}")
     try:
         return read(tables_of(path), path.stem)
     except ValueError as error:
@@ -272,11 +276,11 @@ def read(table, name):
 def read_records(table, base):
     """Records of the constants of a map, dict by section, those of `base` with what a table of a file changes."""
     kinds = OWN | {section: RECORDS[section] for section in OF_SCENES}
-    changed = {section: given(kind, table, section) for section, kind in kinds.items()}
-    whole = vars(ground_of(RECORDS["ground"](**changed["ground"]), Environment()))
-    changed["ground"] = {GROUND + name: whole[GROUND + name] for name in changed["ground"]}
-    records = {section: replace(getattr(base, section), **values) for section, values in changed.items()}
-    return records | {"names_tether": base.names_tether or bool(changed["tether"])}
+    found = {section: given(kind, table, section) for section, kind in kinds.items()}
+    whole = vars(ground_of(RECORDS["ground"](**found["ground"]), Environment()))
+    found["ground"] = {GROUND + name: whole[GROUND + name] for name in found["ground"]}
+    records = {section: changed(getattr(base, section), values) for section, values in found.items()}
+    return records | {"names_tether": base.names_tether or bool(found["tether"])}
 
 
 def given(kind, table, section):

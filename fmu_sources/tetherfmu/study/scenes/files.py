@@ -10,10 +10,11 @@ from typing import Any
 import numpy as np
 
 from tetherfmu.console.ending import WrongUse
-from tetherfmu.input_files import TABLE_OF_GROUND, ground_of, record, require, tables_of, value_of, without
+from tetherfmu.input_files import TABLE_OF_GROUND, ground_of, name_in, record, require, tables_of, value_of, without
 from tetherfmu.results import StepRefused
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.inputs import COUNT, by_name
+from tetherfmu.runtime.naming import meant_or_all
 from tetherfmu.runtime.parameters import Environment, Ground, Tether, Winch, diameter_in_doubt
 from tetherfmu.runtime.plausibility import LARGEST_STRETCH, UNDER
 from tetherfmu.runtime.quantities import check, quantities, quantity
@@ -224,7 +225,7 @@ def read(table, folder, name):
     length, first = records["tether"].initial_length, flight.initial_length
     if first is not None and not np.isclose(first, length, rtol=1e-6):
         raise ValueError(f"tether.initial_length is {length!r} m; tether_length of the series begins with {first!r} m")
-    name, duration = table.get("name", name), value_of(Scene, "duration", table["duration"], "")
+    name, duration = name_in(table, name), value_of(Scene, "duration", table["duration"], "")
     if duration > flight.duration + 1e-9:
         raise ValueError(f"duration is {duration!r}; it must be at most {flight.duration:g} s, the length of the series")
     step, digest = records["wanted"].communication_step, hashlib.sha256(repr((name, table, flight.contents)).encode())
@@ -262,6 +263,7 @@ def read_flight(table, folder):
         from .series import Series  # its splines take half a second to import
 
         return Series(folder / table["file"])
+    kinds = [*KINDS, "series"]
     if kind not in KINDS:
-        raise ValueError(f"flight.kind is {kind!r}; it must be one of {', '.join([*KINDS, 'series'])}")
+        raise ValueError(f"flight.kind is {kind!r}{meant_or_all(str(kind), kinds, 'it must be one of {}')}")
     return record(KINDS[kind], table, "flight")

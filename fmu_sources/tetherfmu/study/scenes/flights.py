@@ -263,7 +263,7 @@ class FreeEnd(Flight):
         The stretch is that of the mean tension, T L/EA; what the other half of the weight bends is left to the wave times
         that do not count.
         """
-        mass = self.kite_mass + 0.5 * tether.mass_per_meter * tether.initial_length
+        mass = self.kite_mass + 0.5 * tether.mass_per_length * tether.initial_length
         force = self.load() - (0.0, 0.0, mass * gravity)
         tension = float(np.linalg.norm(force))
         along = force / tension if tension else np.array((0.0, 0.0, -1.0))

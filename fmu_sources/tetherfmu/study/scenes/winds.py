@@ -19,7 +19,6 @@ from tetherfmu.wind.frozen_turbulence import MeanWind, Reading, turbulence
 from tetherfmu.wind.wind_boxes import WrongBox
 
 PROFILES = {at.UNIFORM: "uniform", at.POWER_LAW: "power_law"}  # those of the mean wind of a box
-SPAN = 1000  # times whose wind is read from a box at once
 
 
 @dataclass(frozen=True)
@@ -66,17 +65,10 @@ class BoxedWind:
 
         WrongUse if the box does not reach so far, or has a number that is no wind.
         """
-        share = np.linspace(0.0, 1.0, self.box.wind_points)[:, None]
-        found, count = np.empty((len(time), len(share), 3)), len(share)
-        for first in range(0, len(time), SPAN):
-            part = slice(first, first + SPAN)
-            points = ground[part, None] + share * (kite[part, None] - ground[part, None])
-            try:
-                wind = opened(self).at(np.repeat(time[part], count), points.reshape(-1, 3))
-            except WrongBox as problem:
-                raise WrongUse(str(problem)) from None
-            found[part] = wind.reshape(points.shape)
-        return found
+        try:
+            return opened(self).between(time, ground, kite, self.box.wind_points)
+        except WrongBox as problem:
+            raise WrongUse(str(problem)) from None
 
 
 @lru_cache(maxsize=4)

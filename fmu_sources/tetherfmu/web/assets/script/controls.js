@@ -64,7 +64,8 @@ function slider(declared, value, ignored, sentences, changed) {
   number.addEventListener("change", () => {
     const next = number.value.trim() === "" ? NaN : Number(number.value.replace(",", ".")) / factor;
     const wrong = problemWith(declared, next);
-    const value = declared.kind === "Integer" && Number.isInteger(next) ? String(next) : repr(next);
+    const shown = declared.kind === "Integer" && Number.isInteger(next) ? String(next) : repr(next);
+    const value = Number.isNaN(next) ? `'${number.value.trim()}'` : shown; // what was typed
     const facts = { name: declared.name, value, range: declared.range };
     tell(wrong && filled(wrong === "whole" ? sentences.not_whole : sentences.out_of_range, facts));
     if (wrong) return;

@@ -1,0 +1,51 @@
+"""What an imported file becomes: the text of a scene or a system, and what of the file has no place there."""
+
+import json
+from contextlib import contextmanager
+from math import isfinite, nan
+from typing import NamedTuple
+
+
+class Imported(NamedTuple):
+    """A file of another program, as a file of this one."""
+
+    kind: str  # "scene" or "system"
+    tables: dict  # as TOML has them: dict of names of tables, "" for what is before them, to dicts
+    left_out: list  # what of the file has no place there, in words
+    defaults: list  # what the file does not say, with the value that is taken
+
+
+@contextmanager
+def row(number):
+    """ValueError names the row of a file that the block is about."""
+    try:
+        yield
+    except ValueError as problem:
+        raise ValueError(f"row {number}: {problem}") from None
+
+
+def number(name, text):
+    """A number of a file; ValueError names what is none."""
+    try:
+        found = float(text)
+    except ValueError:
+        found = nan
+    if not isfinite(found):
+        raise ValueError(f"{name} is {text!r}; it must be a finite number")
+    return found
+
+
+def said(made):
+    """What a user should know of it, sentences."""
+    yield from (f"left out: {each}" for each in made.left_out)
+    if made.defaults:
+        yield f"not in the file, so taken by default: {', '.join(made.defaults)}"
+
+
+def toml(made, origin):
+    """Text of the file; origin : name of the file that it was made from."""
+    lines = [f"# Made from {origin}.", *(f"# {each}." for each in said(made))]
+    for name, table in made.tables.items():
+        lines += ["", f"[{name}]"] if name else []
+        lines += [f"{key} = {json.dumps(value, ensure_ascii=False)}" for key, value in table.items()]
+    return "\n".join([*lines, ""])
