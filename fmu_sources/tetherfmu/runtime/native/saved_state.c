@@ -166,7 +166,7 @@ static Status check_integers(Instance *instance, const double *values)
 /* Whether a number of a state is a set of so many bits. */
 static bool is_set(double number, int count)
 {
-    return 0.0 <= number && number < ldexp(1.0, count) && number == floor(number);
+    return 0.0 <= number && number < (double)((uint64_t)1 << count) && number == floor(number);
 }
 
 /* Whether a state array has what every tether can have, as `saved_state.check_state` has it. */
