@@ -8,8 +8,8 @@ import numpy as np
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.inputs import BY_NAME, PLACES
 from tetherfmu.runtime.naming import check_names
-from tetherfmu.runtime.parameters import Tether, changed, diameter_in_doubt
-from tetherfmu.runtime.quantities import can_be_given
+from tetherfmu.runtime.parameters import Tether, changed
+from tetherfmu.runtime.quantities import can_be_given, doubts_of
 from tetherfmu.runtime.variables import RECORDS
 
 
@@ -51,9 +51,9 @@ def with_quantities(model, given, tethers, *records):
     return tuple(changed(each, parts[Tether]) for each in tethers), *(changed(each, parts[type(each)]) for each in records)
 
 
-def doubts(tethers):
-    """Sentences on what is allowed, but hardly meant."""
-    return dict.fromkeys(filter(None, (diameter_in_doubt(each.diameter) for each in tethers)))
+def doubts(*records):
+    """Sentences on quantities of records that were probably given in another unit, without doubles."""
+    return dict.fromkeys(said for record in records for said in doubts_of(record))
 
 
 def checked_masses(point_masses, segments):

@@ -17,14 +17,14 @@ from tetherfmu.materials import MATERIALS, tether_of
 from tetherfmu.runtime.kernel_library import PYTHONFMU, this_platform
 from tetherfmu.runtime.limits import MAX_WIND_POINTS
 from tetherfmu.runtime.naming import meant_or_all
-from tetherfmu.runtime.parameters import Tether, diameter_in_doubt
-from tetherfmu.runtime.quantities import Quantity, quantities
+from tetherfmu.runtime.parameters import IN_METRES, Tether
+from tetherfmu.runtime.quantities import Quantity, doubts, quantities
 from tetherfmu.runtime.variants import class_name, library_of, variant_of
 
 MAX_SHAPE_POINTS = 1001
 SEGMENTS = dict(quantities(Tether))["segments"]
 # the stiffness of more is out of its range; the forces of less have too few digits in the evidence set
-DIAMETER = Quantity("m", "", 1e-4, 5.0)
+DIAMETER = Quantity("m", "", 1e-4, 5.0, usual=IN_METRES)
 OF_THE_ROPE = ("diameter", "density", "axial_stiffness", "axial_damping")
 
 
@@ -203,7 +203,7 @@ def main(arguments=None, prog="tetherfmu build"):
     names, platforms = wanted.names or list(SLAVES), wanted.platforms
     ready.folders([library_of(SLAVES[name]) for name in names], platforms)  # all at once is faster
     segments = wanted.segments or BuildOptions.segments
-    if wanted.diameter and (doubt := diameter_in_doubt(wanted.diameter)):
+    for doubt in doubts("diameter", wanted.diameter or 0.0, DIAMETER):
         print(doubt, file=sys.stderr)
     starts = starts_of(wanted.diameter, wanted.material)
     options = BuildOptions(segments, wanted.shape_points, platforms, starts=starts, wind_points=wanted.wind_points)

@@ -7,9 +7,9 @@ from ..runtime import layout, refusals, saved_state, status
 from ..runtime.instance import Instance, zeros
 from ..runtime.kernel_library import load
 from ..runtime.packing import pack_lines
-from ..runtime.parameters import DEFAULT_TOLERANCE, diameter_in_doubt
+from ..runtime.parameters import DEFAULT_TOLERANCE
 from ..runtime.plan_layout import DRIVEN
-from ..runtime.quantities import NOT_WHOLE, checked
+from ..runtime.quantities import NOT_WHOLE, checked, is_beyond
 from ..runtime.saved_state import STEPPING, SavedState
 from ..runtime.variables import PARAMETER, table_of
 from .base_slave import WARNING, BaseSlave
@@ -81,8 +81,8 @@ class TetherSlave(BaseSlave):
             self._set_up(self._packed(self.values, self._importer_tolerance))
         except ValueError as error:
             return str(error)
-        doubts = [diameter_in_doubt(self.values[place]) for place in self._wiring.diameters]
-        self._doubts = tuple(dict.fromkeys(filter(None, doubts)))
+        given = ((self.values[reference], *row) for reference, *row in self._wiring.doubtful)
+        self._doubts = tuple(said.format(value=value) for value, *bound, said in given if is_beyond(value, *bound))
         return self._first_shape()
 
     def _first_shape(self):

@@ -16,6 +16,7 @@ from ..runtime.instance import Line
 from ..runtime.kernel_library import SYSTEM
 from ..runtime.outputs import COUNTERS
 from ..runtime.parameters import Ground, Tether, Winch
+from ..runtime.quantities import doubts_in
 from ..runtime.variables import INPUT, PARAMETER, input_names, line_of_tether, parameters_at, references, wind_points_in
 from ..runtime.variants import BY_NAME, Variant, library_of
 from .system_variables import OF_A_LINE, OF_THE_SYSTEM, SUMMED, input_name, table_of
@@ -34,8 +35,8 @@ class Wiring(NamedTuple):
     ends: tuple  # number of inputs, of inputs and outputs, and of all values
     lines: tuple  # `instance.Line` of each
     quantities: list  # of each line: (name, reference, default) in the order of the kernel `pack`
-    diameters: list  # references, of each line
-    slack_segments: list  # likewise
+    doubtful: list  # (reference, side, limit, sentence) of parameters, see `quantities.doubts_in`
+    slack_segments: list  # references, of each line
     forces: list  # references of the forces whose smoothness counts in directional derivatives
     sizes: dict  # dimensions of the arrays of FMI 3 that are no vectors, by name
     inputs: list  # (place, reference, line, place among its inputs); of a load: -1, place among the loads
@@ -63,7 +64,7 @@ def of_tether(variant, table, shape_points):
         ends=(given, first, first + len(listed)),
         lines=(line_of_tether(shape_points, points),),
         quantities=[[(each.name, own[each.name], 0.0) for each in listed]],
-        diameters=[own["diameter"]],
+        doubtful=[(own[each.name], *row) for each in listed for row in doubts_in(each.name, each.quantity)],
         slack_segments=[given + at.SLACK_SEGMENTS],
         forces=[given + place + i for place in (at.GROUND_FORCE, at.KITE_FORCE) for i in range(3)],
         sizes={"shape": (shape_points, 3), WIND_AT.name: (points, 3)},
@@ -89,7 +90,7 @@ def of_system(structure):
         ends=(given, len(table) - fixed, len(table)),
         lines=lines_of(structure),
         quantities=[_quantities_of(line, own) for line in structure.lines],
-        diameters=[own[f"{name}.diameter"] for name in names],
+        doubtful=[(each.place, *row) for each in table[-fixed:] for row in doubts_in(each.name, each.quantity)],
         slack_segments=[own[f"{name}.slack_segments"] for name in names],
         forces=[each.place for each in table if each.name.rpartition(".")[2].partition("[")[0] in FORCES],
         sizes=sizes,

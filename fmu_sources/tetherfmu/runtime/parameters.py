@@ -6,7 +6,7 @@ Each quantity: default, unit, meaning, minimum, maximum (of an enumeration its c
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import wraps
-from math import pi
+from math import inf, pi
 from typing import ClassVar
 
 from .enumerations import EXPLOG, LOGARITHMIC, WINCH_BY_FORCE
@@ -14,8 +14,10 @@ from .limits import MAX_SEGMENTS, MIN_SEGMENT_LENGTH
 from .quantities import Quantity, check, checked, documented, quantities, quantity
 
 DEFAULT_TOLERANCE, LOOSEST_TOLERANCE = 1e-4, 0.1
-THICK = 0.2  # diameter [m] beyond which millimetres were probably meant
-THICK_DIAMETER = "diameter is {diameter:g} m, more than {most:g} m; diameters are in m: 4 mm are 0.004"
+IN_METRES = (0.0, 0.2, "diameters are in m: 4 mm are 0.004")  # usual ones, see `Quantity.usual`
+IN_KG_PER_M3 = (20.0, inf, "densities are in kg/m3: 0.97 g/cm3 are 970")
+OF_AIR = (0.01, inf, "densities are in kg/m3: 0.0012 g/cm3 are 1.2")
+IN_SECONDS = (0.0, 1.0, "steps are in s: 5 ms are 0.005")
 OF_THE_WHOLE_CHAIN = ("slack_stiffness_ratio", "slack_damping_ratio", "damping_law")  # the same for all tethers in series
 ROUGHNESS_TOO_LARGE = (
     "surface_roughness is {roughness!r}; it must be less than wind_reference_height ({height!r} m) for this wind_profile"
@@ -76,8 +78,8 @@ class Tether:
 
     segments: int = quantity(20, "", "number of segments", 1, MAX_SEGMENTS)
     initial_length: float = quantity(505.0, "m", "unstretched length at the start", MIN_SEGMENT_LENGTH, 1e5)
-    diameter: float = quantity(0.004, "m", "diameter", 1e-6, 10.0, display=("mm", 1000.0))
-    density: float = quantity(724.0, "kg/m3", "density of the tether material", 1e-3, 1e7)
+    diameter: float = quantity(0.004, "m", "diameter", 1e-6, 10.0, display=("mm", 1000.0), usual=IN_METRES)
+    density: float = quantity(724.0, "kg/m3", "density of the tether material", 1e-3, 1e7, usual=IN_KG_PER_M3)
     axial_stiffness: float = quantity(614600.0, "N", "stiffness E A: force per strain", 1e-3, 1e12)
     axial_damping: float = quantity(473.0, "N.s", "damping constant times length: force per strain rate", 0.0, 1e9)
     slack_stiffness_ratio: float = quantity(
@@ -135,11 +137,6 @@ def changed(record, given):
     return replace(record, **(in_density(given, record.diameter) if isinstance(record, Tether) else given))
 
 
-def diameter_in_doubt(diameter):
-    """Sentence on a diameter [m] that was probably given in millimetres, or None."""
-    return THICK_DIAMETER.format(diameter=diameter, most=THICK) if diameter > THICK else None
-
-
 @documented
 @dataclass(frozen=True)
 class Environment:
@@ -149,7 +146,7 @@ class Environment:
     2
     """
 
-    air_density: float = quantity(1.225, "kg/m3", "air density at z = 0", 0.0, 1e4)
+    air_density: float = quantity(1.225, "kg/m3", "air density at z = 0", 0.0, 1e4, usual=OF_AIR)
     air_density_scale_height: float = quantity(
         0.0, "m", "0: uniform air density; otherwise it falls as exp(-z/H), H = 8550 m for the standard atmosphere", 0.0, 1e9
     )
@@ -189,7 +186,12 @@ class Solver:
         0.0, "", "solver tolerance; 0: 1e-4, or the importer's tolerance where that is tighter", 0.0, LOOSEST_TOLERANCE
     )
     fixed_step: float = quantity(
-        0.0, "s", "internal step of the solver; 0: adaptive; else fixed, so that its work is bounded (real time)", 0.0, 1e3
+        0.0,
+        "s",
+        "internal step of the solver; 0: adaptive; else fixed, so that its work is bounded (real time)",
+        0.0,
+        1e3,
+        usual=IN_SECONDS,
     )
     fixed_step_method: int = quantity(
         1,

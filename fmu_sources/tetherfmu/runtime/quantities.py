@@ -6,6 +6,7 @@ from math import degrees, inf, isfinite
 from .naming import names_checked
 
 OUT_OF_RANGE = "{name} is {value!r}; it must be {range}"
+IN_DOUBT = "{name} is {{value:g}} {unit}, {words} than {limit:g} {unit}; {hint}"
 NOT_WHOLE = "{name} is {value!r}; it must be a whole number"
 DEGREES = ("deg", degrees(1.0))  # `Quantity.display` of an angle
 
@@ -21,6 +22,8 @@ class Quantity:
     # of an enumeration: meanings of its choices by name, in the order of its numbers 1, 2, ...; "" names one not in use
     choices: dict = field(default_factory=dict, hash=False)
     display: tuple = ()  # (unit, factor) for people: shown value = factor times value
+    # smallest and largest value that is probably meant, beside 0, and what to say beyond; () for none
+    usual: tuple = ()
 
     @property
     def numbers(self):
@@ -52,6 +55,33 @@ class Quantity:
         if self.choices:
             return number in self.numbers.values()
         return isfinite(number) and self.minimum <= number <= self.maximum
+
+
+def doubts_in(name, quantity):
+    """Of a quantity that may be given in another unit: (side, limit, sentence) where a value beyond the limit is doubtful.
+
+    side : 1.0 above it, -1.0 below it (but not 0).  The sentence has the field `value`.
+    """
+    lowest, highest, hint = quantity.usual or (0.0, inf, "")
+    for side, limit, words in ((-1.0, lowest, "less"), (1.0, highest, "more")):
+        if 0.0 < limit < inf:
+            yield side, limit, IN_DOUBT.format(name=name, unit=quantity.unit, words=words, limit=limit, hint=hint)
+
+
+def is_beyond(value, side, limit):
+    """Whether a value that is not 0 is beyond a limit of `doubts_in`."""
+    return value != 0.0 and side * (value - limit) > 0.0
+
+
+def doubts(name, value, quantity):
+    """Sentences on a value that was probably given in another unit: one or none."""
+    return [said.format(value=value) for *bound, said in doubts_in(name, quantity) if is_beyond(value, *bound)]
+
+
+def doubts_of(record, prefix=""):
+    """The same of all quantities of a record; prefix : of their names."""
+    pairs = quantities(record)
+    return [said for name, declared in pairs for said in doubts(prefix + name, getattr(record, name), declared)]
 
 
 def checked(name, value, quantity):

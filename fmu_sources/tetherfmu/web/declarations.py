@@ -145,7 +145,12 @@ def of_sentences():
         ],
         "out_of_range": quantities.OUT_OF_RANGE,
         "not_whole": quantities.NOT_WHOLE,
-        "thick": {"sentence": parameters.THICK_DIAMETER, "most": parameters.THICK},
+        "doubts": [
+            {"name": name, "side": side, "limit": limit, "sentence": sentence}
+            for record in (parameters.Tether, parameters.Environment)
+            for name, declared in quantities.quantities(record)
+            for side, limit, sentence in quantities.doubts_in(name, declared)
+        ],
     }
 
 

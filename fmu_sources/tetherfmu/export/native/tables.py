@@ -72,7 +72,6 @@ def _constants(wiring, token):
     defined = {
         **fractions,
         "DEFAULT_TOLERANCE": parameters.DEFAULT_TOLERANCE,
-        "THICK": parameters.THICK,
         "DIRECT": int(record is not None),
         "FREE_KITE": int(record is not None and record.kite_is_free),
         "HAS_KINK": int(record is None or record.has_kink),
@@ -182,6 +181,10 @@ def _parameters(wiring, listed):
     return [
         "typedef struct { const char *name, *range; int kind; } Parameter;",
         "static const Parameter PARAMETER[] = {\n" + ",\n".join(texts) + "};",
+        "typedef struct { unsigned reference; double side, limit; const char *sentence; } Doubt;",
+        "static const Doubt DOUBT[] = {\n    "
+        + ",\n    ".join(f"{{{place}, {side!r}, {limit!r}, {c_text(said)}}}" for place, side, limit, said in wiring.doubtful)
+        + "};",
         c_enumeration({"QUANTITIES": len(first), **numbers}),
         f"static const int QUANTITY_FROM[][{len(first)}] = {{\n    {rows}}};",
         c_numbers("double QUANTITY_DEFAULT", [float(default) for _, _, default in first]),
@@ -190,7 +193,7 @@ def _parameters(wiring, listed):
 
 def _lines(wiring):
     """Names of the lines, value references of what each has, and of forces."""
-    own = {"DIAMETER_AT": wiring.diameters, "SLACK_SEGMENTS_AT": wiring.slack_segments, "FORCE_AT": wiring.forces}
+    own = {"SLACK_SEGMENTS_AT": wiring.slack_segments, "FORCE_AT": wiring.forces}
     return [
         c_texts("LINE_NAME", [line.name for line in wiring.lines]),
         *(c_numbers(f"unsigned {name}", references) for name, references in own.items()),
@@ -269,7 +272,6 @@ def sentence_texts():
     """What an FMU says, and when; {name} and {name:format} are filled in by messages.c."""
     own = {name: value for name, value in vars(refusals).items() if name.isupper() and isinstance(value, str)}
     limits = {name: value for name, value in vars(refusals).items() if name.isupper() and isinstance(value, float)}
-    own["THICK_DIAMETER"] = parameters.THICK_DIAMETER
     kernel = [_with(status.SENTENCES[code], status.LIMITS) for code in sorted(status.SENTENCES)]
     warnings = [_with(plausibility.SENTENCES[kind], plausibility.facts(kind)) for kind in sorted(plausibility.SENTENCES)]
     return [

@@ -139,14 +139,13 @@ Status terminate(Instance *instance)
 
 /* --- start and steps */
 
-/* Say that a diameter was probably given in millimetres. */
-static void warn_of_diameter(Instance *instance)
+/* Say what was probably given in another unit. */
+static void warn_of_units(Instance *instance)
 {
-    for (int k = 0; k < LINES; k++) {
-        double diameter = instance->values[DIAMETER_AT[k]];
-        if (!(diameter > THICK)) continue;
-        say(instance, WARNING, THICK_DIAMETER, FACTS(real("diameter", diameter), real("most", THICK)));
-        return;
+    for (size_t i = 0; i < sizeof DOUBT / sizeof *DOUBT; i++) {
+        double value = instance->values[DOUBT[i].reference];
+        if (value != 0.0 && DOUBT[i].side * (value - DOUBT[i].limit) > 0.0)
+            say(instance, WARNING, DOUBT[i].sentence, FACTS(real("value", value)));
     }
 }
 
@@ -207,7 +206,7 @@ Status exit_initialization(Instance *instance)
     if (start(instance, ERROR) != OK) return ERROR;
     instance->phase = STEPPING;
     give_derivatives(instance);
-    warn_of_diameter(instance);
+    warn_of_units(instance);
     warn(instance);
     return OK;
 }

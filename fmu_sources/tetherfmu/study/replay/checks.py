@@ -5,8 +5,9 @@ from scipy.interpolate import CubicSpline
 
 from tetherfmu.input_files import factors
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime.parameters import Tether, diameter_in_doubt
+from tetherfmu.runtime.parameters import Tether
 from tetherfmu.runtime.plausibility import LARGEST_STRETCH, NEARBY
+from tetherfmu.runtime.quantities import doubts_of
 
 from .readings import FASTEST, POSITION, VELOCITY, WIND, between
 
@@ -239,7 +240,7 @@ def judge_small_tension(log, position):
         if not np.nanmedian(distance) > LEAST_TAUT * np.nanmedian(length):
             return
     middle, weight = np.nanmedian(log.table["ground_tension"]), log.map.weight * np.nanmedian(distance)
-    if diameter_in_doubt(log.map.tether.diameter) or not 0.0 < middle < SLACK * weight:
+    if doubts_of(log.map.tether) or not 0.0 < middle < SLACK * weight:
         return
     log.report.doubt(
         f"ground_tension is {middle:.3g} N in the middle, and the tether weighs {weight:.3g} N; "
@@ -293,8 +294,8 @@ def compare_wind(log, position):
 def judge_what_is_not_said(log):
     """Doubt a tether that is none of the user's, and still air."""
     tether = log.map.tether
-    if doubt := diameter_in_doubt(tether.diameter):
-        log.report.doubt(f"tether.{doubt}", of_unit=True)
+    for doubt in doubts_of(tether, "tether."):
+        log.report.doubt(doubt, of_unit=True)
     if tether == Tether() and not log.map.names_tether:
         log.report.doubt(
             f"the map does not say which tether flew: a default one of {1000.0 * tether.diameter:g} mm and "

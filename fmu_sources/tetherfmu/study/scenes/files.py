@@ -15,9 +15,9 @@ from tetherfmu.results import StepRefused
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.inputs import COUNT, by_name
 from tetherfmu.runtime.naming import meant_or_all
-from tetherfmu.runtime.parameters import Environment, Ground, Tether, Winch, diameter_in_doubt
+from tetherfmu.runtime.parameters import Environment, Ground, Tether, Winch
 from tetherfmu.runtime.plausibility import LARGEST_STRETCH, UNDER
-from tetherfmu.runtime.quantities import check, quantities, quantity
+from tetherfmu.runtime.quantities import check, doubts_of, quantities, quantity
 
 from .flights import KINDS
 from .winds import BoxedWind, Wind, read_wind
@@ -122,9 +122,9 @@ class Scene:
         return self.wind.box.wind_points if isinstance(self.wind, BoxedWind) else 0
 
     def doubts(self):
-        """Sentences on what was hardly meant: a diameter in millimetres, a tether far too short for its ends."""
-        if doubt := diameter_in_doubt(self.tether.diameter):
-            yield f"tether.{doubt}"
+        """Sentences on what was hardly meant: other units, a tether far too short for its ends."""
+        yield from doubts_of(self.tether, "tether.")
+        yield from doubts_of(self.environment, "environment.")
         if self.flight.kite_is_free or self.flight.has_force:
             yield from self.doubts_on_ground()
             return

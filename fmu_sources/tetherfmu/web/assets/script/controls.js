@@ -1,7 +1,7 @@
 // Sliders and lists, made from the declarations of the FMU: unit, limits and meaning of each quantity are theirs.
 
 import { hasOwnWind } from "./home.js";
-import { problemWith } from "./settings.js";
+import { problemWith, setDiameter } from "./settings.js";
 import { filled, repr, shownUnit, shownValue, words } from "./text.js";
 
 const TICKS = 1000; // of a slider
@@ -72,17 +72,17 @@ function slider(declared, value, ignored, sentences, changed) {
     range.value = Math.round(TICKS * scale.part(next));
     changed(next);
   });
+  const show = (next) => {
+    range.value = Math.round(TICKS * scale.part(next));
+    number.value = text(next);
+    range.setAttribute("aria-valuetext", `${text(next)} ${unit}`);
+    tell(null);
+  };
   const label = element("label", { htmlFor: id, title: titleOf(declared, ignored) }, words(declared.name));
   if (ignored.length)
     label.append(element("small", {}, `no effect: ${ignored.map((each) => each.replace("Tether", "")).join(", ")}`));
-  return element(
-    "div",
-    { className: "quantity" },
-    label,
-    range,
-    element("span", { className: "value" }, number, unit),
-    problem,
-  );
+  const shown = element("span", { className: "value" }, number, unit);
+  return Object.assign(element("div", { className: "quantity" }, label, range, shown, problem), { show });
 }
 
 function titleOf(declared, ignored) {
@@ -119,6 +119,7 @@ export class Controls {
   show(settings) {
     const { declared, place } = this;
     const kind = declared.flights[settings.kind];
+    Object.assign(this, { settings, rows: {} });
     place.replaceChildren();
     const parts = new Set(kind.quantities.map((each) => each.group ?? "Flight"));
     for (const part of parts)
@@ -151,7 +152,6 @@ export class Controls {
         settings.values,
         true,
       );
-    this.settings = settings;
   }
 
   group(title, quantities, values, restart) {
@@ -161,17 +161,26 @@ export class Controls {
     for (const each of quantities) {
       const ignored = this.ignoring(each.name);
       const set = (value) => {
-        values[each.name] = value;
+        if (values === this.settings.values && each.name === "diameter") this.setDiameter(value);
+        else values[each.name] = value;
+        if (values === this.settings.values) this.settings.own.add(each.name);
         this.changed(restart);
       };
-      details.append(
-        each.choices
-          ? list(each, values[each.name], ignored, set)
-          : slider(each, values[each.name], ignored, this.declared.sentences, set),
-      );
+      this.rows[each.name] = each.choices
+        ? list(each, values[each.name], ignored, set)
+        : slider(each, values[each.name], ignored, this.declared.sentences, set);
+      details.append(this.rows[each.name]);
     }
     this.place.append(details);
     return details;
+  }
+
+  /** Another diameter [m], and what grows with it, in the settings and on the screen. */
+  setDiameter(diameter) {
+    const { values, own } = this.settings;
+    const before = { ...values };
+    setDiameter(values, diameter, own);
+    for (const name of Object.keys(before)) if (name !== "diameter" && values[name] !== before[name]) this.rows[name].show(values[name]);
   }
 
   /** Classes of the variants that ignore a parameter. */

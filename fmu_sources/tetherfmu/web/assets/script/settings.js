@@ -8,7 +8,16 @@ const QUASI_STEADY_START = 2; // choice of `initial_shape`: a led kite then star
 const GROUPS = { p: "values", f: "flight", w: "wind", h: "hand" }; // in a link
 const SHOWN = ["quasi_steady", "dynamic"]; // unless a link says otherwise
 
+const GROWING = ["axial_stiffness", "axial_damping"]; // with the area of the tether, unless they are set
+
 const startsOf = (quantities) => Object.fromEntries(quantities.map((each) => [each.name, each.start]));
+
+/** Give values of parameters another diameter [m]: stiffness and damping grow with the area, but those that were set. */
+export function setDiameter(values, diameter, own) {
+  const area = (diameter / values.diameter) ** 2;
+  for (const name of GROWING) if (!own.has(name)) values[name] *= area;
+  values.diameter = diameter;
+}
 
 /** Settings of a scene as it stands in its file. */
 export function settingsOf(declared, name) {
@@ -24,6 +33,7 @@ export function settingsOf(declared, name) {
     duration: scene.duration,
     log: scene.log,
     values: { ...values, ...scene.parameters },
+    own: new Set(), // parameters that were set here
     flight,
     wind: { ...startsOf(declared.wind), ...scene.wind, velocity: [...(scene.wind.velocity ?? [0, 0, 0])] },
     hand: { ...startsOf(declared.hand) },
@@ -37,6 +47,9 @@ export function settingsOf(declared, name) {
 /** What differs from the scene, pairs (key, text): `p.segments`, `f.rate`, `w.velocity`, `show`, `step`, `speed`. */
 export function changesOf(declared, settings) {
   const plain = settingsOf(declared, settings.scene);
+  const { diameter } = plain.values;
+  setDiameter(plain.values, settings.values.diameter, settings.own);
+  plain.values.diameter = diameter;
   const found = [["scene", settings.scene]];
   for (const [letter, group] of Object.entries(GROUPS)) {
     for (const [name, value] of Object.entries(settings[group])) {
@@ -59,8 +72,12 @@ export function settingsFrom(declared, pairs) {
     const group = settings[GROUPS[letter]];
     const value = name === "velocity" ? text.split(",").map(Number) : Number(text);
     const right = Array.isArray(value) ? value.length === 3 && value.every(Number.isFinite) : Number.isFinite(value);
-    if (group && name in group && right) group[name] = value;
+    if (!group || !(name in group) || !right || key === "p.diameter") continue;
+    group[name] = value;
+    if (letter === "p") settings.own.add(name);
   }
+  const diameter = Number(given.get("p.diameter"));
+  if (diameter > 0) setDiameter(settings.values, diameter, settings.own);
   for (const name of ["step", "speed"]) if (Number(given.get(name)) > 0) settings[name] = Number(given.get(name));
   if (given.has("show")) {
     const names = given.get("show").split(",");

@@ -225,9 +225,10 @@ export class Simulation {
 
   /** A doubt about the parameters, or none. */
   doubt() {
-    const { sentence, most } = this.declared.sentences.thick;
-    const { diameter } = this.settings.values;
-    return diameter > most ? filled(sentence, { diameter, most }) : null;
+    const { values } = this.settings;
+    const isBeyond = ({ name, side, limit }) => values[name] && side * (values[name] - limit) > 0;
+    const found = this.declared.sentences.doubts.find(isBeyond);
+    return found ? filled(found.sentence, { value: values[found.name] }) : null;
   }
 
   /** All that is needed to go on from here, for `take`. */
