@@ -11,11 +11,11 @@ from fmpy import extract, read_model_description
 from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Slave
 
+from shared import cache
 from shared.scalars_of_fmi3 import ScalarsOfFmi3, scalars
 from tetherfmu.check.inspection import MADE_BY_PYTHONFMU, crashing_characters
 from tetherfmu.console.ending import WrongUse, one_line
 from tetherfmu.console.options import file
-from tetherfmu.export import cache
 from tetherfmu.libraries.children import ctrl_c_waits
 
 WIND, WIND_AT = "wind_", "wind_at"  # begins the names of what an FMU with wind at points ignores, and the wind at these

@@ -12,11 +12,11 @@ from hashlib import sha256
 from importlib.metadata import version
 from pathlib import Path
 
+from shared import example_fmus
+from tetherfmu.export import archive
 from tetherfmu.libraries.examples import EXAMPLES
 from tetherfmu.libraries.sources import PACKAGE
 from tetherfmu.runtime import __version__
-
-from . import archive, example_fmus
 
 SOURCES = {".c", ".h", ".html", ".py", ".txt"}  # ends of the names of files that FMUs are made from
 

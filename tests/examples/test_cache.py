@@ -4,9 +4,12 @@ import sys
 from pathlib import Path
 
 import pytest
+from running import EXAMPLES
 
+sys.path.append(str(EXAMPLES))
+
+from shared import cache
 from tetherfmu.__main__ import main
-from tetherfmu.export import cache
 
 
 @pytest.fixture
