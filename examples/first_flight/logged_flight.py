@@ -9,8 +9,8 @@ file or, where it has none, of the curves; so the tether starts in flight, witho
 `circular_flight.py`.
 
 Winch. It follows the speed, the unstretched length or the force that the file has a column for. With a length the tether
-starts with the first one. Otherwise nobody knows how long it is: say it with --length. With a force the length follows from
-the balance at the winch, from that length on.
+starts with the first one. With a force it follows from the balance at the winch, from the start on or from --length on.
+Otherwise nobody knows how long it is: say it with --length.
 
 Everything else is as the FMU has it; unless it was built otherwise, the winch stands still and there is no wind. Build one
 for your tether (`tetherfmu build TetherDynamic --diameter 0.008`), or set parameters for this flight only
@@ -28,7 +28,7 @@ from tetherfmu.console.options import Parser
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.inputs import by_name
 from tetherfmu.runtime.naming import meant_or_all
-from tetherfmu.runtime.parameters import Tether
+from tetherfmu.runtime.parameters import Tether, Winch
 from tetherfmu.runtime.quantities import quantities
 from tetherfmu.runtime.variables import RECORDS
 
@@ -50,6 +50,7 @@ LOG = "FLIGHT.csv"
 ROUNDING = 1e-6  # of a duration [s], from a log in Unix time
 RECORD_OF = {name: record for record in RECORDS for name, _ in quantities(record)}  # of each parameter
 DECIDED = {  # parameters that nobody can --set: what they follow from
+    "winch_start": f"--length or the columns of {LOG}",
     "initial_length": f"--length or the columns of {LOG}",
     "initial_shape": "--start",
     "ground_contact": "--ground",
@@ -79,8 +80,8 @@ def scene_of(path, length=None, wind=None, duration=None, step=0.02):
         raise WrongUse(f"{path}: {problem}")
     air = flight.wind or Wind(tuple(wind or (0.0, 0.0, 0.0)))
     try:
-        tether = Tether(initial_length=flight.initial_length if length is None else length)
-        scene = Scene(Path(path).stem, duration or flight.duration, flight, tether, wind=air, every=step)
+        tether, winch = tether_and_winch(flight, length)
+        scene = Scene(Path(path).stem, duration or flight.duration, flight, tether, wind=air, winch=winch, every=step)
     except ValueError as error:
         raise WrongUse(f"{path}: {error}") from None
     if scene.count == 0:
@@ -88,11 +89,20 @@ def scene_of(path, length=None, wind=None, duration=None, step=0.02):
     return scene
 
 
+def tether_and_winch(flight, length):
+    """`Tether` and `Winch` of a flight; without any length [m] the one at which the force of the winch is in balance."""
+    if length is None and flight.initial_length is None:
+        start = flight.motion(0.0)
+        distance = float(np.linalg.norm(start.kite - start.ground))  # where the search begins
+        return Tether(initial_length=distance), Winch(winch_start="equilibrium")
+    return Tether(initial_length=flight.initial_length if length is None else length), Winch()
+
+
 def problems(flight, length, wind, duration):
     """What is missing beside the file of a flight, or given there and by an option, texts."""
     if flight.has_length and length is not None:
         yield f"has a column of the length, which begins with {flight.initial_length:g} m; --length goes without it"
-    if not flight.has_length and length is None:
+    if not flight.has_length and not flight.has_force and length is None:
         yield "has no column winch_length (or tether_length); give the unstretched length at the start with --length"
     if flight.wind and wind is not None:
         yield "has columns of wind_velocity; --wind goes without them"
@@ -124,7 +134,7 @@ def parameters_of(scene, start="quasi_steady", ground=False):
     from tetherfmu.study.measuring.runs import winch
 
     found = {"initial_length": scene.tether.initial_length, "initial_shape": STARTS[start]}
-    found |= {"winch_control": winch(scene)["winch_control"], "end_velocities": at.GIVEN}
+    found |= {name: winch(scene)[name] for name in ("winch_control", "winch_start")} | {"end_velocities": at.GIVEN}
     if ground:
         found |= {"ground_contact": FLAT, "ground_height": float(scene.flight.motion(0.0).ground[2])}
     return found

@@ -34,6 +34,7 @@ OF_A_LINE = {  # outputs of a tether that a line has, and their names there
     "ground_tension": "tension_from",
     "kite_tension": "tension_to",
     "max_tension": "max_tension",
+    "peak_tension": "peak_tension",
     "slack_segments": "slack_segments",
     "grounded_length": "grounded_length",
 }

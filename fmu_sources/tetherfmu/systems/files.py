@@ -131,7 +131,9 @@ def tether_in(table, given, section):
     """`Tether` with the quantities that are given, of the material in a table of a file; ValueError names the key."""
     try:
         if "material" in table:
-            return tether_of(table["material"], given.pop("diameter", Tether.diameter), **given)
+            if "diameter" not in given:
+                raise ValueError("material is given without a diameter, on which its stiffness, damping and mass depend")
+            return tether_of(table["material"], given.pop("diameter"), **given)
         return Tether(**given)
     except ValueError as error:
         raise ValueError(f"{section}.{error}") from None

@@ -19,6 +19,7 @@ import pandas as pd
 from tetherfmu.fmi.resources import DEFAULT_OPTIONS
 from tetherfmu.results import Flown, PlausibilityWarning, StepRefused
 from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.inputs import by_name
 from tetherfmu.runtime.variants import DYNAMIC_FREE, VARIANTS, class_name
 from tetherfmu.study.scenes.start import tether_at_start
 
@@ -115,6 +116,9 @@ def run(scene, config, exact=False):
     inputs, wind = scene.inputs(config.step, exact), scene.wind_at(config.step, exact)
     options = {"segments": config.segments or 1, "input_continuation": at.HELD if exact else at.LINEAR}
     options["end_velocities"] = at.GIVEN if exact else end_velocities(scene)
+    if options["end_velocities"] == at.DERIVED:
+        columns = by_name(inputs)
+        columns["kite_velocity"][:] = columns["ground_velocity"][:] = 0.0
     options |= winch(scene)
     if exact and scene.flight.has_length:
         options["winch_control"] = at.WINCH_BY_SPEED

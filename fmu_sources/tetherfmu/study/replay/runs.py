@@ -25,7 +25,6 @@ SCALARS = (
 FORCES = ("ground_force", "kite_force")
 KEPT = (*SCALARS, *FORCES)
 CHUNK = 20  # times that are flown at once: a tether that refuses all of them, 2 s, is given up
-SHORT = 1e-3  # s, of the step that finds the first length
 TAUT = 1.05  # first length over the distance of the ends, at most, where a tension is measured
 
 
@@ -63,15 +62,14 @@ def first_length(flight, rows, lead):
     if "ground_tension" not in flight.log.table:
         return distance
     found = flight.log.map
-    options = {"winch_control": "force", "input_continuation": "held", "shape_points": 0}
+    options = {"winch_control": "force", "winch_start": "equilibrium", "shape_points": 0}
     tether = TetherQuasiSteady(
         replace(found.tether, initial_length=distance), found.environment, ground=found.ground, **options
     )
     still = {"kite_position": start["kite_position"], "wind_velocity": start["wind_velocity"]}
     force = float(flight.measured("ground_tension", flight.times[:1])[0])
     try:
-        tether.initialize(**still)
-        length = tether.step(SHORT, **still, winch_force=force).tether_length
+        length = tether.initialize(**still, winch_force=force).tether_length
     except StepRefused:
         return distance
     return min(length, TAUT * distance)

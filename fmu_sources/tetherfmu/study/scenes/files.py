@@ -159,12 +159,12 @@ class Scene:
             speed = np.full_like(speed, speed[:1])  # with which the winch starts, and no more
         given = {
             "kite_position": motion.kite,
+            "kite_velocity": motion.kite_velocity,
             "ground_position": motion.ground,
+            "ground_velocity": motion.ground_velocity,
             "reel_out_speed": speed[:, np.newaxis],
             "wind_velocity": self.wind(time + 0.5 * step * exact),
         }
-        if exact or self.flight.has_velocities:
-            given |= {"kite_velocity": motion.kite_velocity, "ground_velocity": motion.ground_velocity}
         if self.flight.has_force:
             given["winch_force"] = self.flight.force(time + 0.5 * step * exact)[:, np.newaxis]
         if self.flight.has_length and not exact:
@@ -208,6 +208,8 @@ def read(table, folder, name):
     flight = read_flight(table["flight"], folder)
     if flight.initial_length is not None and isinstance(table["tether"], dict):
         table = {**table, "tether": {"initial_length": flight.initial_length, **table["tether"]}}
+    if flight.has_force and isinstance(table["tether"], dict) and "initial_length" not in table["tether"]:
+        table = in_balance(table, flight)
     records = {
         key: record(kind, table[key], key, REQUIRED.get(key, ()), NOT_OF_A_SCENE) if key in table else kind()
         for key, kind in RECORDS.items()
@@ -237,6 +239,14 @@ def read(table, folder, name):
     )
     scene.wind_at(every)  # refused here rather than in a flight
     return scene
+
+
+def in_balance(table, flight):
+    """The table of a file whose winch is told a force and whose tether has no length: that at which both are in balance."""
+    motion = flight.motion(0.0)
+    distance = float(np.linalg.norm(motion.kite - motion.ground))  # where the search begins
+    winch = {"start": "equilibrium", **table["winch"]} if "winch" in table else {"start": "equilibrium"}
+    return {**table, "tether": {"initial_length": distance, **table["tether"]}, "winch": winch}
 
 
 def winch_of(table, flight):
