@@ -84,8 +84,9 @@ divided by the square of the radius. The tension is `ground_tension`; without ma
 `winch_force` at every instant. Friction holds a drum at rest until the tension differs from `winch_force` by more than
 `winch_friction`. At `shortest_length` and `longest_length` the drum stops without bouncing, and leaves the stop when it is
 driven back. It starts with `initial_length` and `reel_out_speed`; `winch_force` acts from the first step on and continues
-linearly within a step as the reel-out speed does. Only a drum with mass can push the tether out: without mass `winch_force`
-must be at least minus `winch_friction`.
+linearly within a step as the reel-out speed does. If you do not know the length, set `winch_start` = 2 (equilibrium): it is
+then the one at which the tether pulls with the `winch_force` of the start. Only a drum with mass can push the tether out:
+without mass `winch_force` must be at least minus `winch_friction`.
 
 ## The ground
 

@@ -37,7 +37,6 @@ from matplotlib.animation import FuncAnimation, HTMLWriter, PillowWriter  # noqa
 from matplotlib.ticker import LogLocator, NullLocator  # noqa: E402
 
 STEP = 0.02  # communication step, and time between two rows of a motion [s]
-NO_SPRING = 1e-12  # `slack_stiffness_ratio` of a segment that keeps its damper when slack, as in Tethers.jl
 DURATION = 10.0  # of most lessons [s]
 TIMES = STEP * np.arange(501)  # of the rows of such a motion [s]
 TOLERANCE = 1e-6  # relative, of the lessons by hand

@@ -5,13 +5,14 @@ force now has a kink, which the solver steps over without knowing. TetherDynamic
 when slack.
 """
 
-from lessons import DURATION, GRAVITY, NO_SPRING, TIMES, TOLERANCE, Lesson, command_line, curve, follow, over_time, timed
+from lessons import DURATION, GRAVITY, TIMES, TOLERANCE, Lesson, command_line, curve, follow, over_time, timed
 from scipy.integrate import solve_ivp
 from tether_02 import DAMPING, LENGTH, MASS, SPRING, STIFFNESS
 
 from tetherfmu import TetherDynamic
 from tetherfmu.console.colours import BLACK, COLOUR, SKY_BLUE
 
+NO_SPRING = 1e-12  # `slack_stiffness_ratio` of a segment that keeps its damper when slack, as here
 SPEED = 4.0  # of the mass at the start, upwards [m/s]
 
 

@@ -6,23 +6,10 @@ sees the whole relative velocity of its two masses, also across the segment; thi
 """
 
 import numpy as np
-from lessons import (
-    DURATION,
-    GRAVITY,
-    NO_SPRING,
-    TIMES,
-    TOLERANCE,
-    Lesson,
-    command_line,
-    compare,
-    curve,
-    follow,
-    over_time,
-    timed,
-)
+from lessons import DURATION, GRAVITY, TIMES, TOLERANCE, Lesson, command_line, compare, curve, follow, over_time, timed
 from scipy.integrate import solve_ivp
 from tether_02 import DAMPING, LENGTH, MASS, SPRING, STIFFNESS
-from tether_03 import SPEED
+from tether_03 import NO_SPRING, SPEED
 
 from tetherfmu import TetherDynamic
 from tetherfmu.console.colours import BLACK, SKY_BLUE

@@ -6,21 +6,9 @@ at 2 m/s. TetherDynamic has the same equations: EA = k l, D = c l, mass per metr
 """
 
 import numpy as np
-from lessons import (
-    DURATION,
-    GRAVITY,
-    NO_SPRING,
-    TIMES,
-    TOLERANCE,
-    Lesson,
-    Movie,
-    beside_motion,
-    command_line,
-    compare,
-    follow,
-    timed,
-)
+from lessons import DURATION, GRAVITY, TIMES, TOLERANCE, Lesson, Movie, beside_motion, command_line, compare, follow, timed
 from scipy.integrate import solve_ivp
+from tether_03 import NO_SPRING
 
 from tetherfmu import TetherDynamic
 

@@ -5,12 +5,16 @@ from __future__ import annotations
 import reprlib
 from collections.abc import Callable
 from dataclasses import dataclass
+from warnings import warn
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tetherfmu.results import PlausibilityWarning
 from tetherfmu.runtime.inputs import COUNT, KITE_AT_START, ZERO, by_name
 from tetherfmu.runtime.naming import check_names, names_checked
+
+TURNS = 4.0 * np.pi  # of an azimuth [rad], beyond which degrees were probably meant
 
 
 def polar(distance, elevation, azimuth):
@@ -23,7 +27,8 @@ def kite_at(elevation: float, azimuth: float, distance: float, ground_position: 
     """Position [m] of a kite, array (3,), from its direction as seen from the ground end.
 
     elevation : above the horizon [rad].  azimuth : from the x axis, anti-clockwise seen from above [rad], as the output
-    `ground_azimuth`.  distance : along a straight line [m].  ValueError if the elevation is beyond pi/2.
+    `ground_azimuth`.  distance : along a straight line [m].  ValueError if the elevation is beyond pi/2; an azimuth of more
+    than two turns is told in a `PlausibilityWarning`.
 
     >>> kite_at(elevation=0.0, azimuth=0.0, distance=500.0).tolist()
     [500.0, 0.0, 0.0]
@@ -33,6 +38,9 @@ def kite_at(elevation: float, azimuth: float, distance: float, ground_position: 
             f"elevation is {elevation!r}; it must be at least -pi/2 and at most pi/2 rad: angles are in rad, "
             "math.radians makes them of degrees"
         )
+    if np.any(np.abs(azimuth) > TURNS):
+        said = f"azimuth is {azimuth!r} rad, more than two turns; angles are in rad, math.radians makes them of degrees"
+        warn(said, PlausibilityWarning, stacklevel=2)
     return np.add(ground_position, polar(distance, elevation, azimuth))
 
 

@@ -57,7 +57,7 @@ def test_the_default_experiment_is_the_scene(folder, fmu):
 
 @in_own_process
 @pytest.mark.parametrize(
-    "control", [{"winch_control": 2, "winch_force": 900.0}, {"winch_control": 3, "winch_length": 505.0}]
+    "control", [{"winch_control": 2, "winch_start": 2, "winch_force": 900.0}, {"winch_control": 3, "winch_length": 505.0}]
 )
 def test_any_control_of_the_winch_works(fmu, control):
     from runtime.host import Host

@@ -19,6 +19,7 @@ import pytest
 
 from tetherfmu import StepRefused, models
 from tetherfmu.libraries import ready
+from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.kernel_library import Kernels
 from tetherfmu.runtime.variants import EVERY_VARIANT, class_name, library_of
 
@@ -68,9 +69,11 @@ def fly(variant, kernels, random):
     still = random.random() < 0.4
     velocity, wind = (0.0 * direction(random) if still else 10.0 * direction(random) for _ in range(2))
     kite, reeling = distance * direction(random), random.choice([0.0, 0.5])
-    kite_velocity = {} if variant == "dynamic_free" else {"kite_velocity": velocity}
+    is_derived = tether._parameters[at.END_VELOCITIES] == at.DERIVED
+    kite_velocity = {} if variant == "dynamic_free" or is_derived else {"kite_velocity": velocity}
+    start = velocity if kite_velocity or variant == "dynamic_free" else None
     try:
-        tether.initialize(kite, velocity, reel_out_speed=reeling, wind_velocity=wind)
+        tether.initialize(kite, start, reel_out_speed=reeling, wind_velocity=wind)
         for k in range(STEPS):
             position = {} if variant == "dynamic_free" else {"kite_position": kite + 0.02 * k * velocity}
             tether.step(0.02, **position, **kite_velocity)

@@ -48,7 +48,7 @@ def approaching():
     radial /= np.linalg.norm(radial, axis=1)[:, np.newaxis]
     inputs[:, at.KITE_POSITION : at.KITE_POSITION + 3] -= fallen * radial
     inputs[:, at.KITE_VELOCITY : at.KITE_VELOCITY + 3] -= speed * radial
-    return inputs, {"initial_length": 495.0}
+    return inputs, {"initial_length": 495.0, "initial_shape": "static_equilibrium"}
 
 
 def lying():

@@ -279,8 +279,9 @@ def test_uneven_steps_and_winds_at_the_nodes_equal_a_loop(every, control):
     steps, winds = random.uniform(0.005, 0.03, count), random.uniform(-5.0, 12.0, (count, segments + 1, 3))
     time = np.concatenate(([0.0], np.cumsum(steps)[:-1]))
     rows = inputs_along(count, 0.02)
-    by_name(rows)["winch_force"][:, 0] = 150.0 + 5.0 * time
-    by_name(rows)["winch_length"][:, 0] = 505.0 + 0.1 * time
+    told = {"force": {"winch_force": 150.0 + 5.0 * time}, "length": {"winch_length": 505.0 + 0.1 * time}}.get(control, {})
+    for name, values in told.items():
+        by_name(rows)[name][:, 0] = values
     one, other = (TetherDynamic(segments=segments, winch_control=control) for _ in range(2))
     for tether in (one, other):
         tether.initialize()
@@ -288,8 +289,8 @@ def test_uneven_steps_and_winds_at_the_nodes_equal_a_loop(every, control):
     found = []
     for k in range(count):
         given = {name: by_name(rows)[name][k] for name in ("kite_position", "kite_velocity")}
-        told = {name: by_name(rows)[name][k, 0] for name in ("winch_force", "winch_length")}
-        found.append(other.step(steps[k], wind_velocity=winds[k], **given, **told).kite_force)
+        given |= {name: values[k] for name, values in told.items()}
+        found.append(other.step(steps[k], wind_velocity=winds[k], **given).kite_force)
     assert np.array_equal(one.get_state(), other.get_state())
     if every:
         assert np.array_equal(flown.kite_force, found[every - 1 :: every])

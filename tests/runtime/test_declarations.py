@@ -73,5 +73,5 @@ def test_the_record_says_of_each_output_what_it_is():
         kind = {"Integer": "int", "Real": "float"}[each.kind]
         assert section[0] == {(): kind, (3,): "(3,) array", ("points", 3): "(points, 3) array"}[each.shape]
         assert section[2].startswith(f"    {each.quantity.meaning}")
-    with pytest.raises(TypeError, match="missing 24 required"):  # declarations are no defaults
+    with pytest.raises(TypeError, match="missing 25 required"):  # declarations are no defaults
         tetherfmu.Outputs()

@@ -45,7 +45,7 @@ def rows_in_python(name, ground, steps):
     import tetherfmu
 
     tether = getattr(tetherfmu, name)(**GIVEN, **ground, shape_points=21)  # as FMUs have
-    tether.initialize(*motion(0), winch_force=30.0)
+    tether.initialize(*motion(0), winch_force=30.0 if ground.get("winch_control") == 2 else None)
     return flown_in_python(tether, steps, lambda k: kite_inputs(name, *motion(k)))
 
 

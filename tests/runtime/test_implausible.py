@@ -96,7 +96,7 @@ def test_backward_euler_that_damps_more_than_a_tenth(fmu_folder):
 
 
 @every_flavour
-@pytest.mark.parametrize("value", [float("nan"), float("inf"), -1.0, 0.5, 2.0**20])
+@pytest.mark.parametrize("value", [float("nan"), float("inf"), -1.0, 0.5, 2.0**34])
 @in_shared_process
 def test_a_forged_note_is_refused(fmu_folder, value):
     from tetherfmu.runtime import layout as at

@@ -21,7 +21,7 @@ SCALARS = {
     "output": [
         *("ground_tension", "kite_tension", "max_tension", "tether_length", "ground_elevation", "ground_azimuth"),
         *("slack_segments", "kite_end_mass", "kite_stiffness", "kite_damping", "wave_time", "sag"),
-        *("winch_speed", "grounded_length"),
+        *("winch_speed", "grounded_length", "peak_tension"),
     ],
     "local": ["solver_steps", "solver_rejections", "solver_iterations", "solver_iteration_limit", "fallback_steps"],
 }
@@ -47,10 +47,11 @@ PARAMETERS = {  # name: (start, unit), as the page says
     "relative_tolerance": ("0", None),
     "fixed_step": ("0", "s"),
     "fixed_step_method": ("1", None),
-    "initial_shape": ("1", None),
+    "initial_shape": ("2", None),
     "end_velocities": ("1", None),
     "input_continuation": ("1", None),
     "winch_control": ("1", None),
+    "winch_start": ("1", None),
     "winch_mass": ("0", "kg"),
     "winch_damping": ("0", "N.s/m"),
     "winch_friction": ("0", "N"),

@@ -245,7 +245,9 @@ def fly(point, refinement=1, calls=CALLS, most_work=MOST_WORK):
                 call = partial(model.step, step) if k else model.initialize
                 start = float(outputs[0].ground_tension) if k else 0.0
                 inputs |= winch_input(point, start, max(0, k - 1) * step)
-                outputs.append(call(**inputs, reel_out_speed=point.reel_out_speed))
+                if not k or point.control == at.WINCH_BY_SPEED:  # another winch only starts with it
+                    inputs["reel_out_speed"] = point.reel_out_speed
+                outputs.append(call(**inputs))
             except StepRefused as error:
                 refusal = REFUSALS[error.status]
                 break

@@ -97,7 +97,7 @@ def march(steps, **motion):
     system, h = problem.as_system(), 0.4 / steps
     for k in range(steps):
         assert system_step.step(system, k * h, h)
-        adaptive_steps.accept(system)
+        adaptive_steps.accept(system, True)
     return np.concatenate([problem.x, problem.v])
 
 

@@ -102,7 +102,7 @@ def test_speed_at_the_start_and_in_flight(model, end):
 @every_model
 @every_end
 def test_acceleration(model, end):
-    """A jump by d at rest is 2 d/h^2: 9810 m/s2 for 1.96 mm in 0.632 ms; not in the first step."""
+    """A jump by d at rest is 2 d/h^2: 9810 m/s2 for 1.96 mm in 0.632 ms; in the first step it is told by its way."""
     start = KITE if end == "kite" else np.zeros(3)
     step, still = 6.32e-4, np.zeros((4, 3))
     for jump, told in ((1.9e-3, False), (2.0e-3, True)):
@@ -114,7 +114,9 @@ def test_acceleration(model, end):
     tether = model(initial_length=510.0)
     tether.initialize(KITE)
     tether.step(STEP, **{f"{end}_position": start - 3.0 * ALONG})
-    assert noted(tether) == {}
+    found = noted(tether)
+    found.pop(plausibility.SLACK_PRESSES, None)
+    assert found == {kind(end, "JUMP"): pytest.approx(3.0 * np.linalg.norm(ALONG))}
 
 
 @every_model
@@ -155,7 +157,7 @@ def test_contradiction_on_the_circle(model, given, way):
     positions, velocities = on_circle(20)
     found = fly(model(initial_length=525.0), positions, given * velocities)
     told = abs(1.0 - given) / max(1.0, given) > 0.5
-    assert set(found) == ({plausibility.KITE_RESIDUE} if told else set())
+    assert set(found) - {plausibility.SLACK_PRESSES} == ({plausibility.KITE_RESIDUE} if told else set())
     if told:  # the circle is a line here but for its curvature, 0.01 rad
         assert found[plausibility.KITE_RESIDUE] == pytest.approx(way, rel=1e-3)
 
@@ -227,7 +229,7 @@ def test_a_free_end_moves_as_it_must():
     tether.initialize((30.0, 0.0, 40.0))
     for _ in range(200):
         tether.step(STEP)
-    assert noted(tether) == {}
+    assert set(noted(tether)) == {plausibility.SLACK_PRESSES}  # it folds as it falls
 
 
 @every_model

@@ -130,7 +130,7 @@ WRONG = {
     "no section": (["--set", "rope.diameter=1"], "rope.diameter is no constant of a map; sections are"),
     "no key": (["--set", "tether.colour=1"], "unknown key tether.colour; known are"),
     "part of the fit": (["--fit-from", "90", "--fit-to", "20"], "the part from 90 to 20 s is not possible"),
-    "lead": (["--lead", "hope"], "invalid choice: 'hope'"),
+    "lead": (["--lead", "hope"], "'hope' is not possible; choose from tension, length, speed"),
 }
 
 

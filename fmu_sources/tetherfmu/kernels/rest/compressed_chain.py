@@ -14,10 +14,11 @@ from tetherfmu.runtime import layout as at
 
 from ..compilation import kernel
 from ..equations import node_loads, segment
-from ..equations.properties import has_node_winds, node_wind, rest_length
+from ..equations.properties import has_node_winds, node_wind, property_of, rest_length
 from ..linear_algebra.vectors import add_scaled, cross, dot, get, norm, put, scale, sub
 
 COMPRESSED = 1e-9  # compression, relative to the length, above which a segment counts as compressed
+PUSHING = 1e-11  # force over EA, from which on it pushes: that of the default slack_stiffness_ratio at this compression
 PARALLEL = 1e-2  # angle [rad] to the first segment up to which a shape in equilibrium counts as straight
 NEARLY_NEUTRAL = 1e-3  # sum of l/T over that of its sizes, up to which one compressed segment is held by the others
 EXACTLY = 1e-6  # angle [rad] up to which a chain in motion is straight, and nothing moves it sideways
@@ -61,7 +62,7 @@ def is_unstable(chain, x, angle):
         across = length / (pull if pull != 0.0 else 1.0)
         compliance += across
         size += abs(across)
-        if length - rest < -COMPRESSED * rest and pull < 0.0:
+        if length - rest < -COMPRESSED * rest and pull < -PUSHING * property_of(chain, s, at.STIFFNESS):
             compressed += 1
     return compressed > 1 or (compressed == 1 and not idle and compliance > NEARLY_NEUTRAL * size)
 
