@@ -53,7 +53,8 @@ class Variables(NamedTuple):
     def of(self, *names):
         """Value references of variables and of all elements of vectors; WrongUse names one that the FMU lacks or ignores."""
         found = self.those_of(*names)
-        ignored = [name for name in names if name.startswith(WIND) and self.those_of(WIND_AT) and name != WIND_AT]
+        is_blown_at_points = len(self.those_of(WIND_AT, "kite_force")) == 2  # a tether, which has the wind as an input
+        ignored = [name for name in names if is_blown_at_points and name.startswith(WIND) and name != WIND_AT]
         if ignored:
             raise WrongUse(
                 f"{self.file} has inputs {WIND_AT} and ignores {ignored[0]}; take one built without --wind-points"

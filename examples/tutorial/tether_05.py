@@ -1,8 +1,8 @@
 """How does a chain of five segments swing that is let go off the vertical?
 
-The hand-made model of a tether, complete: springs that cannot push, dampers along them, half of a segment's mass at each of
-its ends. The chain starts straight, pi/10 off the vertical, and shrinks: its masses move towards its upper end, the last one
-at 2 m/s. TetherDynamic has the same equations: EA = k l, D = c l, mass per metre m/l.
+A hand-made tether: springs that cannot push, dampers along them, half of a segment's mass at each of its ends. It starts
+straight, pi/10 off the vertical, and shrinks: its masses move towards its upper end, the last one at 2 m/s. TetherDynamic
+has the same equations: EA = k l, D = c l, mass per metre m/l.
 """
 
 import numpy as np
@@ -17,14 +17,8 @@ SPEED, ANGLE = 2.0, np.pi / 10.0  # m/s, rad
 UP = np.array([np.sin(ANGLE), 0.0, np.cos(ANGLE)])
 START = np.array([-LENGTH, SPEED / SEGMENTS])[:, None, None] * np.arange(SEGMENTS + 1.0)[:, None] * UP  # m, m/s
 MASSES = MASS * np.array([[0.5], *[[1.0]] * (SEGMENTS - 1), [0.5]])
-SAME = {
-    "segments": SEGMENTS,
-    "initial_length": SEGMENTS * LENGTH,
-    "slack_stiffness_ratio": NO_SPRING,
-    "drag_coefficient": 0.0,
-}
-SAME |= {"axial_stiffness": STIFFNESS * LENGTH, "axial_damping": DAMPING * LENGTH}
-SAME |= {"diameter": 0.01, "density": MASS / LENGTH / (0.25 * np.pi * 0.01**2)}
+SAME = {"segments": SEGMENTS, "initial_length": SEGMENTS * LENGTH, "slack_stiffness_ratio": NO_SPRING, "air_density": 0.0}
+SAME |= {"axial_stiffness": STIFFNESS * LENGTH, "axial_damping": DAMPING * LENGTH, "mass_per_length": MASS / LENGTH}
 
 
 def rates(time, state, taut=None):

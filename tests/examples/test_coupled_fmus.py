@@ -78,7 +78,7 @@ print(master.error(master.fly_free(*free, 0.01, 0.4), fine), 1)
 def test_an_iterated_master_gives_up_in_words(folder):
     code = """
 try:
-    master.fly_iterated(*iterated, 0.02, 0.1, 1e-15)
+    master.fly_iterated(*iterated, 0.02, 0.4, 1e-15)
 except RuntimeError as error:
     print(error)
 """

@@ -213,7 +213,6 @@ WRONG = [  # what is typed behind `tetherfmu fly`, what must be said
     ("folder --length 505", ("folder", "no regular file")),
     ("text.csv --length 505", ("text.csv", "row 5, column kite_position[1] has no number")),
     ("plain.csv", ("plain.csv", "no column winch_length", "--length")),
-    ("force.csv", ("force.csv", "no column winch_length", "--length")),
     ("length.csv --length 505", ("length.csv", "begins with 502 m", "--length")),
     ("column.csv --length 505", ("column.csv", "unknown column 'kite_height[3]'", "kite_position[3]")),
     ("plain.csv --length 505 --rate 1", ("tetherfmu fly", "--rate", "FLIGHT.csv")),

@@ -336,7 +336,7 @@ def test_linear_in_the_seed_and_nothing_changes(native_folder):
     np.testing.assert_allclose(both, one + other, rtol=0.0, atol=1e-6 * np.abs(both).max())
     assert not none.any()
     assert blob_of(host) == before
-    twin = started(native_folder / "TetherDynamic.fmu")
+    twin = started(native_folder / "TetherDynamic.fmu", initial_shape=1)
     assert fly(host, 30, 35) == fly(twin, 0, 35)[30:]
 
 

@@ -56,6 +56,8 @@ def not_seen(fmu, output, known):
     name = output.partition("[")[0]
     if name == "solver_iterations":
         return True  # a count, which may be the same by chance
+    if known == "winch_start":  # no length is in balance where a tether lies, is slack, or where its free kite rests
+        return name in ("grounded_length", "slack_segments", "kite_position")
     if fmu not in CHAINS:
         return False
     # where a kite rests moves with the ground end; where the search begins counts in its rounding, and on the ground
@@ -142,7 +144,7 @@ def test_initial_dependencies_are_true(fmu_folder, fmu):
     assert not seen - declared, sorted(seen - declared)[:20]
     unseen = sorted(pair for pair in declared - seen if not not_seen(fmu, *pair))
     assert not unseen, unseen[:20]
-    assert host.messages == []
+    assert not [each for each in host.messages if "winch_start is 2" not in each]  # of a free kite that is sought, too
     host.fmu.exitInitializationMode()
     host.close()
 

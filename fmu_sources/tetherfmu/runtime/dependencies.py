@@ -8,7 +8,7 @@ tether differs. A test sets every input and parameter to another value and looks
 from .inputs import BY_NAME, DRIVEN_KITE, WITHOUT_EFFECT, components, wind_at_names
 
 POSITIONS = ("kite_position", "ground_position")
-LENGTH = ("initial_length", "winch_control", "winch_length")
+LENGTH = ("initial_length", "winch_control", "winch_length", "winch_start")
 STRETCH = (*POSITIONS, *LENGTH, "axial_stiffness", "diameter", "density")
 AIR_AT_REST = (
     *("wind_velocity", "diameter", "drag_coefficient", "air_density", "air_density_scale_height"),

@@ -53,6 +53,7 @@ _ONE_LINE = {
     "ground_tension": "tension at the ground end",
     "kite_tension": "tension at the kite end",
     "max_tension": "larger one of the tensions at the ends",
+    "peak_tension": "largest one of the tensions at the ends since the last communication point",
     "slack_segments": "1 if the kite is closer than the unstretched length, else 0",
     "kite_end_mass": "tether mass lumped at the kite end: 0, the mass of this tether is not lumped",
 }
@@ -88,7 +89,7 @@ STRAIGHT = Variant(
     },
     depends_on={
         **{f"{end}_force[{i}]": _ACROSS for end in ("ground", "kite") for i in (1, 2)},
-        **dict.fromkeys(("ground_tension", "kite_tension", "max_tension"), (*STRETCH, "gravity")),
+        **dict.fromkeys(("ground_tension", "kite_tension", "max_tension", "peak_tension"), (*STRETCH, "gravity")),
         "ground_elevation": POSITIONS,
         "ground_azimuth": tuple(f"{end}[{i}]" for end in POSITIONS for i in (1, 2)),
         "slack_segments": _SLACK,

@@ -146,6 +146,18 @@ def test_a_drum_turns_as_its_forces_say(tmp_path):
     np.testing.assert_allclose(2000.0 * (speed[1:] - speed[0]), impulse, rtol=0, atol=0.5)
 
 
+def test_a_force_without_a_length_starts_in_balance(tmp_path):
+    """The length is the one at which the tether pulls with the first force, so nothing jerks."""
+    scene = load(scene_of(tmp_path, 5.0, text=WITHOUT_LENGTH, winch_force=lambda time: 400.0 + 0.0 * time))
+    config = Config("quasi_steady", 10, 0.0, 0.02)
+    assert parameters_of(scene, config)["winch_start"] == 2
+    flown = run(scene, config).flown
+    np.testing.assert_allclose(flown.of("ground_tension"), 400.0, rtol=1e-6)
+    assert np.abs(np.diff(flown.of("tether_length"))).max() < 0.2  # as the kite flies; 5 m too long it was 5 m at once
+    with pytest.raises(ValueError, match="tether.initial_length"):
+        load(scene_of(tmp_path, text=WITHOUT_LENGTH))
+
+
 def test_a_drum_needs_a_force(tmp_path):
     with pytest.raises(ValueError, match="a drum needs a column winch_force or ground_tension"):
         load(scene_of(tmp_path, text=SERIES + DRUM))
