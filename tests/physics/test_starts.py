@@ -205,3 +205,11 @@ def test_free_end_under_the_ground_is_refused():
     system = TetherSystem(points, [Line("rope", "hook", "load", Tether(initial_length=25.0))], ground=Ground("flat"))
     with pytest.raises(StepRefused, match=r"the line rope: load.position\[3\] is -10.0 m"):
         system.initialize()
+
+
+def test_a_point_that_is_sought_may_be_sought_from_anywhere():
+    """The ground is at 5 m; the search for the load, whose position nobody gives, begins below it."""
+    points = [Point("hook", (0.0, 0.0, 30.0)), Point("load", mass=10.0)]
+    rope = Line("rope", "hook", "load", Tether(initial_length=10.0))
+    out = TetherSystem(points, [rope], ground=Ground("flat", 5.0)).initialize()
+    assert out.points["load"].position[2] == pytest.approx(20.0, abs=0.01)

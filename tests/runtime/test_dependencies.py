@@ -144,7 +144,7 @@ def test_initial_dependencies_are_true(fmu_folder, fmu):
     assert not seen - declared, sorted(seen - declared)[:20]
     unseen = sorted(pair for pair in declared - seen if not not_seen(fmu, *pair))
     assert not unseen, unseen[:20]
-    assert not [each for each in host.messages if "winch_start is 2" not in each]  # of a free kite that is sought, too
+    assert not [each for each in host.messages if "winch_start" not in each], host.messages  # of a kite that is sought, too
     host.fmu.exitInitializationMode()
     host.close()
 

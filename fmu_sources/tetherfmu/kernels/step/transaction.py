@@ -18,14 +18,14 @@ from tetherfmu.runtime.status import (
     WINCH_TOO_SHORT,
 )
 
-from ..arrays import copy, state_size
+from ..arrays import copy, positions_and_velocities, state_size
 from ..compilation import kernel, view
 from ..equations import winch, wind_points
 from ..equations.boundary import inputs_of_step, place_at_start, wind_of
 from ..equations.continuation import consume_given_derivatives
 from ..equations.ground import has_ground
 from ..equations.properties import chain_at, rest_length
-from ..linear_algebra.vectors import ZERO_VECTOR, add_scaled, put_at, vector_at
+from ..linear_algebra.vectors import ZERO_VECTOR, add_scaled, get, put_at, vector_at
 from .plausibility import note_idle_inputs, note_idle_parameters, note_shape, note_step
 
 ROUNDING = 1e-6  # of a force [N] that a controller, or its continuation within a step, makes 0
@@ -55,18 +55,6 @@ def check_state(n, state):
 
 
 @kernel
-def check_free_ends(parameters, inputs):
-    """OK, or START_UNDER_GROUND with the place of the height of a free end that starts below a flat ground."""
-    if has_ground(parameters):
-        lowest = parameters[at.GROUND_HEIGHT] - parameters[at.GROUND_SINK] - at.DEEPEST_START
-        if parameters[at.KITE_IS_FREE] != 0.0 and inputs[at.KITE_POSITION + 2] < lowest:
-            return START_UNDER_GROUND | (at.KITE_POSITION + 2) << 8
-        if parameters[at.GROUND_IS_FREE] != 0.0 and inputs[at.GROUND_POSITION + 2] < lowest:
-            return START_UNDER_GROUND | (at.GROUND_POSITION + 2) << 8
-    return OK
-
-
-@kernel
 def start(n, parameters, inputs, state):
     """Check the inputs and fill a new state (modified): header and ends; inner nodes at 0. Returns a status."""
     status = check_inputs(inputs)
@@ -81,9 +69,6 @@ def start(n, parameters, inputs, state):
     state[at.PEAK_SO_FAR] = at.NO_TENSION
     put_at(state, at.WIND, wind_of(inputs))
     wind_points.start(n, parameters, inputs, state)
-    status = check_free_ends(parameters, inputs)
-    if status != OK:
-        return status
     if not winch.follows_force(parameters):
         return check_length(n, parameters, state[at.LENGTH])
     is_between = parameters[at.SHORTEST_LENGTH] <= state[at.LENGTH] <= parameters[at.LONGEST_LENGTH]
@@ -91,10 +76,25 @@ def start(n, parameters, inputs, state):
 
 
 @kernel
+def check_free_ends(n, parameters, state):
+    """OK, or START_UNDER_GROUND with the place of the height of a free end that starts below a flat ground."""
+    if has_ground(parameters):
+        x, _ = positions_and_velocities(n, state)
+        lowest = parameters[at.GROUND_HEIGHT] - parameters[at.GROUND_SINK] - at.DEEPEST_START
+        if parameters[at.KITE_IS_FREE] != 0.0 and get(x, n)[2] < lowest:
+            return START_UNDER_GROUND | (at.KITE_POSITION + 2) << 8
+        if parameters[at.GROUND_IS_FREE] != 0.0 and get(x, 0)[2] < lowest:
+            return START_UNDER_GROUND | (at.GROUND_POSITION + 2) << 8
+    return OK
+
+
+@kernel
 def commit_start(n, parameters, inputs, status, state):
     """Check a new state if the status is OK, and note in it (modified) what is implausible; returns the status."""
     if status == OK:
         status = check_state(n, state)
+    if status == OK:
+        status = check_free_ends(n, parameters, state)
     if status == OK:
         note_shape(n, parameters, state)
         note_idle_inputs(parameters, inputs, state)
