@@ -33,6 +33,13 @@ def record_of(model, given, kind):
     return given
 
 
+def check_wind(environment, wind_points):
+    """ValueError if a wind profile is given, and has no effect as the wind is given at points."""
+    if wind_points and environment.wind_profile != at.UNIFORM:
+        profile = environment.wind_profile
+        raise ValueError(f"wind_profile is {profile} and has no effect with wind_points; it must be 1 (uniform)")
+
+
 def with_quantities(model, given, tethers, *records):
     """Tethers and records with the quantities (a dict) in the place of theirs; TypeError if one does not exist."""
     owners = {name: kind for kind in RECORDS for name, _ in can_be_given(kind)}

@@ -89,6 +89,7 @@ class TetherModel(Running):
             warn(sentence, PlausibilityWarning, stacklevel=2 if type(self).__init__ is TetherModel.__init__ else 3)
         self._kernels, self._points = kernels, points
         self.wind_points: int = arguments.wind_points(wind_points)
+        arguments.check_wind(records[0], self.wind_points)
         self._records = tethers, *records
         self._more = {"point_masses": tuple(masses.items()), "free_ends": self._free_ends}
         self._more["kite_start"] = self._kite.kite_start if self._kite else 0

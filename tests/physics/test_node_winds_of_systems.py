@@ -20,7 +20,8 @@ def system(wind_points=0):
     """Two driven points and a line between them, and beside it another one."""
     points = [Point("ground", (0.0, 0.0, 0.0)), Point("kite", KITE), Point("other", (0.0, 60.0, 80.0))]
     lines = [Line("a", "ground", "kite", TETHER), Line("b", "ground", "other", TETHER)]
-    return TetherSystem(points, lines, Environment(wind_profile="power_law"), wind_points=wind_points)
+    air = Environment() if wind_points else Environment(wind_profile="power_law")
+    return TetherSystem(points, lines, air, wind_points=wind_points)
 
 
 def test_is_that_of_a_tether_alone():

@@ -80,7 +80,7 @@ def test_points_of_the_power_law_are_the_power_law_to_second_order(kind):
         by_law = at_rest(kind(tether, air, shape_points=points), wind_velocity=WIND)
         heights = np.linspace(GROUND, KITE, points)[:, 2] if kind is TetherStraight else by_law.shape[:, 2]
         winds = wind_factor(heights, air)[:, None] * np.array(WIND)
-        found = at_rest(kind(tether, air, wind_points=points), wind_at=winds)
+        found = at_rest(kind(tether, wind_points=points), wind_at=winds)
         difference.append(np.linalg.norm(found.kite_force - by_law.kite_force))
         largest = np.linalg.norm(by_law.kite_force)
     # observed: 1.6 to 2.5 % of the force with 3 points; orders from 1.94 to 2.17, which the first halving has
@@ -244,6 +244,14 @@ def test_winds_that_cannot_be(wind_points, given, said):
 def test_numbers_of_points_that_cannot_be(wind_points):
     with pytest.raises(ValueError, match="wind_points is"):
         TetherStraight(wind_points=wind_points)
+
+
+def test_a_profile_beside_points_has_no_effect_and_is_refused():
+    with pytest.raises(ValueError, match="wind_profile is 2 and has no effect with wind_points; it must be 1"):
+        TetherStraight(wind_profile="power_law", wind_points=3)
+    points = [Point("low", (0.0, 0.0, 0.0)), Point("high", (0.0, 0.0, 50.0))]
+    with pytest.raises(ValueError, match="wind_profile is 3 and has no effect"):
+        TetherSystem(points, [Line("a", "low", "high")], Environment(wind_profile="logarithmic"), wind_points=3)
 
 
 @pytest.mark.parametrize("solver", [Solver(), Solver(fixed_step=0.01)], ids=["adaptive", "fixed steps"])

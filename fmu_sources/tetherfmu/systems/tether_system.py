@@ -91,6 +91,7 @@ class TetherSystem(Running):
         self.points, self.lines = points, lines
         self._records = environment, solver, ground
         self.wind_points: int = arguments.wind_points(wind_points)
+        arguments.check_wind(environment, self.wind_points)
         self._make()
 
     def _make(self):

@@ -21,6 +21,8 @@ def tether_at_start(scene, tolerance=0.0, variant="dynamic", first=None, wind=No
         options |= {"initial_shape": at.STATIC_EQUILIBRIUM}
         options |= {"kite_mass": scene.flight.kite_mass} if scene.flight.kite_is_free else {"free_ends": (False, True)}
     kind = models.TetherDynamicFree if scene.flight.kite_is_free else MODELS[variant]
+    if scene.wind_points:
+        options["wind_profile"] = at.UNIFORM  # of the box: its mean wind is in the wind at the points already
     model = kind(scene.tether, scene.environment, ground=scene.ground, wind_points=scene.wind_points, **options)
     first = scene.inputs(scene.every)[0] if first is None else first
     given = by_name(first)
