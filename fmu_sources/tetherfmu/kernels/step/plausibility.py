@@ -239,12 +239,14 @@ def note_winch_speed(before, state):
 @kernel
 def note_pressing(chain, x, v, state):
     """Note with how much a slack segment presses [N], if it is more than the tether weighs, in the state (modified)."""
+    if state[at.WARNED_VALUES + limits.SLACK_PRESSES] != 0.0:
+        return
     weight, most = 0.0, 0.0
     for s in range(chain.n):
-        rest = rest_length(chain, s)
+        r, rest = sub(get(x, s + 1), get(x, s)), rest_length(chain, s)
         weight += property_of(chain, s, at.LINE_DENSITY) * rest * limits.STANDARD_GRAVITY
-        length, e = segment.geometry(sub(get(x, s + 1), get(x, s)))
-        if length < rest:
+        if dot(r, r) < rest * rest:
+            length, e = segment.geometry(r)
             rate = dot(e, sub(get(v, s + 1), get(v, s)))
             most = max(most, -segment.tension_of(chain, s, segment.BY_LENGTH, length, rate))
     note(state, limits.SLACK_PRESSES, most * most, weight)
