@@ -64,14 +64,14 @@ static void keep_derivative(Instance *instance, unsigned reference, double value
         return;
     }
     instance->derivatives[reference] = value;
-    instance->derivatives[INPUTS + reference] = 1.0;
+    instance->has_derivative[reference] = true;
 }
 
 /* Hand over what was given before the first step to the state of the start. */
 void give_derivatives(Instance *instance)
 {
     for (unsigned i = 0; i < INPUTS; i++)
-        if (instance->derivatives[INPUTS + i] != 0.0) put_in_lines(instance->arrays, i, instance->derivatives[i]);
+        if (instance->has_derivative[i]) put_in_lines(instance->arrays, i, instance->derivatives[i]);
 }
 
 /* Keep first derivatives of inputs for the next step. All are set, or none. */

@@ -71,7 +71,7 @@ void to_start_values(Instance *instance)
     give_back(instance->arrays);
     instance->arrays = NULL;
     memcpy(instance->values, START, sizeof START);
-    memset(instance->derivatives, 0, sizeof instance->derivatives);
+    memset(instance->has_derivative, 0, sizeof instance->has_derivative);
     instance->values[TIME] = 0.0;
     instance->phase = BEFORE;
     instance->stop_is_defined = instance->warned_of_time = false;

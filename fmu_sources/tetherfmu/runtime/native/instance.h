@@ -29,7 +29,8 @@ struct Instance {
     double start_time, stop_time; /* [s] */
     Arrays *arrays;               /* NULL before the first start */
     double values[VALUES + 1];    /* inputs, outputs, parameters; last the time */
-    double derivatives[2 * INPUTS]; /* of inputs, given before the first step; then for each 1 if it is, else 0 */
+    double derivatives[INPUTS];     /* of inputs, given before the first step */
+    bool has_derivative[INPUTS];    /* whether one was given */
     double scratch[3 * VALUES];     /* without meaning between calls */
     double quantities[QUANTITIES];  /* of a line, as the kernels take them; without meaning between calls */
     int64_t plan[PLAN_SIZE];        /* of arrays that there is no room for yet */

@@ -203,8 +203,7 @@ static void clear_outputs(double *values)
 static Status restore_arrays(Instance *instance, const Head *head, const double *values)
 {
     char problem[LONGEST_TEXT], text[LONGEST_TEXT];
-    memcpy(instance->scratch, values, VALUES * sizeof(double));
-    Arrays *arrays = make_arrays(instance, instance->scratch);
+    Arrays *arrays = make_arrays(instance, values);
     if (!arrays) return say(instance, ERROR, NO_MEMORY, NULL);
     if (!pack_parameters(arrays, head->tolerance, problem)) {
         give_back(arrays);
@@ -233,7 +232,7 @@ Status restore(Instance *instance, const Saved *saved)
     if (head.phase < STEPPING) {
         memcpy(instance->values, values, VALUES * sizeof(double));
         clear_outputs(instance->values);
-        memset(instance->derivatives, 0, sizeof instance->derivatives); /* the record has no place for them */
+        memset(instance->has_derivative, 0, sizeof instance->has_derivative); /* the record has no place for them */
     } else if (restore_arrays(instance, &head, values) != OK) {
         return ERROR;
     }
