@@ -26,7 +26,7 @@ from native import as_importers_do as importer
 from tetherfmu.export import systems
 from tetherfmu.export.archive import SLAVES
 from tetherfmu.export.native import fmus as native
-from tetherfmu.runtime.kernel_library import SUFFIXES, this_platform
+from tetherfmu.runtime.kernel_library import SUFFIXES
 
 FILES = Path(__file__).resolve().parents[2] / "examples" / "systems"
 SYSTEMS = tuple(str(FILES / f"{name}.toml") for name in ("y_bridle", "two_kites"))
@@ -35,7 +35,7 @@ SYSTEMS = tuple(str(FILES / f"{name}.toml") for name in ("y_bridle", "two_kites"
 def built(name, folder, fmi):
     """Path of the FMU of a tether, or of the system in a file, with its sources."""
     if name.endswith(".toml"):
-        return systems.build(name, folder, (this_platform(),), native=fmi, with_sources=True)
+        return systems.build(name, folder, native=fmi, with_sources=True)
     return native.build(name, folder, fmi=fmi, with_sources=True)
 
 

@@ -33,7 +33,6 @@ from scenes import REVOLUTION, circle
 from tetherfmu.export import systems
 from tetherfmu.export.native import fmus as native
 from tetherfmu.libraries.linking import zig
-from tetherfmu.runtime.kernel_library import this_platform
 from tetherfmu.runtime.limits import WORST_WORK
 from tetherfmu.study.measuring.tables import markdown, processor
 
@@ -106,7 +105,7 @@ def systems_without_warnings(folder):
     """Compile the sources of a system for all processors, both versions of FMI, without optimization."""
     for fmi in (2, 3):
         sources = importer.unpacked(
-            systems.build(BRIDLE, folder / str(fmi), (this_platform(),), native=fmi, with_sources=True), folder / str(fmi)
+            systems.build(BRIDLE, folder / str(fmi), native=fmi, with_sources=True), folder / str(fmi)
         )
         for name, (target, more, _) in PROCESSORS.items():
             zig(sources, "cc", "-target", target, *more, *OPTIONS, "-O0", "-c", "fmu.c")

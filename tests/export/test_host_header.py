@@ -80,7 +80,7 @@ def test_equal_options_give_equal_bytes(native_folder, tmp_path):
 
 def test_an_fmu_for_one_purpose(tmp_path):
     """Its header has its name, and what it has of variables."""
-    purpose = Purpose("my-scene é", ("sag",), "For a test.", 0.02, 10.0, "<p>A page.</p>")
+    purpose = Purpose("my-scene é", "For a test.", 0.02, 10.0, "<p>A page.</p>")
     made = native.build("TetherStraight", tmp_path, BuildOptions(purpose=purpose), with_header=True)
     header = made.with_suffix(".h")
     assert header.name == "TetherStraight_my-scene é.h"

@@ -7,7 +7,6 @@ from runtime.host import Host
 from tetherfmu import Solver, TetherSystem
 from tetherfmu.check.__main__ import main as check
 from tetherfmu.export import systems
-from tetherfmu.runtime.kernel_library import this_platform
 from tetherfmu.runtime.limits import WORST_WORK_WITH_DRUM
 from tetherfmu.systems import files
 from y_of_lines import y_of_lines
@@ -24,7 +23,7 @@ def winches(built_once):
     def build(folder):
         (folder / "winches.toml").write_text(y_of_lines("TwoWinches", BY_FORCE, BY_LENGTH))
         for native in (0, 2, 3):
-            systems.build(folder / "winches.toml", folder / str(native), (this_platform(),), native=native or None)
+            systems.build(folder / "winches.toml", folder / str(native), native=native or None)
 
     return built_once("system_winches", build)
 

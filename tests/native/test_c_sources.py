@@ -20,7 +20,6 @@ from tetherfmu.export import systems
 from tetherfmu.export.native import fmus as native
 from tetherfmu.export.native import sources as native_sources
 from tetherfmu.export.native.tables import most_room
-from tetherfmu.runtime.kernel_library import this_platform
 
 pytestmark = pytest.mark.skipif(not importer.available(), reason="there is no gcc")
 NAME = "TetherStraight"
@@ -84,7 +83,7 @@ def test_the_numbers_of_the_native_fmu(fmus, tmp_path):
 def test_the_numbers_of_the_native_fmu_of_a_system(tmp_path):
     """To the last bit, with other functions to call and a plan that is made when the FMU starts."""
     (tmp_path / "native").mkdir()
-    path = systems.build(BRIDLE, tmp_path / "native", (this_platform(),), native=2, with_sources=True)
+    path = systems.build(BRIDLE, tmp_path / "native", native=2, with_sources=True)
     other = importer.with_library(path, importer.compiled(path, tmp_path), tmp_path, 2)
     found, expected = (own_process(importer.evidence_run, path=each) for each in (other, path))
     assert clients.different(found, expected) == []

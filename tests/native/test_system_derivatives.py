@@ -15,7 +15,6 @@ from native.flights import give, scene
 from runtime.host import Host, blob_of, restore
 from tetherfmu.commands.build import main
 from tetherfmu.export import systems
-from tetherfmu.runtime.kernel_library import this_platform
 from y_of_lines import y_of_lines
 
 STEP = 0.02
@@ -42,8 +41,8 @@ def folder(built_once):
         texts = {"Driven": LINE.format(mass=""), "Free": LINE.format(mass=", mass = 15.0"), "Y": y_of_lines("Y")}
         for name, text in texts.items():
             (folder / f"{name}.toml").write_text(text)
-            systems.build(folder / f"{name}.toml", folder, (this_platform(),), native=2)
-        systems.build(folder / "Driven.toml", folder / "3", (this_platform(),), native=3)
+            systems.build(folder / f"{name}.toml", folder, native=2)
+        systems.build(folder / "Driven.toml", folder / "3", native=3)
         assert main(["TetherDynamic", "TetherDynamicFree", "--native", "--out", str(folder)]) == 0
 
     return built_once("system_derivatives", build)

@@ -33,6 +33,7 @@ ON_GROUND = {"ground_contact": 2, "ground_friction": 0.2, "longest_length": 0.0}
 LENGTHS_ON_GROUND = (630.0, 650.0, 700.0, 800.0)  # the tether touches it, of chains the last one
 OF_CATENARY = (2000.0,)  # which the wind carries longer
 SHAPES, LAWS = (1, 2, 3), (1, 2)
+IN_BALANCE = (200.0, 2000.0)  # forces of the winch that find the length [N]
 LIMITING = ("fixed_step", "fixed_step_method", "winch_control")  # what counts for the work of a step
 STEADY = ("ground_elevation", "ground_azimuth", "sag", "shape", "grounded_length", "kite_position")
 AT_REST = {
@@ -128,7 +129,10 @@ def test_initial_dependencies_are_true(fmu_folder, fmu):
         seen |= see_dependencies(host, [each for each in knowns if each.name.startswith("winch_")], outputs)
     host.set(winch_control=2, initial_length=505.0, longest_length=600.0)  # a winch with its length between two stops
     seen |= see_dependencies(host, knowns, outputs)
-    host.set(fixed_step=0.01)
+    for force, shape, law in product(IN_BALANCE, SHAPES, LAWS):  # which finds the length
+        host.set(winch_start=2, winch_force=force, initial_shape=shape, damping_law=law)
+        seen |= see_dependencies(host, knowns, outputs)
+    host.set(winch_start=1, fixed_step=0.01)
     seen |= see_dependencies(host, [each for each in knowns if each.name in LIMITING], outputs)
     host.set(fixed_step=0.0, **ON_GROUND)
     lying = [each for each in knowns if each.name != "kite_start"]  # what a kite in the air does there is found below

@@ -2,6 +2,9 @@
 
 import argparse
 import sys
+from contextlib import contextmanager
+from dataclasses import replace
+from warnings import catch_warnings, simplefilter
 
 from tetherfmu.console.ending import FAILED, WrongUse, command, one_line
 from tetherfmu.console.options import Parser, amount, folder
@@ -10,15 +13,18 @@ from tetherfmu.export import archive
 from tetherfmu.export.archive import SLAVES
 from tetherfmu.export.build_options import BuildOptions
 from tetherfmu.export.native import fmus as native
+from tetherfmu.fmi.selection import GROUPS
+from tetherfmu.lean import LISTS, NONE, PRESETS, Lean, setting
 from tetherfmu.libraries import ready
 from tetherfmu.libraries.ahead_of_time import TARGETS
 from tetherfmu.libraries.examples import example
 from tetherfmu.materials import MATERIALS, tether_of
+from tetherfmu.results import PlausibilityWarning
 from tetherfmu.runtime.kernel_library import PYTHONFMU, this_platform
 from tetherfmu.runtime.limits import MAX_WIND_POINTS
 from tetherfmu.runtime.naming import meant_or_all
 from tetherfmu.runtime.parameters import IN_METRES, Tether
-from tetherfmu.runtime.quantities import Quantity, doubts, quantities
+from tetherfmu.runtime.quantities import Quantity, quantities
 from tetherfmu.runtime.variants import class_name, library_of, variant_of
 
 MAX_SHAPE_POINTS = 1001
@@ -44,6 +50,19 @@ def platforms(text):
             hint = meant_or_all(name, (*TARGETS, "all"), "choose from {}")
             raise argparse.ArgumentTypeError(f"no platform is called {name!r}{hint}")
     return names
+
+
+def names(text):
+    """Type of a list of names, separated by commas."""
+    return tuple(each.strip() for each in text.split(","))
+
+
+def start(text):
+    """Type of a start value: the pair of its name and its value."""
+    try:
+        return setting(text)
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(str(error)) from None
 
 
 def points(most):
@@ -75,6 +94,7 @@ def parse(arguments, prog="tetherfmu build"):
     option("names", nargs="*", type=fmu, metavar="NAME", help=f"FMUs to build, of {', '.join(SLAVES)} (default: all)")
     option("--out", default="dist", type=folder, metavar="DIR", help="folder of the FMUs (default: dist)")
     _add_start_values(parser)
+    _add_variables(parser)
     _add_points(option)
     _add_flavours(option)
     options = parser.parse_args(arguments)
@@ -94,6 +114,22 @@ def _add_start_values(parser):
     option("--diameter", type=amount(DIAMETER), metavar="D", help=about)
     about = "start values of density, stiffness and damping of a rope of this material (default: 724 kg/m3 and 49 GPa)"
     parser.add_choice("--material", tuple(MATERIALS), help=about)
+
+
+def _add_variables(parser):
+    """Declare the variables of the FMU, and start values of any of them."""
+    option = parser.add_argument
+    parser.add_choice("--preset", tuple(PRESETS), help="variables of a kind of scene (default: all variables)")
+    for key in LISTS:
+        about = f"{key} of the FMU by names, groups ({', '.join(GROUPS)}) or patterns; {NONE} for none (default: all)"
+        option(f"--{key}", type=names, metavar="NAME,...", help=about)
+    about = "start value of an input or a parameter; may be repeated; constant if the FMU goes without it"
+    option("--set", dest="starts", type=start, action="append", default=[], metavar="NAME=VALUE", help=about)
+
+
+def lean_of(wanted):
+    """`Lean` of the options. wanted : as `parse` returns it."""
+    return Lean(**{key: getattr(wanted, key) for key in LISTS}, starts=tuple(wanted.starts), preset=wanted.preset)
 
 
 def _add_points(option):
@@ -145,17 +181,29 @@ def _problems(options):
         yield "the FMUs of the examples are written in Python; --examples goes without --native"
 
 
+@contextmanager
+def said(name=""):
+    """What is in doubt goes to stderr, and what an FMU cannot have ends the program; name : of the FMU, before each line."""
+    before = f"{name}: " if name else ""
+    with catch_warnings(record=True) as doubts:
+        simplefilter("always", PlausibilityWarning)
+        try:
+            yield
+        except ValueError as error:
+            raise WrongUse(f"{before}{one_line(error)}") from None
+    for doubt in doubts:
+        print(f"{before}{doubt.message}", file=sys.stderr)
+
+
 def build_for_system(wanted):
     """Build the FMU of a system; WrongUse if its file cannot be used. wanted : as `parse` returns it."""
     from tetherfmu.export import systems
 
-    try:
+    points = {"shape_points": wanted.shape_points, "wind_points": wanted.wind_points}
+    options = BuildOptions(platforms=wanted.platforms, lean=lean_of(wanted), **points)
+    with said():
         native = wanted.fmi if wanted.native else None
-        beside = wanted.header, wanted.sources
-        points = wanted.shape_points, native, *beside, wanted.wind_points
-        made = systems.build(wanted.system, wanted.out, wanted.platforms, *points)
-    except ValueError as error:
-        raise WrongUse(one_line(error)) from None
+        made = systems.build(wanted.system, wanted.out, options, native, wanted.header, wanted.sources)
     show(made, wanted.platforms, wanted.header)
     return 0
 
@@ -168,11 +216,12 @@ def build_for_scene(wanted):
     from tetherfmu.study.advice.scene_build import advised
 
     now(f"flying {wanted.scene} with what may do, and with a finer model")
-    text, met, name, options = advised(wanted.scene, wanted.shape_points, wanted.platforms)
+    text, met, name, options = advised(wanted.scene, wanted.shape_points, wanted.platforms, lean_of(wanted))
     print(text)
     if not met:
         return FAILED
-    build(wanted, name, options)
+    with said(name):
+        build(wanted, name, options)
     return 0
 
 
@@ -203,12 +252,12 @@ def main(arguments=None, prog="tetherfmu build"):
     names, platforms = wanted.names or list(SLAVES), wanted.platforms
     ready.folders([library_of(SLAVES[name]) for name in names], platforms)  # all at once is faster
     segments = wanted.segments or BuildOptions.segments
-    for doubt in doubts("diameter", wanted.diameter or 0.0, DIAMETER):
-        print(doubt, file=sys.stderr)
-    starts = starts_of(wanted.diameter, wanted.material)
-    options = BuildOptions(segments, wanted.shape_points, platforms, starts=starts, wind_points=wanted.wind_points)
+    lean = lean_of(wanted)
+    lean = replace(lean, starts=(*starts_of(wanted.diameter, wanted.material), *lean.starts))
+    options = BuildOptions(segments, wanted.shape_points, platforms, lean, wind_points=wanted.wind_points)
     for name in names:
-        build(wanted, name, options)
+        with said(name):
+            build(wanted, name, options)
     if wanted.examples:
         fmus = example("shared.example_fmus")
         for name in fmus.SLAVES:

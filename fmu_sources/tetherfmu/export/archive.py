@@ -23,6 +23,7 @@ from tetherfmu.runtime.variants import EVERY_VARIANT, class_name, library_of
 from . import osp
 from .build_options import BuildOptions
 from .documents import OSP_FOLDER, documents
+from .rehearsal import check_start
 
 SLAVES = {class_name(each): each for each in EVERY_VARIANT}  # name of the FMU: variant
 SLAVE = '''"""PythonFMU slave."""
@@ -49,14 +50,17 @@ FILE_MODE = 0o644 << 16  # of an entry of an archive: rw-r--r--, where Unix has 
 def build(name, folder, options=None):
     """Build one FMU and return its path; RuntimeError if the compiler or the linker fails.
 
+    ValueError says which of its options or start values the FMU cannot have.
+
     name : one of `SLAVES`.  folder : where the FMU goes, made if missing; the groups of variables for the Open Simulation
     Platform are written beside it (`osp.py`).  options : `BuildOptions`; None for the defaults.
     """
     folder, options = Path(folder), options or BuildOptions()
     folder.mkdir(parents=True, exist_ok=True)
     variant = SLAVES[name]
-    about = options.description_of(variant)
-    files = packed_with_kernels(name, variant, about, library_of(variant), options.platforms, options.as_dict())
+    about, given = options.description_of(variant), options.of_slave(variant)
+    check_start(variant, given)
+    files = packed_with_kernels(name, variant, about, library_of(variant), options.platforms, given)
     files.update(documents(name, variant, about, options))
     seal(files)
     return write(files, folder, name, options.purpose)

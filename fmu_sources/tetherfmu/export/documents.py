@@ -5,14 +5,15 @@ from html import escape
 from importlib.metadata import distribution
 
 from tetherfmu import models
+from tetherfmu.fmi import selection
 from tetherfmu.fmi.model_description import number_text
+from tetherfmu.fmi.resources import DEFAULT_OPTIONS
 from tetherfmu.libraries.sources import PACKAGE
 from tetherfmu.runtime import __version__
-from tetherfmu.runtime.parameters import Tether
 from tetherfmu.runtime.variables import INPUT, LOCAL, OUTPUT, PARAMETER, table_of
 from tetherfmu.runtime.variants import BY_NAME
 
-from . import evidence, osp, related_files
+from . import evidence, lean_evidence, osp, related_files
 from .texts import ASSETS, asset, filled
 
 LICENCE = PACKAGE.parents[1] / "LICENSE"  # in a checkout; a wheel has it among its metadata
@@ -27,18 +28,20 @@ def documents(name, variant, description, options, native=None):
     options : `BuildOptions`; an FMU for one purpose has a page of its own, and no evidence set.
     native : version of FMI (2 or 3) of an FMU without Python; None for PythonFMU's.
     """
-    table, sets, title = table_of(variant, options.as_dict()), {}, name
+    given, sets, title = DEFAULT_OPTIONS | options.of_slave(variant), {}, name
+    table = table_of(variant, given)
     if options.purpose:
         title, body = f"{name}, {options.purpose.name}", options.purpose.page
     else:
-        tether = Tether(segments=options.segments, **dict(options.starts))
-        made = evidence.of_tether(getattr(models, name), tether, options.wind_points)
-        words = {"scene": evidence.SCENES[BY_NAME[variant].kite_is_free], "more": filled("evidence_of_winch.txt", name=name)}
-        sets = evidence.files(name, made, native == 3, model=name, **words)
+        made = lean_evidence.of_tether(getattr(models, name), table, given["left_out"], options.wind_points)
+        kinds = {each.kind for each in made}
+        more = filled("evidence_of_winch.txt", name=name) if kinds.issuperset(evidence.GIVEN) else ""
+        words = {"scene": evidence.SCENES[BY_NAME[variant].kite_is_free], "more": more}
+        sets = evidence.files(name, made, native == 3, model=name, **words) if made else {}
         physics = asset(f"physics/{variant}.html").strip()
         body = filled("tether.html", name=name, physics=physics, **about(description, native))
-    groups = osp.model_description(table)
-    beside = files_beside(name, page(title, body, table), sets, options.platforms, groups, native)
+    groups = osp.model_description(selection.shown(table, given["left_out"]))
+    beside = files_beside(name, page(title, body, table, given["left_out"]), sets, options.platforms, groups, native)
     return beside | {"documentation/figure.png": (ASSETS / "figure.png").read_bytes()}
 
 
@@ -113,22 +116,38 @@ def about(description, native=None):
     return {"fmi": native or 2, "flavour": flavour, "version": __version__, "description": escape(description)}
 
 
-def page(title, body, table, hint="<p>Set them before the initialization ends.</p>\n"):
+def page(title, body, table, left_out=(), hint="<p>Set them before the initialization ends.</p>\n"):
     """Function of the paths of the other files that gives the text of documentation/index.html.
 
-    body : HTML above the tables of the variables in `table`.  hint : HTML above the parameters.
+    body : HTML above the tables of the variables in `table`.  left_out : names of those that the FMU goes without.
+    hint : HTML above the parameters.
     """
-    local = rows(table, LOCAL, unit, meaning)
+    own = selection.shown(table, frozenset(left_out))
+    local, fixed = rows(own, LOCAL, unit, meaning), [each for each in table if each.name in left_out]
+    fixed = "\n".join(rows(fixed, causality, unit, start, meaning) for causality in (INPUT, PARAMETER)).strip()
     tables = filled(
         "tables.html",
         hint=hint,
-        inputs=rows(table, INPUT, unit, start, meaning),
-        outputs=rows(table, OUTPUT, unit, meaning),
+        inputs=rows(own, INPUT, unit, start, meaning),
+        outputs=rows(own, OUTPUT, unit, meaning),
         local=filled("local.html", rows=local) if local else "",
-        parameters=rows(table, PARAMETER, unit, start, allowed, meaning),
+        parameters="\n".join(_in_groups(own)),
+        constants=filled("constants.html", rows=fixed) if fixed else "",
     )
     shown = {"title": escape(title), "style": asset("page.css").strip(), "body": body.strip(), "tables": tables.rstrip()}
     return lambda paths: filled("page.html", files=listed(paths), **shown)
+
+
+def _in_groups(listed):
+    """Rows of an HTML table of parameters, with a heading above each group."""
+    groups = {}
+    for each in listed:
+        if each.causality == PARAMETER:
+            groups.setdefault("first" if selection.own_name(each.name) in selection.FIRST else each.group, []).append(each)
+    for group, variables in groups.items():
+        if any(each.group for each in variables):  # of an example it is none
+            yield f'<tr><th colspan="5">{selection.GROUPS.get(group, "what is set first")}</th></tr>'
+        yield rows(variables, PARAMETER, unit, start, allowed, meaning)
 
 
 def folded(listed):

@@ -141,6 +141,7 @@ _REFERENCE_TOLERANCE = 1e-9  # 1e-10 changes the reference by 1e-8 of the larges
 _TURN_RATE, _TURN_RISES = 0.08, 4.0  # [rad/s], [s]
 _GROWTH, _GROWS = 0.018, 8.0  # of the distance [-], [s]
 _REEL_OUT, _REEL_OUT_BEGINS, _REEL_OUT_RISES = 0.5, 2.0, 4.0  # [m/s], [s], [s]
+_DISTANCE = hypot(*KITE_AT_START)
 _WIND, _WIND_RISES = 8.0, 3.0  # [m/s], [s]
 _WIND_AT_GROUND = 0.5  # wind at the first wind point over that in the middle [-]
 _GUST, _GUST_RATE = 2.0, 0.5  # [m/s], [rad/s]
@@ -160,15 +161,18 @@ def of_tether(model, tether, wind_points=0):
     return sets
 
 
-def flight(model, tether, wind_points=0):
-    """The `EvidenceSet` without a winch that is controlled; arguments as in `of_tether`."""
-    variant, at = BY_NAME[model.variant], inputs_at
+def flight(model, tether, wind_points=0, kite=KITE_AT_START, **others):
+    """The `EvidenceSet` without a winch that is controlled, of a tether with these start values.
+
+    kite : its start [m].  others : start values of what is no quantity of the tether, by name.
+    """
+    variant, at = BY_NAME[model.variant], partial(inputs_at, kite=kite)
     if variant.kite_is_free:
-        at = partial(inputs_of_free_kite, kite_force=model(tether).initialize().kite_force.tolist())
+        at = partial(inputs_of_free_kite, kite_force=model(tether, **others).initialize().kite_force.tolist())
     scene = [with_wind_at(rounded(at(k * STEP)), wind_points) for k in range(_STEPS + 1)]
     return EvidenceSet(
         kind="",
-        model=lambda tolerance: model(tether, solver=Solver(relative_tolerance=tolerance), wind_points=wind_points),
+        model=lambda tolerance: model(tether, wind_points=wind_points, **{**others, "relative_tolerance": tolerance}),
         scene=scene,
         inputs=tuple(names_of(variables(model.variant, 0, wind_points=wind_points), INPUT)),
         outputs=_recorded(model.variant, (*RECORDED, "kite_position" if variant.kite_is_free else "ground_force")),
@@ -183,17 +187,16 @@ def _recorded(variant, vectors):
     return tuple(name for name in names_of(variables(variant, 0), OUTPUT) if name.partition("[")[0] in vectors)
 
 
-def inputs_at(time):
-    """Inputs of the scene at a time [s], as a dict of the Python API's arguments (SI units)."""
+def inputs_at(time, kite=KITE_AT_START):
+    """Inputs of the scene at a time [s], as a dict of the Python API's arguments (SI units); kite : its start."""
     share, _, turn_time = rise(time, _TURN_RISES)
     angle, rate = _TURN_RATE * turn_time, _TURN_RATE * share
     growth, growth_rate, _ = (_GROWTH * each for each in rise(time, _GROWS))
-    x, _, z = KITE_AT_START
-    east, north = (1.0 + growth) * x * cos(angle), (1.0 + growth) * x * sin(angle)
+    x, y, z = ((1.0 + growth) * each for each in kite)
+    east, north = x * cos(angle) - y * sin(angle), x * sin(angle) + y * cos(angle)
     stretching = growth_rate / (1.0 + growth)
-    position = (east, north, (1.0 + growth) * z)
-    velocity = (stretching * east - rate * north, stretching * north + rate * east, growth_rate * z)
-    return {"kite_position": position, "kite_velocity": velocity, **_around(time)}
+    velocity = (stretching * east - rate * north, stretching * north + rate * east, stretching * z)
+    return {"kite_position": (east, north, z), "kite_velocity": velocity, **_around(time, hypot(*kite) / _DISTANCE)}
 
 
 def inputs_of_free_kite(time, kite_force):
@@ -208,10 +211,10 @@ def inputs_of_free_kite(time, kite_force):
     return {"kite_load": (x, y + _SWAY * force * sin(_SWAY_RATE * time), z + weight), **_around(time)}
 
 
-def _around(time):
-    """Wind and reel-out speed at a time [s]."""
+def _around(time, share=1.0):
+    """Wind and reel-out speed at a time [s]; share : of the usual distance of the kite."""
     wind = (_WIND * rise(time, _WIND_RISES)[0], _GUST * sin(_GUST_RATE * time), 0.0)
-    reel_out = _REEL_OUT * rise(time - _REEL_OUT_BEGINS, _REEL_OUT_RISES)[0]
+    reel_out = share * _REEL_OUT * rise(time - _REEL_OUT_BEGINS, _REEL_OUT_RISES)[0]
     return {"reel_out_speed": reel_out, "wind_velocity": wind}
 
 
@@ -300,6 +303,8 @@ _SYSTEM_TOLERANCE, _SYSTEM_REFERENCE = 1e-6, 1e-8  # at the default a short stif
 _MEAN, _GUSTS, _RISES, _RATE = 4.0, 1.0, 3.0, 0.7  # [m/s], [m/s], [s], [rad/s]
 _AMPLITUDE = 0.01  # of the driven points, in the mean length of the lines [-]
 _PAID_OUT = 2e-4  # of the length of a line, in a second [1/s]
+# arguments of `TetherSystem.step`, and the inputs of points and lines that they are
+KINDS = {"positions": "position", "velocities": "velocity", "reel_out_speeds": "reel_out_speed", "wind_at": "wind_at"}
 _TENSIONS = {"tension_from": "ground_tension", "tension_to": "kite_tension", "tether_length": "tether_length"}
 
 
@@ -349,8 +354,7 @@ def inputs_of_system(time, system):
 
 def _named(given):
     """Arguments of `TetherSystem.step` by FMI vectors."""
-    kinds = {"positions": "position", "velocities": "velocity", "reel_out_speeds": "reel_out_speed", "wind_at": "wind_at"}
-    own = {f"{name}.{what}": each for key, what in kinds.items() for name, each in given.get(key, {}).items()}
+    own = {f"{name}.{what}": each for key, what in KINDS.items() for name, each in given.get(key, {}).items()}
     return {"wind_velocity": given["wind_velocity"], **own}
 
 

@@ -5,6 +5,7 @@ from html import escape
 from pathlib import Path
 
 from tetherfmu.fmi.resources import DEFAULT_OPTIONS
+from tetherfmu.fmi.selection import shown, with_starts
 from tetherfmu.fmi.system_variables import Line, Point, Structure, table_of
 from tetherfmu.fmi.wiring import of_system
 from tetherfmu.runtime.inputs import ZERO
@@ -15,10 +16,12 @@ from tetherfmu.systems import files
 from tetherfmu.systems.ordering import ordered
 from tetherfmu.systems.tether_system import TetherSystem
 
-from . import evidence, osp
+from . import evidence, lean_evidence, osp
 from .archive import SLAVES, packed_with_kernels, seal, write
+from .build_options import BuildOptions, chosen
 from .documents import about, files_beside, page
 from .native import description_fmi3, fmus
+from .rehearsal import check_start
 from .texts import filled
 
 SLAVE = TetherSystem.__name__
@@ -30,36 +33,51 @@ ABOUT = (
 TIMES = DEFAULT_OPTIONS["step"], DEFAULT_OPTIONS["stop"]  # of the default experiment [s]
 
 
-def build(path, folder, platforms, shape_points=None, native=None, with_header=False, with_sources=False, wind_points=0):
+def build(path, folder, options=None, native=None, with_header=False, with_sources=False):
     """Build the FMU of a system and return its path; ValueError says in one line what is wrong with the file.
 
     path : of the file, docs/use/systems.md has its keys.  folder : where the FMU goes, made if missing; the groups of
-    variables for the Open Simulation Platform are written beside it.  platforms : as in `BuildOptions`.  shape_points : of
-    each line, 0 for none; None for one at each node.  native : version of FMI (2 or 3) of an FMU without Python; None for
-    PythonFMU's.  with_header, with_sources : of a native one, see `fmus.written`.  wind_points : of each line, 0 for none.
+    variables for the Open Simulation Platform are written beside it.  options : `BuildOptions`, of which a table [build] of
+    the file is a part; None for those of the file and one point of the shape at each node.  native : version of FMI (2 or 3)
+    of an FMU without Python; None for PythonFMU's.  with_header, with_sources : of a native one, see `fmus.written`.
     """
+    options = options or BuildOptions(shape_points=None)
     found, positions = read(path)
-    structure, folder = structure_from(found, positions, shape_points, wind_points), Path(folder)
+    structure, folder = structure_from(found, positions, options.shape_points, options.wind_points), Path(folder)
+    try:
+        own = chosen(options.lean.over(found.build), table_of(structure))
+        check_start(None, {"system": asdict(structure), **own})
+    except ValueError as error:
+        raise ValueError(f"{path}: {error}") from None
+    starts, left_out = own.get("starts", ()), own.get("left_out", ())
+    table = with_starts(table_of(structure), starts)
     points, lines, free = len(structure.points), len(structure.lines), len(structure.free)
     about = f"{ABOUT} {structure.name}: {lines} line{'s' * (lines > 1)} between {points} points, of which {free} free."
-    sets = _evidence_of(found, native == 3, wind_points)
+    sets = {} if starts else _evidence_of(found, table, native == 3, options.wind_points, left_out)
+    files = documents(structure, table, about, options.platforms, sets, native, left_out)
     if native:
-        wiring, terminals = of_system(structure), description_fmi3.terminals_of_system(structure)
+        wiring = of_system(structure, left_out, starts)
+        terminals = description_fmi3.terminals_of_system(structure, wiring.shown)
         model = fmus.Model(structure.name, about, wiring, terminals, TIMES)
-        files = documents(structure, about, platforms, sets, native)
-        return fmus.written(files, model, folder, platforms, native, with_header, with_sources)
+        return fmus.written(files, model, folder, options.platforms, native, with_header, with_sources)
     folder.mkdir(parents=True, exist_ok=True)
-    made = packed_with_kernels(SLAVE, None, about, SYSTEM, platforms, {"system": asdict(structure)})
-    made.update(documents(structure, about, platforms, sets))
+    made = packed_with_kernels(SLAVE, None, about, SYSTEM, options.platforms, {"system": asdict(structure), **own})
+    made.update(files)
     seal(made)
     return write(made, folder, structure.name, None)
 
 
-def _evidence_of(found, arrays, wind_points):
-    """Texts of the evidence set of a `SystemFile`, dict by file name; empty if its reference cannot be flown."""
+def _evidence_of(found, table, arrays, wind_points, left_out):
+    """Texts of the evidence set of a `SystemFile`, dict by file name; empty if its reference cannot be flown.
+
+    left_out : names of the variables that the FMU goes without.
+    """
     words = {"model": TetherSystem.__name__, "scene": evidence.SCENES[-1], "more": ""}
     try:
-        return evidence.files(found.name, [evidence.of_system(found, wind_points)], arrays, **words)
+        made = evidence.of_system(found, wind_points)
+        if left_out:
+            made = lean_evidence.of_system(made, table, frozenset(left_out))
+        return evidence.files(found.name, [made], arrays, **words) if made.outputs else {}
     except ValueError:
         return {}
 
@@ -105,12 +123,12 @@ def values_of(*records):
     return {name: getattr(record, name) for record in records for name, _ in quantities(record)}
 
 
-def documents(structure, description, platforms, sets, native=None):
+def documents(structure, table, description, platforms, sets, native, left_out):
     """All files beside the model: dict of their path in the archive to bytes.
 
-    description : of the model.  sets : texts of the evidence set, dict by file name.  native : as in `build`.
+    table : of all variables.  description : of the model.  sets : texts of the evidence set, dict by file name.
+    native : as in `build`.  left_out : names of the variables that the FMU goes without.
     """
-    table = table_of(structure)
     body = filled(
         "system.html",
         name=structure.name,
@@ -118,8 +136,8 @@ def documents(structure, description, platforms, sets, native=None):
         lines="\n".join(_row(line.name, line.start, line.end) for line in structure.lines),
         **about(description, native),
     )
-    groups = osp.model_description_of_system(structure, table)
-    return files_beside(structure.name, page(structure.name, body, table), sets, platforms, groups, native)
+    groups = osp.model_description_of_system(structure, shown(table, frozenset(left_out)))
+    return files_beside(structure.name, page(structure.name, body, table, left_out), sets, platforms, groups, native)
 
 
 def _row(*cells):

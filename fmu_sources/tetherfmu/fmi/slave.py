@@ -30,14 +30,20 @@ class TetherSlave(BaseSlave):
 
     def __init__(self, **kwargs):
         super().__init__(**kwargs)
-        options = options_in(self.resources)
+        options = self.options()
         self._importer_tolerance, self._doubts = 0.0, ()
         if self.variant is None:
-            self._wiring = of_system(structure_of(options["system"]))
+            given = options["left_out"], options["starts"]
+            self._wiring = of_system(structure_of(options["system"]), *given)
             self.modelName = options["system"]["name"]
         else:
-            self._wiring = of_tether(self.variant, table_of(self.variant, options), options["shape_points"])
+            table = table_of(self.variant, options)
+            self._wiring = of_tether(self.variant, table, options["shape_points"], options["left_out"])
         self._make_arrays(options)
+
+    def options(self):
+        """Build options."""
+        return options_in(self.resources)
 
     def _make_arrays(self, options):
         """Make the instance, the array of all values, and of a system what leads from one to the other."""
@@ -53,7 +59,10 @@ class TetherSlave(BaseSlave):
         found = [(reference, [first + place for place in places]) for reference, places in wiring.outputs]
         self._sums = [each for each in found if len(each[1]) > 1]
         self._alone = [(reference, places[0]) for reference, places in found if len(places) == 1]
-        self.declare(wiring.table, self._instance.values if self._is_direct else zeros(count), wiring.references, options)
+        values = self._instance.values if self._is_direct else zeros(count)
+        for reference, value in wiring.constants:
+            values[reference] = value
+        self.declare(wiring.shown, values, wiring.shown_at, options)
 
     def _kernels(self):
         """Load the compiled library now: the folder of the FMU may vanish later. A failure is reported at the start."""
@@ -186,7 +195,12 @@ class TetherSlave(BaseSlave):
 
         Its outputs are not taken but computed: they follow from the state array.
         """
-        for reference, variable in zip(self.references, self.table, strict=True):
+        names = dict(zip(self._wiring.references, self._wiring.table, strict=True))
+        for reference, value in self._wiring.constants:
+            if saved.values[reference] != value:
+                facts = {"name": names[reference].name, "value": saved.values[reference], "expected": value}
+                raise ValueError(refusals.STATE_OTHER_CONSTANT.format(**facts))
+        for reference, variable in names.items():
             value = saved.values[reference]
             if variable.kind != "Real" and reference not in self.output_places and not abs(value) <= layout.LARGEST_INTEGER:
                 problem = refusals.NO_INTEGER.format(name=variable.name, value=value)

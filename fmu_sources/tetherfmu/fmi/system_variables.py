@@ -42,6 +42,7 @@ MEANINGS = {"tension_from": "tension of the first segment, at {}", "tension_to":
 SUMMED = ("solver_iterations",)  # of all lines; the others are those of the first line
 GIVEN_TO_ALL = inputs_at("wind")  # vectors that all lines share
 GIVEN = inputs_at("winch")  # inputs of a tether that a line has
+MOTION = inputs.BY_NAME["kite_load"].group  # of variables of points
 HASH_DIGITS = 8  # hexadecimal: with them the name of a structure has the 15 letters that a saved state has room for
 
 
@@ -135,10 +136,10 @@ def input_name(name, line):
 # --- the table
 
 
-def _vector(name, causality, declared, start=(None, None, None), known=(None, None, None)):
+def _vector(name, causality, declared, group, start=(None, None, None), known=(None, None, None)):
     """Variables of the components of a vector; start : values, known : what they depend on."""
     for (each, meaning), first, those in zip(elements(name, declared.meaning, VECTOR, 0), start, known, strict=True):
-        yield Variable(each, causality, "Real", replace(declared, meaning=meaning), 0, first, those)
+        yield Variable(each, causality, "Real", replace(declared, meaning=meaning), 0, first, those, group)
 
 
 def _inputs(structure):
@@ -147,24 +148,27 @@ def _inputs(structure):
     load = next(each for each in inputs.INPUT_TABLE if each.of == FREE_KITE)
     for point in structure.points:
         if point.is_free:
-            yield from _vector(f"{point.name}.load", INPUT, Quantity(load.unit, _LOAD.format(point.name)), load.start)
+            declared = Quantity(load.unit, _LOAD.format(point.name))
+            yield from _vector(f"{point.name}.load", INPUT, declared, load.group, load.start)
             continue
         for each, start in zip(motion, (point.position, point.velocity), strict=True):
             what = each.name.removeprefix("kite_")
-            yield from _vector(f"{point.name}.{what}", INPUT, Quantity(each.unit, f"{what} of {point.name}"), start)
+            declared = Quantity(each.unit, f"{what} of {point.name}")
+            yield from _vector(f"{point.name}.{what}", INPUT, declared, each.group, start)
     for line in structure.lines:
         for name in GIVEN:
             declared = inputs.BY_NAME[name]
             quantity = Quantity(declared.unit, f"{declared.meaning}; of {line.name}, whose winch is at {line.start}")
             start = line.starts.get(name, declared.start[0])
-            yield Variable(f"{line.name}.{name}", INPUT, "Real", quantity, 0, start)
+            yield Variable(f"{line.name}.{name}", INPUT, "Real", quantity, 0, start, group=declared.group)
     for each in (inputs.BY_NAME[name] for name in GIVEN_TO_ALL):
-        for variable in _vector(each.name, INPUT, Quantity(each.unit, each.meaning), each.start):
+        for variable in _vector(each.name, INPUT, Quantity(each.unit, each.meaning), each.group, each.start):
             yield without_effect(variable, structure.has_wind_points, each.name)
     for line in structure.lines:
         points = f"points on {line.name} at equal unstretched length, {line.start} first"
         for name, meaning in elements(f"{line.name}.{inputs.WIND_AT.name}", points, POINTS, line.wind_points):
-            yield Variable(name, INPUT, "Real", Quantity(inputs.WIND_AT.unit, f"wind at {meaning}"), 0, 0.0)
+            quantity = Quantity(inputs.WIND_AT.unit, f"wind at {meaning}")
+            yield Variable(name, INPUT, "Real", quantity, 0, 0.0, group=inputs.WIND_AT.group)
 
 
 _LOAD = "external force on {}: aerodynamics, control; not its weight"
@@ -184,12 +188,13 @@ def _parameters(structure):
     for point in structure.points:
         if point.is_free:
             meaning = "point mass, in addition to the halves of the segments that meet there"
-            yield Variable(f"{point.name}.mass", PARAMETER, "Real", replace(mass, meaning=meaning), 0, point.mass)
+            declared = replace(mass, meaning=meaning)
+            yield Variable(f"{point.name}.mass", PARAMETER, "Real", declared, 0, point.mass, group=MOTION)
             declared = replace(kind_of_start, meaning=_START.format(point.name), choices=_STARTS)
-            yield Variable(f"{point.name}.start", PARAMETER, "Enumeration", declared, 0, point.start)
+            yield Variable(f"{point.name}.start", PARAMETER, "Enumeration", declared, 0, point.start, group=MOTION)
             for what, unit in units.items():
                 declared = Quantity(unit, f"{what} of {point.name} at the start", -at.LARGEST_INPUT, at.LARGEST_INPUT)
-                yield from _vector(f"{point.name}.initial_{what}", PARAMETER, declared, getattr(point, what))
+                yield from _vector(f"{point.name}.initial_{what}", PARAMETER, declared, MOTION, getattr(point, what))
     for line in structure.lines:
         for each in parameters_of(RECORDS_OF_A_LINE, line.starts):
             yield replace(each, name=f"{line.name}.{each.name}")
@@ -214,7 +219,7 @@ def _known(structure, line, output, element, known):
     Between driven points each line has its own shape; where a free one is sought, all lines together have one. known : names
     of inputs and parameters.
     """
-    found = depends_on(DYNAMIC, output, element, line.shape_points, (), line.wind_points)
+    found = depends_on(DYNAMIC, output, element, line.shape_points, line.wind_points)
     if structure.free and any(name.startswith(("kite_position", "ground_position")) for name in found):
         return None
     named = (_dependency(name, structure, line) for name in found)
@@ -235,7 +240,7 @@ def _outputs(structure, known):
                 declared = replace(outputs.BY_NAME[f"kite_{what}"].quantity, meaning=f"{what} of {point.name}")
                 starts = [(name,) for name in components(f"{point.name}.initial_{what}", 3)]
                 known_of = (None, None, None) if what == "position" else starts
-                yield from _vector(f"{point.name}.{what}", OUTPUT, declared, known=known_of)
+                yield from _vector(f"{point.name}.{what}", OUTPUT, declared, MOTION, known=known_of)
             continue
         declared = replace(outputs.BY_NAME["kite_force"].quantity, meaning=f"force of its lines on {point.name}")
         at_it = [(line, end) for line in structure.lines for end, name in line.ends if name == point.name]
@@ -244,12 +249,12 @@ def _outputs(structure, known):
             _together(_known(structure, line, force, f"{force.name}[{i}]", known) for line, force in at_it)
             for i in (1, 2, 3)
         ]
-        yield from _vector(f"{point.name}.force", OUTPUT, declared, known=found)
+        yield from _vector(f"{point.name}.force", OUTPUT, declared, at_it[0][1].group, known=found)
     for line in structure.lines:
         yield from _outputs_of_line(structure, line, known)
     for name in outputs.COUNTERS:
         each = outputs.BY_NAME[name]
-        yield Variable(name, each.causality(), each.kind, each.quantity, 0)
+        yield Variable(name, each.causality(), each.kind, each.quantity, 0, group=each.group)
 
 
 def _outputs_of_line(structure, line, known):
@@ -259,12 +264,12 @@ def _outputs_of_line(structure, line, known):
         meaning = MEANINGS[own].format(dict(line.ends)[name.partition("_")[0]]) if own in MEANINGS else each.quantity.meaning
         found = _known(structure, line, each, name, known)
         quantity = replace(each.quantity, meaning=meaning)
-        yield Variable(f"{line.name}.{own}", OUTPUT, each.kind, quantity, 0, depends_on=found)
+        yield Variable(f"{line.name}.{own}", OUTPUT, each.kind, quantity, 0, depends_on=found, group=each.group)
     shape = outputs.BY_NAME["shape"]
     points = f"points on the line at equal unstretched length, {line.start} first"
     for name, meaning in elements(f"{line.name}.shape", points, POINTS, line.shape_points):
         quantity = replace(shape.quantity, meaning=meaning)
-        yield Variable(name, shape.causality(line.wind_points), "Real", quantity, 0)
+        yield Variable(name, shape.causality(line.wind_points), "Real", quantity, 0, group=shape.group)
 
 
 def table_of(structure):

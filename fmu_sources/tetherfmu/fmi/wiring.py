@@ -19,6 +19,7 @@ from ..runtime.parameters import Ground, Tether, Winch
 from ..runtime.quantities import doubts_in
 from ..runtime.variables import INPUT, PARAMETER, input_names, line_of_tether, parameters_at, references, wind_points_in
 from ..runtime.variants import BY_NAME, Variant, library_of
+from .selection import shown, with_starts
 from .system_variables import OF_A_LINE, OF_THE_SYSTEM, SUMMED, input_name, table_of
 
 FORCES = ("force", "tension_from", "tension_to")  # of a system: on driven points, and of lines at their ends
@@ -30,8 +31,11 @@ class Wiring(NamedTuple):
     name: str  # in saved states
     library: str  # of its kernels
     record: Variant | None  # of a tether alone, None for a system
-    table: tuple  # of `variables.Variable`
+    table: tuple  # of `variables.Variable`, of the full FMU
     references: list  # of the table
+    shown: tuple  # the variables that this FMU has, in the order of its description
+    shown_at: list  # their references
+    constants: list  # (reference, value) of inputs and parameters that it goes without
     ends: tuple  # number of inputs, of inputs and outputs, and of all values
     lines: tuple  # `instance.Line` of each
     quantities: list  # of each line: (name, reference, default) in the order of the kernel `pack`
@@ -49,18 +53,20 @@ class Wiring(NamedTuple):
     band: int = 0  # of their matrix
 
 
-def of_tether(variant, table, shape_points):
-    """`Wiring` of a tether alone with a table of `variables`."""
+def of_tether(variant, table, shape_points, left_out=()):
+    """`Wiring` of a tether alone with a table of `variables`; left_out : names of those that the FMU goes without."""
     points = wind_points_in(table)
     given, first = at.inputs_size(points), parameters_at(shape_points, points)
     listed = [each for each in table if each.causality == PARAMETER]
     own = {each.name: first + each.place for each in listed}
+    at_value = references(table, shape_points)
     return Wiring(
         name=variant,
         library=library_of(variant),
         record=BY_NAME[variant],
         table=table,
-        references=references(table, shape_points),
+        references=at_value,
+        **_selection(table, at_value, left_out),
         ends=(given, first, first + len(listed)),
         lines=(line_of_tether(shape_points, points),),
         quantities=[[(each.name, own[each.name], 0.0) for each in listed]],
@@ -73,9 +79,12 @@ def of_tether(variant, table, shape_points):
     )
 
 
-def of_system(structure):
-    """`Wiring` of a `system_variables.Structure`: the value reference of a variable is its place in the table."""
-    table = table_of(structure)
+def of_system(structure, left_out=(), starts=()):
+    """`Wiring` of a `system_variables.Structure`: the value reference of a variable is its place in the table.
+
+    left_out : as in `of_tether`.  starts : pairs (name, start value) that replace those of the structure.
+    """
+    table = with_starts(table_of(structure), starts)
     own = {each.name: each.place for each in table}
     given, fixed = (sum(each.causality == kind for each in table) for kind in (INPUT, PARAMETER))
     names = [line.name for line in structure.lines]
@@ -87,6 +96,7 @@ def of_system(structure):
         record=None,
         table=table,
         references=[each.place for each in table],
+        **_selection(table, [each.place for each in table], left_out),
         ends=(given, len(table) - fixed, len(table)),
         lines=lines_of(structure),
         quantities=[_quantities_of(line, own) for line in structure.lines],
@@ -103,6 +113,18 @@ def of_system(structure):
         free=structure.free,
         band=structure.band,
     )
+
+
+def _selection(table, references, left_out):
+    """What a `Wiring` says of the variables that its FMU has, and of those that it goes without."""
+    found = dict(zip((each.name for each in table), references, strict=True))
+    listed = shown(table, frozenset(left_out))
+    fixed = (each for each in table if each.name in left_out and each.start is not None)
+    return {
+        "shown": listed,
+        "shown_at": [found[each.name] for each in listed],
+        "constants": [(found[each.name], float(each.start)) for each in fixed],
+    }
 
 
 # --- of systems

@@ -8,29 +8,32 @@ tether differs. A test sets every input and parameter to another value and looks
 from .inputs import BY_NAME, DRIVEN_KITE, WITHOUT_EFFECT, components, wind_at_names
 
 POSITIONS = ("kite_position", "ground_position")
-LENGTH = ("initial_length", "winch_control", "winch_length", "winch_start")
-STRETCH = (*POSITIONS, *LENGTH, "axial_stiffness", "diameter", "density")
+# of a winch that starts in balance, its length depends on all that the shape does
+WINCH = (
+    *("initial_length", "winch_control", "winch_length", "winch_start"),
+    *("winch_force", "winch_damping", "winch_friction"),
+)
+STRETCH = (*POSITIONS, *WINCH, "axial_stiffness", "diameter", "density", "gravity")
 AIR_AT_REST = (
     *("wind_velocity", "diameter", "drag_coefficient", "air_density", "air_density_scale_height"),
     *("wind_profile", "wind_reference_height", "wind_exponent", "surface_roughness"),
 )
 AIR = ("kite_velocity", "ground_velocity", "end_velocities", *AIR_AT_REST)
 GROUND = ("ground_contact", "ground_height", "ground_friction", "ground_sink")
-FORM = (*STRETCH, *AIR, *GROUND, "gravity", "segments", "initial_shape", "slack_stiffness_ratio")
+FORM = (*STRETCH, *AIR, *GROUND, "segments", "initial_shape", "slack_stiffness_ratio")
 REELING = ("reel_out_speed",)
 WHERE_KITE_RESTS = (
-    *(*STRETCH, *AIR_AT_REST, *GROUND, "gravity", "segments", "slack_stiffness_ratio"),
+    *(*STRETCH, *AIR_AT_REST, *GROUND, "segments", "slack_stiffness_ratio"),
     *("kite_load", "kite_mass", "kite_start"),  # these of a free kite alone
 )
 FORCE = (*FORM, "axial_damping", "slack_damping_ratio", "damping_law", *REELING)
 
 
-def depends_on(variant, output, element, shape_points, left_out=(), wind_points=0):
+def depends_on(variant, output, element, shape_points, wind_points=0):
     """Names of the inputs and parameters that an element of an output depends on when initialization ends.
 
     variant : `variants.Variant`.  output : `outputs.Output`.  element : its FMI name, such as "kite_force[2]".
-    shape_points : number of points of the output `shape`.  left_out : inputs and parameters that this FMU does not have.
-    wind_points : number of points of the input `wind_at`.
+    shape_points : number of points of the output `shape`.  wind_points : of the input `wind_at`.
     """
     *point, component = element.removeprefix(output.name).strip("[]").split(",")
     declared = variant.depends_on.get(element, variant.depends_on.get(output.name, output.depends_on))
@@ -44,7 +47,7 @@ def depends_on(variant, output, element, shape_points, left_out=(), wind_points=
         blown = {name for vector in WITHOUT_EFFECT for name in _components(variant, vector, component)}
         names = (*(name for name in names if name not in blown), *wind_at_names(wind_points))
     reeling_is_felt = variant.has_waves or declared == REELING
-    unused = {*variant.ignored, *left_out, *(() if reeling_is_felt else REELING)}
+    unused = {*variant.ignored, *(() if reeling_is_felt else REELING)}
     return tuple(name for name in names if name not in unused)
 
 

@@ -38,6 +38,12 @@ class Input:
         """How many numbers it has."""
         return len(self.start)
 
+    @property
+    def group(self):
+        """Group of variables, see `fmi/groups.py`: that of its terminal, of both ends "motion"."""
+        terminal = self.terminal.partition(".")[0]
+        return "motion" if terminal in ("kite", "ground") else terminal
+
 
 INPUT_TABLE = (
     Input(

@@ -9,7 +9,7 @@ from inspect import cleandoc
 from math import inf, pi
 from typing import Any, NamedTuple
 
-from .dependencies import FORCE, FORM, LENGTH, REELING
+from .dependencies import FORCE, FORM, REELING
 from .limits import LARGEST_INTEGER, MAX_SEGMENTS
 from .quantities import DEGREES, Quantity, places_of
 
@@ -30,6 +30,7 @@ class Output:
     shape: tuple  # SCALAR, VECTOR or POINTS
     terminal: str  # of FMI 3, as of `inputs.Input`
     is_local: bool  # in FMI: to be read, not to be connected
+    group: str  # of variables, see `fmi/groups.py`
 
     def causality(self, wind_points=0):
         """LOCAL or OUTPUT. The wind at points (`inputs.WIND_AT`) is found where they are, so the shape is connected then."""
@@ -41,14 +42,17 @@ class Output:
         return self.shape[-1] if self.shape else 1
 
 
-def output(unit, meaning, depends_on, limits=ANY, display=(), shape=SCALAR, terminal="", is_local=False) -> Any:
+def output(
+    unit, meaning, depends_on, limits=ANY, display=(), shape=SCALAR, terminal="", is_local=False, group="shape"
+) -> Any:
     """Field of the record of outputs; its name and kind are those of the field."""
-    return Output("", "Real", Quantity(unit, meaning, *limits, display=display), depends_on, shape, terminal, is_local)
+    quantity = Quantity(unit, meaning, *limits, display=display)
+    return Output("", "Real", quantity, depends_on, shape, terminal, is_local, group)
 
 
 def counter(meaning) -> Any:
     """Field of the record for a number that says how the solver works, and nothing of the tether."""
-    return output("", meaning, (), COUNTED, is_local=True)
+    return output("", meaning, (), COUNTED, is_local=True, group="solver")
 
 
 class Outputs(NamedTuple):
@@ -64,13 +68,17 @@ class Outputs(NamedTuple):
     """
 
     ground_force: Array = output(
-        "N", "force of the tether on the ground station", FORCE, shape=VECTOR, terminal="ground.force"
+        "N", "force of the tether on the ground station", FORCE, shape=VECTOR, terminal="ground.force", group="forces"
     )
-    kite_force: Array = output("N", "force of the tether on the kite", FORCE, shape=VECTOR, terminal="kite.force")
-    ground_tension: float = output("N", "tension of the first segment", FORCE)
-    kite_tension: float = output("N", "tension of the last segment", FORCE)
-    max_tension: float = output("N", "largest tension of all segments", FORCE)
-    tether_length: float = output("m", "present unstretched length", LENGTH, NOT_NEGATIVE, terminal="winch.tether_length")
+    kite_force: Array = output(
+        "N", "force of the tether on the kite", FORCE, shape=VECTOR, terminal="kite.force", group="forces"
+    )
+    ground_tension: float = output("N", "tension of the first segment", FORCE, group="forces")
+    kite_tension: float = output("N", "tension of the last segment", FORCE, group="forces")
+    max_tension: float = output("N", "largest tension of all segments", FORCE, group="forces")
+    tether_length: float = output(
+        "m", "present unstretched length", FORM, NOT_NEGATIVE, terminal="winch.tether_length", group="winch"
+    )
     ground_elevation: float = output(
         "rad", "elevation at which the tether leaves the ground end", FORM, (-pi / 2.0, pi / 2.0), DEGREES
     )
@@ -82,40 +90,56 @@ class Outputs(NamedTuple):
         DEGREES,
     )
     slack_segments: int = output("", "number of segments that are shorter than unstretched", FORM, (0, MAX_SEGMENTS))
-    kite_end_mass: float = output(
-        "kg", "tether mass lumped at the kite end", (*LENGTH, "segments", "diameter", "density"), NOT_NEGATIVE
-    )
+    kite_end_mass: float = output("kg", "tether mass lumped at the kite end", FORM, NOT_NEGATIVE, group="coupling")
     kite_stiffness: float = output(
         "N/m",
         "axial stiffness of the tether at the kite end, all segments counted as taut",
-        (*LENGTH, "axial_stiffness"),
+        FORM,
         NOT_NEGATIVE,
+        group="coupling",
     )
     kite_damping: float = output(
         "N.s/m",
         "axial damping of the tether at the kite end, all segments counted as taut",
-        (*LENGTH, "axial_damping"),
+        (*FORM, "axial_damping"),
         NOT_NEGATIVE,
+        group="coupling",
     )
     winch_speed: float = output(
-        "m/s", "present reel-out speed, whatever controls the winch", REELING, terminal="winch.speed"
+        "m/s", "present reel-out speed, whatever controls the winch", REELING, terminal="winch.speed", group="winch"
     )
     grounded_length: float = output(
-        "m", "unstretched length that touches the ground, 0 without ground_contact", FORM, NOT_NEGATIVE
+        "m", "unstretched length that touches the ground, 0 without ground_contact", FORM, NOT_NEGATIVE, group="ground"
     )
-    wave_time: float = output("s", "travel time of a transverse wave over the tether", FORCE, NOT_NEGATIVE)
+    wave_time: float = output("s", "travel time of a transverse wave over the tether", FORCE, NOT_NEGATIVE, group="coupling")
     sag: float = output("m", "largest distance of the tether from its chord", FORM, NOT_NEGATIVE)
     solver_steps: int = counter("internal steps of the solver since the start")
     solver_rejections: int = counter("rejected internal steps of the solver since the start")
     solver_iterations: int = counter("Newton iterations since the start, for shapes and fixed steps")
     shape: Array = output(
-        "m", "points on the tether at equal unstretched length", FORM, shape=POINTS, terminal="wind.shape", is_local=True
+        "m",
+        "points on the tether at equal unstretched length",
+        FORM,
+        shape=POINTS,
+        terminal="wind.shape",
+        is_local=True,
+        group="shape",
     )
     kite_position: Array = output(
-        "m", "position of the kite attachment point", ("kite_position[*]",), shape=VECTOR, terminal="kite.position"
+        "m",
+        "position of the kite attachment point",
+        ("kite_position[*]",),
+        shape=VECTOR,
+        terminal="kite.position",
+        group="motion",
     )
     kite_velocity: Array = output(
-        "m/s", "velocity of the kite attachment point", ("kite_velocity[*]",), shape=VECTOR, terminal="kite.velocity"
+        "m/s",
+        "velocity of the kite attachment point",
+        ("kite_velocity[*]",),
+        shape=VECTOR,
+        terminal="kite.velocity",
+        group="motion",
     )
     solver_iteration_limit: int = counter(
         "the most iterations that the last communication step could take with its fixed steps (before the first: one fixed "
@@ -123,7 +147,10 @@ class Outputs(NamedTuple):
     )
     fallback_steps: int = counter("fixed steps since the start that a method of lower order took over")
     peak_tension: float = output(
-        "N", "largest tension of all segments since the last communication point, over all internal steps", FORCE
+        "N",
+        "largest tension of all segments since the last communication point, over all internal steps",
+        FORCE,
+        group="forces",
     )
 
 

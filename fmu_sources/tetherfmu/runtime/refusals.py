@@ -33,6 +33,7 @@ STATE_DAMAGED = "is damaged"
 STATE_OF_ANOTHER = "belongs to another tether FMU"
 STATE_WRONG_TOLERANCE = "has the tolerance {tolerance}; it must be from 0 to {largest}"
 STATE_WRONG_TIME = "has the time {time} s; it must be a finite number"
+STATE_OTHER_CONSTANT = "has {value!r} for {name}, which is {expected!r} in this FMU and cannot be set"
 STATE_WRONG_PARAMETER = "has a wrong parameter ({problem})"
 NO_INTEGER = "{name} is {value}; it must be an integer"
 

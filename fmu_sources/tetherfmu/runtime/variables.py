@@ -15,7 +15,7 @@ from .dependencies import depends_on
 from .inputs import DRIVEN_KITE, INPUT_TABLE, WIND_AT, WITHOUT_EFFECT, components, inputs_of, wind_at_names
 from .instance import Line
 from .outputs import ARRAY_ORDER, LOCAL, OUTPUT, POINTS, SCALAR, VECTOR
-from .parameters import RECORDS, FreeKite
+from .parameters import RECORDS, Environment, FreeKite, Ground, Solver, Tether, Winch
 from .quantities import Quantity, quantities
 from .variants import BY_NAME
 
@@ -34,8 +34,18 @@ class Variable:
     place: int  # in the `inputs` array or, behind it, in the `outputs` array; of a parameter, its number
     start: float | None = None  # of inputs and parameters
     depends_on: tuple | None = None  # of an output, names of what it depends on when initialization ends; None: on anything
+    group: str = ""  # see `fmi/groups.py`
 
 
+# group of the quantities of a record, see `fmi/groups.py`
+GROUP_OF = {
+    Tether: "tether",
+    Environment: "wind",
+    Solver: "solver",
+    Winch: "winch",
+    Ground: "ground",
+    FreeKite: "motion",
+}
 IGNORED_WITH_WIND_AT = "(ignored: the wind is that of wind_at)"
 INPUT_NAMES = tuple(name for each in INPUT_TABLE for name in components(each.name, each.size))  # by their places
 
@@ -74,12 +84,13 @@ def _input_variables(variant, wind_points):
         if wind_points and each.name in WITHOUT_EFFECT:
             each = replace(each, meaning=f"{each.meaning} {IGNORED_WITH_WIND_AT}")
         for i, (name, meaning) in enumerate(_input_elements(each)):
-            yield Variable(name, INPUT, "Real", Quantity(each.unit, meaning), place + i, each.start[i])
+            yield Variable(name, INPUT, "Real", Quantity(each.unit, meaning), place + i, each.start[i], group=each.group)
     for i, (name, meaning) in enumerate(elements(WIND_AT.name, WIND_AT.meaning, POINTS, wind_points)):
-        yield Variable(name, INPUT, "Real", Quantity(WIND_AT.unit, meaning), at.INPUTS + i, WIND_AT.start[i % 3])
+        quantity = Quantity(WIND_AT.unit, meaning)
+        yield Variable(name, INPUT, "Real", quantity, at.INPUTS + i, WIND_AT.start[i % 3], group=WIND_AT.group)
 
 
-def _output_variables(variant, shape_points, left_out, wind_points):
+def _output_variables(variant, shape_points, wind_points):
     """What is an input of this tether is no output of it."""
     given = {each.name for each in inputs_of(variant.kite_is_free)}
     for output in ARRAY_ORDER:
@@ -90,8 +101,8 @@ def _output_variables(variant, shape_points, left_out, wind_points):
         for i, (name, text) in enumerate(elements(output.name, meaning, output.shape, shape_points)):
             quantity = replace(output.quantity, meaning=text)
             causality = output.causality(wind_points)
-            known = depends_on(variant, output, name, shape_points, left_out, wind_points) if causality == OUTPUT else None
-            yield Variable(name, causality, output.kind, quantity, place + i, depends_on=known)
+            known = depends_on(variant, output, name, shape_points, wind_points) if causality == OUTPUT else None
+            yield Variable(name, causality, output.kind, quantity, place + i, depends_on=known, group=output.group)
 
 
 def names_of(table, causality):
@@ -112,7 +123,9 @@ def parameters_of(record_classes, starts=None):
         for name, declared in quantities(record):
             kind = "Enumeration" if declared.choices else "Integer" if isinstance(defaults[name], int) else "Real"
             start = (starts or {}).get(name, defaults[name])
-            variables.append(Variable(name, PARAMETER, kind, declared, len(variables), start))
+            variables.append(
+                Variable(name, PARAMETER, kind, declared, len(variables), start, group=GROUP_OF.get(record, ""))
+            )
     return variables
 
 
@@ -138,7 +151,7 @@ def _parameter_variables(variant, starts, wind_points=0):
             for (name, meaning), start in zip(_input_elements(at_start), each.start, strict=True):
                 declared = Quantity(each.unit, meaning, -at.LARGEST_INPUT, at.LARGEST_INPUT)
                 first = starts.get(name, start)
-                variables.append(Variable(name, PARAMETER, "Real", declared, len(variables), first))
+                variables.append(Variable(name, PARAMETER, "Real", declared, len(variables), first, group=each.group))
     return variables
 
 
@@ -148,27 +161,25 @@ PARAMETERS_WITHOUT_KITE = len(parameters_of(RECORDS))  # how many of them are no
 
 
 @lru_cache
-def variables(variant, shape_points, starts=(), left_out=(), wind_points=0):
+def variables(variant, shape_points, starts=(), wind_points=0):
     """The table of all variables, a tuple: inputs, outputs and local ones, parameters.
 
     variant : one of `variants.EVERY_VARIANT`.  shape_points : number of points of the output `shape`.
-    starts : pairs (input or parameter, start value) that replace defaults.  left_out : names of inputs and outputs that an
-    FMU for one scene goes without; such inputs stay 0.  wind_points : number of points of the input `wind_at`.
+    starts : pairs (input or parameter, start value) that replace defaults.  wind_points : number of points of the input
+    `wind_at`.
     """
     tether, first = BY_NAME[variant], dict(starts)
     given = [replace(each, start=first.get(each.name, each.start)) for each in _input_variables(tether, wind_points)]
-    found = _output_variables(tether, shape_points, left_out, wind_points)
-    table = (*given, *found, *_parameter_variables(tether, first, wind_points))
-    return tuple(variable for variable in table if variable.name not in left_out)
+    found = _output_variables(tether, shape_points, wind_points)
+    return (*given, *found, *_parameter_variables(tether, first, wind_points))
 
 
 def table_of(variant, options):
-    """The table of an FMU with these build options: `segments`, `shape_points`, if there are any `wind_points`, and of a
-    scene `starts` and `left_out`.
+    """The table of a tether with these build options: `segments`, `shape_points`, and if there are any `wind_points` and
+    `starts`.
     """
     starts = (("segments", options["segments"]), *map(tuple, options.get("starts", ())))
-    points = options["shape_points"], options.get("wind_points", 0)
-    return variables(variant, points[0], starts, tuple(options.get("left_out", ())), points[1])
+    return variables(variant, options["shape_points"], starts, options.get("wind_points", 0))
 
 
 def wind_points_in(table):

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, field, replace
 
-from .dependencies import AIR, GROUND, LENGTH, POSITIONS, STRETCH, WHERE_KITE_RESTS
+from .dependencies import AIR, GROUND, POSITIONS, STRETCH, WHERE_KITE_RESTS
 from .naming import meant
 
 
@@ -60,8 +60,6 @@ _ONE_LINE = {
 _AND_WEIGHT = (
     ": tension and the component of its half of the weight along the chord; negative at the lower end of a slack tether"
 )
-_SLACK = (*POSITIONS, *LENGTH)  # whether one line is slack
-_ACROSS = (*POSITIONS, *LENGTH, "axial_stiffness", *AIR)  # a horizontal force of the straight line knows no weight
 _DRIVEN = (  # of descriptions
     "In: position and velocity of the kite (and of the ground end), wind, reel-out speed. "
     "Out: force of the tether on kite and ground."
@@ -88,11 +86,11 @@ STRAIGHT = Variant(
         "sag": "largest distance of the tether from its chord: 0, this tether is straight",
     },
     depends_on={
-        **{f"{end}_force[{i}]": _ACROSS for end in ("ground", "kite") for i in (1, 2)},
-        **dict.fromkeys(("ground_tension", "kite_tension", "max_tension", "peak_tension"), (*STRETCH, "gravity")),
+        **dict.fromkeys(("ground_force", "kite_force"), (*STRETCH, *AIR)),
+        **dict.fromkeys(("ground_tension", "kite_tension", "max_tension", "peak_tension"), STRETCH),
+        **dict.fromkeys(("tether_length", "kite_end_mass", "kite_stiffness", "slack_segments"), STRETCH),
         "ground_elevation": POSITIONS,
         "ground_azimuth": tuple(f"{end}[{i}]" for end in POSITIONS for i in (1, 2)),
-        "slack_segments": _SLACK,
         "kite_damping": (),
         "grounded_length": (),
         "wave_time": STRETCH,
@@ -113,7 +111,7 @@ CATENARY = Variant(
     has_kink=False,
     ignored=_IGNORED_BY_A_CATENARY,
     meanings=_ONE_LINE,
-    depends_on={"slack_segments": _SLACK, "kite_damping": (), "kite_end_mass": ()},
+    depends_on={"kite_damping": (), "kite_end_mass": ()},
 )
 QUASI_STEADY = Variant(
     "quasi_steady",

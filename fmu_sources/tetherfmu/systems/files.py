@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from tetherfmu import lean
 from tetherfmu.input_files import (
     TABLE_OF_GROUND,
     ground_of,
@@ -15,6 +16,7 @@ from tetherfmu.input_files import (
     value_of,
     vector_in,
 )
+from tetherfmu.lean import Lean
 from tetherfmu.materials import tether_of
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.inputs import INPUT_TABLE
@@ -24,7 +26,7 @@ from tetherfmu.runtime.quantities import quantities, quantity
 
 from .records import Line, Point, check_system, checked_name
 
-TABLES = ("points", "lines", "environment", "ground", "solver")
+TABLES = ("points", "lines", "environment", "ground", "solver", "build")
 # names of variables and of the terminal that the whole system has, which no point and no line can have
 TAKEN = {"time", "wind", *(each.name for each in (*INPUT_TABLE, *OUTPUT_TABLE))} | {
     name for kind in (Environment, Solver, Ground) for name, _ in quantities(kind)
@@ -52,7 +54,7 @@ OF_A_LINE = ("from", "to", "material", *keys_of(TableOfLine))
 
 @dataclass(frozen=True)
 class SystemFile:
-    """What a file says of a system: its name, and the arguments of `TetherSystem`."""
+    """What a file says of a system: its name, the arguments of `TetherSystem`, and what its FMU is built with."""
 
     name: str
     points: tuple
@@ -60,6 +62,7 @@ class SystemFile:
     environment: Environment
     solver: Solver
     ground: Ground
+    build: Lean = field(default_factory=Lean)
 
 
 def load(path: str | Path) -> SystemFile:
@@ -86,7 +89,7 @@ def read(table, name):
     if "ground" in table:
         ground = ground_of(record(TABLE_OF_GROUND, table["ground"], "ground", ("contact",)), environment)
     solver = record(Solver, table.get("solver", {}), "solver")
-    return SystemFile(name, points, lines, environment, solver, ground)
+    return SystemFile(name, points, lines, environment, solver, ground, lean.read(table.get("build", {})))
 
 
 def named(tables, section):

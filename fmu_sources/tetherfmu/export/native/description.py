@@ -33,7 +33,7 @@ def text(model, token, sources=()):
 
     model : `fmus.Model`.  token : the guid.  sources : C files that an importer compiles.
     """
-    table = model.wiring.table
+    table = model.wiring.shown
     root = Element("fmiModelDescription", fmiVersion="2.0", guid=token, **facts(model))
     slave = SubElement(root, "CoSimulation", modelIdentifier=model.name, **CAPABILITIES)
     if sources:
@@ -44,7 +44,7 @@ def text(model, token, sources=()):
     root.append(types(table))
     root.append(categories())
     root.append(experiment(*model.times))
-    root.append(variables(table, model.wiring.references))
+    root.append(variables(table, model.wiring.shown_at))
     root.append(structure(table))
     return xml_text(root)
 

@@ -43,7 +43,7 @@ def text(model, token, sources=()):
 
     sources : not needed, FMI 3 has a file of its own for them.
     """
-    table = model.wiring.table
+    table = model.wiring.shown
     root = Element("fmiModelDescription", fmiVersion="3.0", instantiationToken=token, **facts(model))
     SubElement(root, "CoSimulation", modelIdentifier=model.name, **CAPABILITIES)
     root.append(units((*table, TIME)))
@@ -72,8 +72,12 @@ def terminals(table):
     )
 
 
-def terminals_of_system(structure):
-    """Text of terminalsAndIcons.xml: points, each a bus of position, velocity and force or load; winches of lines; wind."""
+def terminals_of_system(structure, table):
+    """Text of terminalsAndIcons.xml: points, each a bus of position, velocity and force or load; winches of lines; wind.
+
+    table : of the variables that the FMU has.
+    """
+    known = {variable.name.partition("[")[0] for variable in table}
     # the wind at its points along each line, or that which all lines share
     member = WIND_AT.terminal.partition(".")[2]
     winds = [
@@ -82,7 +86,8 @@ def terminals_of_system(structure):
         if line.wind_points
     ]
     shared = (WIND, TERMINALS[WIND], [(INPUTS[name].terminal.partition(".")[2], name) for name in GIVEN_TO_ALL])
-    return _buses((*map(_bus_of_point, structure.points), *map(_bus_of_winch, structure.lines), *(winds or [shared])))
+    listed = (*map(_bus_of_point, structure.points), *map(_bus_of_winch, structure.lines), *(winds or [shared]))
+    return _buses((*words, [each for each in members if each[1] in known]) for *words, members in listed)
 
 
 def _bus_of_point(point):

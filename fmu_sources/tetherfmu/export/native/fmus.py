@@ -21,6 +21,7 @@ from tetherfmu.runtime.variables import table_of
 from ..archive import DESCRIPTION, SLAVES, guid_of, write
 from ..build_options import BuildOptions
 from ..documents import documents
+from ..rehearsal import check_start
 from . import description, description_fmi3, host_header, sources
 from .tables import header, room_of
 
@@ -46,9 +47,12 @@ def build(name, folder, options=None, fmi=2, with_header=False, with_sources=Fal
     The arguments are those of `archive.build`; fmi : version, 2 or 3.  with_header, with_sources : as in `written`.
     """
     options = options or BuildOptions()
-    variant, given = SLAVES[name], DEFAULT_OPTIONS | options.as_dict()
+    variant = SLAVES[name]
+    given = DEFAULT_OPTIONS | options.of_slave(variant)
+    check_start(variant, given)
     about, table = options.description_of(variant), table_of(variant, given)
-    wiring, terminals = of_tether(variant, table, given["shape_points"]), description_fmi3.terminals(table)
+    wiring = of_tether(variant, table, given["shape_points"], given["left_out"])
+    terminals = description_fmi3.terminals(wiring.shown)
     model = Model(name, about, wiring, terminals, (given["step"], given["stop"]))
     files = documents(name, variant, about, options, native=fmi)
     return written(files, model, folder, options.platforms, fmi, with_header, with_sources, options.purpose)

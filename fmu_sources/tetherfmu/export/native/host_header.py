@@ -38,7 +38,7 @@ def text(file, identifier, wiring, fmi, token):
         time = (c_name("time"), wiring.ends[2], "Float64 [s]: simulation time")
         parts.append(_enumeration("independent", [time]))
     parts.append(_enumeration("numbers of values", _sizes(listed)))
-    parts.append(_enumeration("choices", _choices(wiring.table)))
+    parts.append(_enumeration("choices", _choices(wiring.shown)))
     return filled(
         "host_header.h",
         file=file,
@@ -64,7 +64,7 @@ def _references(wiring, listed, fmi, causality):
     if fmi == 3:
         found = [(each.name, each.reference, each.variables) for each in listed]
     else:
-        found = [(each.name, place, (each,)) for each, place in zip(wiring.table, wiring.references, strict=True)]
+        found = [(each.name, place, (each,)) for each, place in zip(wiring.shown, wiring.shown_at, strict=True)]
     for name, reference, variables in found:
         first = variables[0]
         if first.causality == causality:

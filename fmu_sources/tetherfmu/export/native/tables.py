@@ -39,7 +39,8 @@ def header(wiring, fmi, token):
             *_parameters(wiring, listed),
             *_lines(wiring),
             *_maps(wiring),
-            *variable_texts(wiring.table, wiring.references, widths, wiring.ends[2]),
+            *variable_texts(wiring.shown, wiring.shown_at, widths, wiring.ends[2]),
+            *_starts(wiring),
             *sentence_texts(),
             "#endif",
             "",
@@ -235,10 +236,9 @@ def limits_of(quantity):
 
 
 def variable_texts(table, at, widths, count):
-    """Name, kind, width and start value by value reference, of which there are so many; last the time. at : of the table."""
-    kinds, starts, names = [0] * count, [0.0] * count, [""] * count
+    """Name, kind and width by value reference, of which there are so many; last the time. at : of the table."""
+    kinds, names = [0] * count, [""] * count
     for reference, variable in zip(at, table, strict=True):
-        starts[reference] = float(variable.start or 0.0)
         if widths is None or reference in widths:
             is_array = (widths or {}).get(reference, 1) > 1
             names[reference] = variable.name.partition("[")[0] if is_array else variable.name
@@ -248,7 +248,19 @@ def variable_texts(table, at, widths, count):
         c_texts("NAME", [*names, "" if widths is None else "time"]),
         c_numbers("unsigned char KIND", [*kinds, 0 if widths is None else KINDS["Real"] | INDEPENDENT]),
         c_numbers("unsigned short WIDTH", [*wide, 1]),
+    ]
+
+
+def _starts(wiring):
+    """Start value by value reference, and the references of those that nobody can set."""
+    starts, names = [0.0] * wiring.ends[2], {}
+    for reference, variable in zip(wiring.references, wiring.table, strict=True):
+        starts[reference], names[reference] = float(variable.start or 0.0), variable.name
+    rows = ",\n    ".join(f"{{{place}, {c_text(names[place])}}}" for place, _ in wiring.constants) or '{0, ""}'
+    return [
         c_numbers("double START", starts),
+        f"static const struct {{ unsigned reference; const char *name; }} CONSTANT[] = {{\n    {rows}}};",
+        c_enumeration({"CONSTANTS": len(wiring.constants)}),
     ]
 
 

@@ -163,6 +163,20 @@ static Status check_integers(Instance *instance, const double *values)
     return OK;
 }
 
+/* Whether what this FMU has no variable for is as it is here. */
+static Status check_constants(Instance *instance, const double *values)
+{
+    for (int i = 0; i < CONSTANTS; i++) {
+        double value = values[CONSTANT[i].reference], expected = START[CONSTANT[i].reference];
+        if (value == expected) continue;
+        char text[LONGEST_TEXT];
+        fill_in(text, sizeof text, STATE_OTHER_CONSTANT, FACTS(
+            word("name", CONSTANT[i].name), real("value", value), real("expected", expected)));
+        return refuse_state(instance, text);
+    }
+    return OK;
+}
+
 /* Whether a number of a state is a set of so many bits. */
 static bool is_set(double number, int count)
 {
@@ -228,7 +242,7 @@ Status restore(Instance *instance, const Saved *saved)
     if (check_saved(instance, saved) != OK) return ERROR;
     memcpy(&head, saved->bytes, sizeof head);
     const double *values = (const double *)(saved->bytes + sizeof head);
-    if (check_integers(instance, values) != OK) return ERROR;
+    if (check_constants(instance, values) != OK || check_integers(instance, values) != OK) return ERROR;
     if (head.phase < STEPPING) {
         memcpy(instance->values, values, VALUES * sizeof(double));
         clear_outputs(instance->values);

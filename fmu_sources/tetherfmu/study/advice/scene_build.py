@@ -1,8 +1,12 @@
 """The FMU of one scene: the advised tether with the scene's values as start values, and no more variables than it needs."""
 
+from dataclasses import replace
+
+from tetherfmu.export.archive import SLAVES
 from tetherfmu.export.build_options import BuildOptions, Purpose
 from tetherfmu.fmi.system_variables import inputs_at
-from tetherfmu.runtime.variables import CALCULATED, variables
+from tetherfmu.lean import Lean
+from tetherfmu.runtime.variables import CALCULATED, table_of, variables
 from tetherfmu.study.measuring.runs import fmu_of, parameters_of
 from tetherfmu.study.measuring.tables import percent
 from tetherfmu.study.measuring.through_fmpy import inputs_of
@@ -26,16 +30,16 @@ def vector_of(name):
     return name.partition("[")[0]
 
 
-def left_out(scene, inputs, shape_points):
-    """Names of the inputs that are 0 all through a scene, and of what is calculated and it does not ask for: two tuples.
+def needed(scene, inputs, shape_points):
+    """Names of the inputs that are not 0 all through a scene, and of what is calculated and it asks for: two tuples.
 
-    inputs : as `through_fmpy.inputs_of` gives them.
+    Elements of vectors have the name of the vector.  inputs : as `through_fmpy.inputs_of` gives them.
     """
     moved = inputs.any().groupby(vector_of).transform("any")
     asked = set().union(*(VECTORS.get(each, {each}) for each in scene.wanted.outputs))
     outputs = [variable.name for variable in variables("dynamic", shape_points) if variable.causality in CALCULATED]
-    still = tuple(name for name in inputs if vector_of(name) not in KEPT and not moved[name])
-    return still, tuple(name for name in outputs if vector_of(name) not in asked)
+    moving = dict.fromkeys(vector_of(name) for name in inputs if vector_of(name) in KEPT or moved[name])
+    return tuple(moving), tuple(dict.fromkeys(vector_of(name) for name in outputs if vector_of(name) in asked))
 
 
 def rounded(value):
@@ -48,10 +52,11 @@ def vectors_in_words(names):
     return ", ".join(dict.fromkeys(map(vector_of, names))) or "none"
 
 
-def advised(path, shape_points, platforms):
+def advised(path, shape_points, platforms, given=Lean()):  # noqa: B008 (a constant)
     """The advice for a scene file as text, whether it meets what is asked, the name of the FMU and its `BuildOptions`.
 
-    shape_points : of the output `shape`, if the scene asks for it.  platforms : as in `BuildOptions`.
+    shape_points : of the output `shape`, if the scene asks for it.  platforms : as in `BuildOptions`.  given : `Lean`, what
+    it has counts before what the file says, and that before what the scene needs.
     SceneError says in one line what is wrong with the file, or why its scene cannot be flown.
     """
     scene = load(path)
@@ -60,17 +65,19 @@ def advised(path, shape_points, platforms):
     config = advice.point.config
     points = shape_points if "shape" in scene.wanted.outputs else 0
     inputs = inputs_of(scene, config.step)
-    no_inputs, no_outputs = left_out(scene, inputs, points)
-    about = (
-        f"For the scene {scene.name}: expected error of {', '.join(scene.wanted.outputs)} at most "
-        f"{percent(advice.expected)} at a communication step of {1e3 * config.step:g} ms. Left out: inputs that are 0 in "
-        f"the scene ({vectors_in_words(no_inputs)}); outputs and local variables that it does not ask for "
-        f"({vectors_in_words(no_outputs)})."
-    )
-    page = body(f"# {scene.name}\n\n{about}\n\n```text\n{text}\n```")
+    name, (moving, asked) = fmu_of(scene, config), needed(scene, inputs, points)
     fixed = {"fixed_step": config.fixed_step} if scene.wanted.fixed else {}
     found = inputs.iloc[0].to_dict() | parameters_of(scene, config) | fixed
     starts = tuple((name, rounded(value)) for name, value in found.items())
-    purpose = Purpose(scene.name, no_inputs + no_outputs, about, config.step, rounded(scene.duration), page)
-    options = BuildOptions(config.segments or 1, points, platforms, starts, purpose, scene.wind_points)
-    return text, advice.met, fmu_of(scene, config), options
+    lean = given.over(scene.build.over(Lean(moving, asked, None, starts)))
+    options = BuildOptions(config.segments or 1, points, platforms, lean, None, scene.wind_points)
+    variant = SLAVES[name]
+    missing = lean.left_out(table_of(variant, options.of_slave(variant)))
+    about = (
+        f"For the scene {scene.name}: expected error of {', '.join(scene.wanted.outputs)} at most "
+        f"{percent(advice.expected)} at a communication step of {1e3 * config.step:g} ms. The FMU goes without what is "
+        f"0 in the scene, or not asked for: {vectors_in_words(missing)}."
+    )
+    page = body(f"# {scene.name}\n\n{about}\n\n```text\n{text}\n```")
+    purpose = Purpose(scene.name, about, config.step, rounded(scene.duration), page)
+    return f"{text}\n{about}", advice.met, name, replace(options, purpose=purpose)

@@ -9,8 +9,10 @@ from typing import Any
 
 import numpy as np
 
+from tetherfmu import lean
 from tetherfmu.console.ending import WrongUse
 from tetherfmu.input_files import TABLE_OF_GROUND, ground_of, name_in, record, require, tables_of, value_of, without
+from tetherfmu.lean import Lean
 from tetherfmu.results import StepRefused
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.inputs import COUNT, by_name
@@ -104,6 +106,7 @@ class Scene:
     every: float = EVERY  # time between two compared outputs [s]: a whole number of communication steps
     kite_is_free: bool = False  # after the start
     reel_out_speed: float = 0.0  # constant, of the winch, in races only [m/s]
+    build: Lean = field(default_factory=Lean)  # of its FMU
     __post_init__ = check
 
     @property
@@ -204,7 +207,7 @@ def load(path):
 
 def read(table, folder, name):
     """`Scene` from the table of a file in a folder; ValueError names the key."""
-    require(table, "", ("name", "duration", "flight", *RECORDS), REQUIRED[""])
+    require(table, "", ("name", "duration", "flight", *RECORDS, "build"), REQUIRED[""])
     flight = read_flight(table["flight"], folder)
     if flight.initial_length is not None and isinstance(table["tether"], dict):
         table = {**table, "tether": {"initial_length": flight.initial_length, **table["tether"]}}
@@ -235,7 +238,14 @@ def read(table, folder, name):
         digest.update(repr(records["wind"].state_of_file).encode())
     every = step * max(1, round(EVERY / step)) if step else EVERY
     scene = Scene(
-        name, duration, flight, **records, digest=digest.hexdigest()[:16], every=every, kite_is_free=flight.kite_is_free
+        name,
+        duration,
+        flight,
+        **records,
+        digest=digest.hexdigest()[:16],
+        every=every,
+        kite_is_free=flight.kite_is_free,
+        build=lean.read(table.get("build", {})),
     )
     scene.wind_at(every)  # refused here rather than in a flight
     return scene
