@@ -13,6 +13,7 @@ from tetherfmu.export.archive import SLAVES
 from tetherfmu.export.build_options import BuildOptions, Purpose
 from tetherfmu.export.native import fmus as native
 from tetherfmu.export.native.host_header import c_name
+from tetherfmu.lean import Lean
 
 every_header = pytest.mark.parametrize(("fmi", "name"), [(fmi, name) for fmi in (2, 3) for name in SLAVES])
 
@@ -81,7 +82,9 @@ def test_equal_options_give_equal_bytes(native_folder, tmp_path):
 def test_an_fmu_for_one_purpose(tmp_path):
     """Its header has its name, and what it has of variables."""
     purpose = Purpose("my-scene é", "For a test.", 0.02, 10.0, "<p>A page.</p>")
-    made = native.build("TetherStraight", tmp_path, BuildOptions(purpose=purpose), with_header=True)
+    made = native.build(
+        "TetherStraight", tmp_path, BuildOptions(purpose=purpose, lean=Lean(outputs=("kite_force",))), with_header=True
+    )
     header = made.with_suffix(".h")
     assert header.name == "TetherStraight_my-scene é.h"
     assert "#ifndef TETHERSTRAIGHT_MY_SCENE___H\n" in header.read_text("utf-8")

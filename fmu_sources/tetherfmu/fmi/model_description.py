@@ -48,10 +48,15 @@ def complete(root, table, references):
     for name in ("ModelVariables", "ModelStructure"):
         root.remove(root.find(name))
     place = list(root).index(root.find("CoSimulation")) + 1
-    root.insert(place, units(table))
-    root.insert(place + 1, types(table))
+    for element in reversed(definitions(table)):
+        root.insert(place, element)
     root.append(variables(table, references))
     root.append(structure(table))
+
+
+def definitions(table):
+    """UnitDefinitions and TypeDefinitions of a table of variables, a list; those that would be empty are not allowed."""
+    return [element for element in (units(table), types(table)) if len(element)]
 
 
 def number_text(value):

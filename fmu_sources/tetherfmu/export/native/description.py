@@ -2,7 +2,7 @@
 
 from xml.etree.ElementTree import Element, SubElement
 
-from tetherfmu.fmi.model_description import number_text, structure, types, units, variables
+from tetherfmu.fmi.model_description import definitions, number_text, structure, variables
 from tetherfmu.runtime import __version__
 from tetherfmu.runtime.parameters import DEFAULT_TOLERANCE
 
@@ -40,8 +40,7 @@ def text(model, token, sources=()):
         listed = SubElement(slave, "SourceFiles")
         for file in sources:
             SubElement(listed, "File", name=file)
-    root.append(units(table))
-    root.append(types(table))
+    root.extend(definitions(table))
     root.append(categories())
     root.append(experiment(*model.times))
     root.append(variables(table, model.wiring.shown_at))

@@ -47,7 +47,8 @@ def text(model, token, sources=()):
     root = Element("fmiModelDescription", fmiVersion="3.0", instantiationToken=token, **facts(model))
     SubElement(root, "CoSimulation", modelIdentifier=model.name, **CAPABILITIES)
     root.append(units((*table, TIME)))
-    root.append(_types(table))
+    if enumerations(table):
+        root.append(_types(table))
     root.append(categories())
     root.append(experiment(*model.times))
     listed = arrays(model.wiring)

@@ -1,0 +1,208 @@
+"""Lean FMUs: with what was chosen and no more, and with the numbers of the full FMU to the bit."""
+
+import math
+import zipfile
+
+import pytest
+from fmpy import read_model_description
+
+from isolation import in_shared_process
+from runtime.host import Host, blob_of, restore
+from tetherfmu import lean
+from tetherfmu.check.__main__ import main as check
+from tetherfmu.commands import build as command
+from tetherfmu.export import archive, systems
+from tetherfmu.export.build_options import BuildOptions
+from tetherfmu.export.native import fmus as native
+from tetherfmu.lean import PRESETS, Lean
+from tetherfmu.runtime.variables import variables
+
+FLAVOURS = {"pythonfmu": archive.build, "native": native.build, "fmi3": lambda *given: native.build(*given, fmi=3)}
+WINDY = Lean(("motion", "reel_out_speed"), ("forces",), (), (("wind_velocity", (8.0, 1.0, 0.0)), ("diameter", "5 mm")))
+SYSTEM = """
+build = {outputs = ["tension_from", "*.force"], parameters = ["gravity"], set = {"rope.diameter" = "6 mm", gravity = 3.7}}
+[points]
+mast = {position = [0, 0, 20]}
+load = {mass = "50 kg"}
+[lines]
+rope = {from = "mast", to = "load", initial_length = "10 m", segments = 4}
+"""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """TetherDynamic with the choice `WINDY`, and the full one, in all flavours."""
+    folder = tmp_path_factory.mktemp("lean")
+    for flavour, build in FLAVOURS.items():
+        build("TetherDynamic", folder / flavour, BuildOptions(lean=WINDY))
+        build("TetherDynamic", folder / f"full_{flavour}")
+    return folder
+
+
+def names_of(path):
+    """Names of the vectors and scalars of an FMU by causality."""
+    found = {}
+    for each in read_model_description(str(path)).modelVariables:
+        found.setdefault(each.causality, {})[each.name.partition("[")[0]] = each.valueReference
+    return found
+
+
+def flown(host):
+    """Forces after each step of a flight outwards that winds in."""
+    rows = []
+    for k in range(20):
+        angle = 0.02 * k
+        kite = 300.0 * math.cos(angle), 300.0 * math.sin(angle), 402.0
+        host.step(0.02, kite_position=kite, kite_velocity=(0.0, 300.0, 0.0), reel_out_speed=0.1 * k)
+        rows.append([host.get(name) for name in ("kite_force", "ground_force", "peak_tension")])
+    return rows
+
+
+@pytest.mark.parametrize("flavour", FLAVOURS)
+@in_shared_process
+def test_numbers_and_references_are_those_of_the_full_fmu(folder, flavour):
+    hosts = [Host(folder / name / "TetherDynamic.fmu") for name in (flavour, f"full_{flavour}")]
+    small, full = hosts
+    assert set(small.reference.items()) < set(full.reference.items())
+    small.start()
+    share = (0.005 / 0.004) ** 2
+    full.start(wind_velocity=(8.0, 1.0, 0.0), diameter=0.005, axial_stiffness=share * 614600.0, axial_damping=share * 473.0)
+    assert flown(small) == flown(full)
+    for host in hosts:
+        host.close()
+
+
+@pytest.mark.parametrize("flavour", FLAVOURS)
+def test_it_has_what_was_chosen(folder, flavour):
+    found = names_of(folder / flavour / "TetherDynamic.fmu")
+    found.pop("independent", None)
+    motion = {"kite_position", "kite_velocity", "ground_position", "ground_velocity"}
+    forces = {"ground_force", "kite_force", "ground_tension", "kite_tension", "max_tension", "peak_tension"}
+    assert {key: set(value) for key, value in found.items()} == {"input": {*motion, "reel_out_speed"}, "output": forces}
+
+
+@pytest.mark.parametrize("flavour", FLAVOURS)
+def test_it_passes_its_check(folder, flavour, capsys):
+    """With the evidence set of what it has, and a page that lists the constants."""
+    path = folder / flavour / "TetherDynamic.fmu"
+    assert check([str(path)]) == 0, capsys.readouterr().out
+    with zipfile.ZipFile(path) as opened:
+        page = opened.read("documentation/index.html").decode("utf-8")
+        assert "documentation/evidence/TetherDynamic_ref.csv" in opened.namelist()
+    assert "<h2>Constants</h2>" in page
+    assert "<td><code>wind_velocity[1..3]</code></td><td>m/s</td><td>8, 1, 0</td>" in page
+
+
+@pytest.mark.parametrize("flavour", ["pythonfmu", "native"])
+@in_shared_process
+def test_a_state_with_another_constant_is_refused(folder, flavour):
+    small, full = (Host(folder / name / "TetherDynamic.fmu") for name in (flavour, f"full_{flavour}"))
+    small.start()
+    full.start(wind_velocity=(8.0, 1.0, 0.0))
+    words = "has 0.004 for diameter, which is 0.005 in this FMU and cannot be set"
+    small.refuses(lambda: restore(small, blob_of(full)), words)
+    other = Host(folder / flavour / "TetherDynamic.fmu").start()
+    small.step(0.02)
+    restore(other, blob_of(small))
+    assert other.get("kite_force") == small.get("kite_force")
+    for host in (small, full, other):
+        host.close()
+
+
+@pytest.mark.parametrize("preset", PRESETS)
+@pytest.mark.parametrize("variant", ["dynamic", "dynamic_free"])
+def test_presets_name_what_there_is(preset, variant):
+    table = variables(variant, 3)
+    missing = Lean(preset=preset).left_out(table)
+    kept = {each.name.partition("[")[0] for each in table} - {name.partition("[")[0] for name in missing}
+    assert 12 < len(kept) < 30
+    named = {name for each in PRESETS.values() for names in each.values() for name in names}
+    of_systems = {"position", "velocity", "load", "force", "tension_from", "tension_to", "mass"}
+    assert named - of_systems <= {each.name.partition("[")[0] for each in (*variables("dynamic_free", 3), *table)} | {
+        "kite_load"
+    }
+
+
+@in_shared_process
+def test_a_system_and_its_file(tmp_path):
+    (tmp_path / "Hoist.toml").write_text(SYSTEM)
+    for flavour in (None, 2, 3):
+        path = systems.build(tmp_path / "Hoist.toml", tmp_path / str(flavour), native=flavour)
+        found = names_of(path)
+        assert set(found["output"]) == {"rope.tension_from", "mast.force"}
+        assert set(found["parameter"]) == {"gravity"}
+        assert "local" not in found
+        host = Host(path).start()
+        rope = 0.25 * math.pi * 0.006**2 * 724.0 * 10.0
+        assert host.get("mast.force[3]") == pytest.approx(-3.7 * (50.0 + rope), rel=1e-9)
+        assert host.get("rope.tension_from") == pytest.approx(3.7 * (50.0 + 7.0 / 8.0 * rope), rel=1e-9)
+        host.close()
+
+
+def test_c_sources_and_header(tmp_path):
+    """A constant is one in the C sources; header and tables do not name it."""
+    options = BuildOptions(shape_points=0, lean=Lean(parameters=("initial_length",), starts=(("gravity", 1.5),)))
+    path = native.build("TetherStraight", tmp_path, options, with_header=True, with_sources=True)
+    header = path.with_suffix(".h").read_text()
+    assert "TETHER_INITIAL_LENGTH =" in header
+    assert "GRAVITY" not in header
+    with zipfile.ZipFile(path) as opened:
+        tables = opened.read("sources/tables.h").decode()
+    constants = tables[tables.index("CONSTANT[]") :]
+    assert '"gravity"}' in constants[: constants.index("};")]
+    assert '"initial_length"}' not in constants[: constants.index("};")]
+
+
+WRONG = {
+    "--outputs kite_fors": "outputs: this FMU has no 'kite_fors' among its outputs; did you mean kite_force?",
+    "--outputs kite_force[1]": "outputs: kite_force[1] is an element of kite_force; a vector is there as a whole, or not",
+    "--inputs diameter": "inputs: this FMU has no 'diameter' among its inputs",
+    "--set diametr=4": "there is no input or parameter 'diametr' to set; did you mean diameter?",
+    "--set segments=2.5": "segments is 2.5; it must be a whole number",
+    "--set initial_length=-3": "initial_length is -3.0; it must be at least 0.01 m and at most 100000 m",
+    "--set wind_velocity=8": "wind_velocity is '8'; it must be 3 numbers",
+    "--set wind_profile=5": "wind_profile is 5; it must be one of 1 (uniform), ",
+    "--set wind_profile=3 --set surface_roughness=7": "the FMU would refuse its start values: ",
+}
+
+
+@pytest.mark.parametrize("options", WRONG)
+def test_wrong_choices(options, tmp_path, capsys):
+    """They end the command with status 2 and one line, and leave no file."""
+    assert command.main(["straight", *options.split(), "--out", str(tmp_path)]) == 2
+    told = capsys.readouterr().err
+    assert WRONG[options] in told
+    assert told.count("\n") == 1
+    assert not list(tmp_path.iterdir())
+
+
+def test_wrong_tables_of_files():
+    for table, words in (
+        ({"input": []}, "unknown key build.input; did you mean inputs?"),
+        ({"outputs": "kite_force"}, "build.outputs is 'kite_force'; it must be a list of names"),
+        ({"preset": "kit"}, "build.preset is 'kit'; did you mean kite?"),
+        ({"set": 3}, r"build.set is 3; it must be a table \[build.set\] of start values"),
+    ):
+        with pytest.raises(ValueError, match=words.replace("?", r"\?")):
+            lean.read(table)
+    both = Lean(inputs=("motion",), starts=(("gravity", 1.0),)).over(Lean(outputs=("forces",), starts=(("density", 970.0),)))
+    assert both == Lean(("motion",), ("forces",), None, (("density", 970.0), ("gravity", 1.0)))
+
+
+def test_parameters_come_in_groups(folder):
+    """Those that are set first are first, all others by their groups, in the description as on the page."""
+    description = read_model_description(str(folder / "full_native" / "TetherDynamic.fmu"))
+    listed = [each.name for each in description.modelVariables if each.causality == "parameter"]
+    assert listed[:4] == ["initial_length", "diameter", "density", "axial_stiffness"]
+    group = {each.name: each.group for each in variables("dynamic", 3)}
+    rest = [group[name] for name in listed[12:]]
+    assert [each for k, each in enumerate(rest) if k == 0 or rest[k - 1] != each] == [
+        "tether",
+        "winch",
+        "wind",
+        "ground",
+        "solver",
+    ]
+    with zipfile.ZipFile(folder / "full_native" / "TetherDynamic.fmu") as opened:
+        page = opened.read("documentation/index.html").decode("utf-8")
+    assert page.index("what is set first") < page.index("<code>initial_length</code>") < page.index("material and segments")
