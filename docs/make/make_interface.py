@@ -1,11 +1,14 @@
 """Write docs/use/interface.md from the table of FMI variables: `python docs/make/make_interface.py`."""
 
+from itertools import product
 from pathlib import Path
 
 from tetherfmu.export.archive import SLAVES
 from tetherfmu.export.documents import folded, meaning, start
 from tetherfmu.fmi.model_description import number_text
 from tetherfmu.fmi.resources import DEFAULT_OPTIONS
+from tetherfmu.fmi.selection import GROUPS, in_order
+from tetherfmu.lean import LISTS, PRESETS, Lean
 from tetherfmu.runtime.inputs import WIND_AT
 from tetherfmu.runtime.variables import INPUT, LOCAL, OUTPUT, PARAMETER, variables
 from tetherfmu.runtime.variants import TABLE, class_name
@@ -163,6 +166,29 @@ control initial_length must lie between them.
 Parameters that a tether ignores (their range is checked all the same):
 
 {ignored}
+
+## Only what a scene needs
+
+A full FMU has all of this. A lean one has the variables that you name, and no other:
+
+```bash
+tetherfmu build TetherDynamic --preset kite
+tetherfmu build TetherDynamic --inputs motion,reel_out_speed --outputs forces --parameters none --set wind_velocity=8,0,0
+```
+
+`--inputs`, `--outputs` (local variables, too) and `--parameters` take names without the index of an element, groups and
+patterns with * and ?; `none` is none, and what is not given has all. In a system a name without its point or line stands
+for those of all. What is left out is constant: it keeps its start value, or that of `--set NAME=VALUE`, which takes any
+input or parameter, with a unit if you like ("6 mm"). A diameter alone scales stiffness and damping. The builder checks the
+start values as the FMU does at its start. Value references and numbers are those of the full FMU. Saved states go from one to
+the other where the constants are equal, and are refused where they are not. Files of scenes and systems have the
+same keys in a table `[build]` (`inputs`, `outputs`, `parameters`, `preset`, and a table `set`); in Python it is the argument
+`lean` of `BuildOptions`. The documentation page in the FMU lists its constants. With the usual start values an evidence set
+goes with it, of the variables that it has; with others where the scene of the set can still be flown.
+
+{presets}
+
+{groups}
 """
 
 
@@ -188,13 +214,36 @@ def signals(causality):
 
 
 def parameters():
-    """Table of the parameters."""
+    """Table of the parameters, in the order of the model description."""
     rows = [
         (f"`{v.name}`", v.quantity.unit or "-", number_text(v.start), v.quantity.in_words(), v.quantity.meaning)
-        for v in variables("dynamic", 0)
+        for v in in_order(variables("dynamic", 0))
         if v.causality == PARAMETER
     ]
     return table(("name", "unit", "start", "allowed", "meaning"), rows)
+
+
+def presets():
+    """Table of what each preset leaves of the two dynamic tethers, and how many variables FMI 2 counts."""
+    rows = []
+    for preset, variant in product([None, *PRESETS], ("dynamic", "dynamic_free")):
+        full = variables(variant, DEFAULT_OPTIONS["shape_points"])
+        missing = Lean(preset=preset).left_out(full)
+        kept = [each for each in full if each.name not in missing]
+        counts = [
+            str(len({each.name.partition("[")[0] for each in kept if each.causality in causalities}))
+            for causalities in LISTS.values()
+        ]
+        rows.append((f"`{preset}`" if preset else "none", class_name(variant), *counts, str(len(kept))))
+    return table(("preset", "FMU", "inputs", "outputs and local variables", "parameters", "variables of FMI 2"), rows)
+
+
+def groups():
+    """Table of the groups and their variables."""
+    found = {}
+    for each in (*variables("dynamic_free", 1), *variables("dynamic", 1, wind_points=2)):
+        found.setdefault(each.group, {})[f"`{each.name.partition('[')[0]}`"] = None
+    return table(("group", "what", "variables"), [(f"`{key}`", what, ", ".join(found[key])) for key, what in GROUPS.items()])
 
 
 def free_kite():
@@ -230,6 +279,8 @@ def page():
         parameters=parameters(),
         notes=by_tether("meanings", "meaning"),
         ignored=by_tether("ignored", "why"),
+        presets=presets(),
+        groups=groups(),
         points=DEFAULT_OPTIONS["shape_points"],
         segments=DEFAULT_OPTIONS["segments"],
     )

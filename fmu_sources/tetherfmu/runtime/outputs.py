@@ -43,7 +43,7 @@ class Output:
 
 
 def output(
-    unit, meaning, depends_on, limits=ANY, display=(), shape=SCALAR, terminal="", is_local=False, group="shape"
+    unit, meaning, depends_on, limits=ANY, display=(), shape=SCALAR, terminal="", is_local=False, group="geometry"
 ) -> Any:
     """Field of the record of outputs; its name and kind are those of the field."""
     quantity = Quantity(unit, meaning, *limits, display=display)

@@ -4,7 +4,7 @@ The kernels note it in the state (`layout.WARNINGS`), see `kernels/step/plausibi
 """
 
 from . import layout as at
-from .limits import STIFF
+from .limits import DEEPEST_START, STIFF
 
 LARGEST_STRETCH = 1.05  # length of a segment over its unstretched length [-]; ropes of Dyneema break near 1.04
 LARGEST_ACCELERATION = 9810.0  # of an end [m/s2]: 1000 times gravity
@@ -15,7 +15,7 @@ SLACK = 0.99  # distance of the ends over the length, below which a tether is sl
 LEAST_RESISTANCE = 0.1  # tension over the force of a winch that reels in, below which hardly more than inertia resists [-]
 LARGEST_EXCESS = 0.05  # of a length that the winch follows over the distance of the ends, part of the distance [-]
 SHALLOW = 0.01  # of the length: how far below the ground a tether without ground contact may hang [-]
-UNDER = 0.1  # how far below the ground a driven end may be where there is ground contact [m]
+UNDER = DEEPEST_START  # the ground, where there is ground contact [m]
 NEARBY = 10.0  # such an excess that nobody need hear of [m]: loads are set down, and drones land near their winch
 LARGEST_PART_OF_DAMPING = 0.1  # E A h of backward Euler with fixed steps h over the damping of a segment [-]
 MOST_OFF_CHORD = 0.05  # of its load, by which that on the shape of a catenary differs from that along its chord [-]
