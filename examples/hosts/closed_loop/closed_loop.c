@@ -134,15 +134,16 @@ static fmi3Status do_step(double time)
     return fmu.DoStep(tether, time, STEP, fmi3True, &event, &end, &early, &reached);
 }
 
-/* Do a step with a load [N]; if it is refused, with the load of the step before. Returns how many times it was refused. */
+/* Do a step with a load [N]; if it is refused, with the load of the step before. Returns whether it was refused. */
 static int step_with(Vector load, double time, fmi3FMUState *before)
 {
     check(fmu.GetFMUState(tether, before)); /* with the inputs; takes memory the first time only */
     set_vector(TETHER_KITE_LOAD, load);
-    if (do_step(time) <= fmi3Warning) return 0;
-    check(fmu.SetFMUState(tether, *before));
-    check(do_step(time));
-    return 1;
+    const fmi3Status status = do_step(time);
+    const int refused = status == fmi3Discard;
+    if (refused) check(fmu.SetFMUState(tether, *before));
+    check(refused ? do_step(time) : status);
+    return refused;
 }
 
 static void take_note(Summary *summary, Vector force)
