@@ -76,7 +76,7 @@ def check_effect(name, value, parameters, at_start=False, label=""):
 
     value : a number or an array.  at_start : where a winch takes `reel_out_speed` in any case.  label : its name there.
     """
-    if value is None or not np.any(value) or not np.all(np.isfinite(value)):  # which the start or the step refuses
+    if value is None:
         return
     control, why = parameters[at.WINCH_CONTROL], ""
     if _LEADS.get(name, control) != control and not (at_start and name == "reel_out_speed"):
@@ -86,7 +86,7 @@ def check_effect(name, value, parameters, at_start=False, label=""):
     elif name in ("kite_velocity", "ground_velocity") and parameters[at.END_VELOCITIES] == at.DERIVED:
         at_kite = name == "kite_velocity" and parameters[at.KITE_IS_FREE] != 0.0
         why = "" if at_kite else "end_velocities is 2 (derived); it must be 1 (given)"
-    if why:
+    if why and np.any(value) and np.all(np.isfinite(value)):  # what is not finite the start or the step refuses
         shown = np.asarray(value).item() if np.size(value) == 1 else value
         raise ValueError(f"{label or name} is {shown!r} and has no effect: {why}")
 
