@@ -98,7 +98,8 @@ CORRECTION_LEFT = LONGEST_SO_FAR + 1  # time in which the ends and the length st
 FALLBACKS = CORRECTION_LEFT + 1  # fixed steps of lower order than asked for since the start
 RECENT_FALLBACKS = FALLBACKS + 1  # part of about the last 1000 fixed steps that they are [-]
 PEAK_SO_FAR = FALLBACKS + 2  # largest tension [N] after the internal steps but the last of the last communication step
-GIVEN_DERIVATIVES = FALLBACKS + 3  # sum of 2**k, k of the inputs whose derivatives are given for the next step
+ACCELERATION = FALLBACKS + 3  # rate of REELING at the end of the last step [m/s2]
+GIVEN_DERIVATIVES = FALLBACKS + 4  # sum of 2**k, k of the inputs whose derivatives are given for the next step
 INPUT_DERIVATIVES = GIVEN_DERIVATIVES + 1  # those derivatives [1/s times the unit of the input], in the order of the inputs
 STATE_HEADER = INPUT_DERIVATIVES + INPUTS
 

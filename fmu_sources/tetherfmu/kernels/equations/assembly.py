@@ -38,7 +38,7 @@ from ..linear_algebra.matrices import (
 )
 from ..linear_algebra.pairs import broadcast, first, load_pair, number_at, pair, second
 from ..linear_algebra.vectors import ZERO_VECTOR, add, dot, get, norm, put, scale, sub
-from . import node_loads, segment
+from . import flow, node_loads, segment
 from .properties import has_drag, point_mass, property_of, rest_length, sees_reeling
 
 DIRECTION_AND_LENGTH = 8  # numbers of a segment and of its mirror image in the array of `find_segments`
@@ -95,7 +95,7 @@ def found_segment(segments, s):
 def node_forces(chain, modes, x, v, mass, segments, force):
     """Forces of tension, drag and loads on all nodes [N] into `force` (modified).
 
-        F_i = T_i e_i - T_(i-1) e_(i-1) + half drags + f_i
+        F_i = T_i e_i - T_(i-1) e_(i-1) + half drags + f_i, and those of rope that flows past them (`flow.py`)
 
     `motion.accelerations` has this sum in plain lines. Here the loop goes from both ends inwards: it takes segment s and its
     mirror image n - 1 - s, node s and node n - s, side by side as pairs of numbers, because the processor calculates with
@@ -110,6 +110,8 @@ def node_forces(chain, modes, x, v, mass, segments, force):
         sum_forces(chain, True, modes, x, v, mass, segments, force)
     else:
         sum_forces(chain, False, modes, x, v, mass, segments, force)
+    if flow.flows(chain):
+        flow.add_forces(chain, x, v, force)
 
 
 @view
@@ -154,7 +156,10 @@ def end_force(chain, kite_end, x, v, mass):
     pull, drag, tension = segment.forces(chain, s, get(x, s), get(x, s + 1), get(v, s), get(v, s + 1))
     total = add(scale(-1.0, pull), drag) if kite_end else add(pull, drag)
     load = node_loads.load(chain, mass[i] - point_mass(chain, i), get(x, i), get(v, i), None)
-    return add(total, load), tension
+    total = add(total, load)
+    if flow.flows(chain):
+        total = add(total, flow.end_force(chain, kite_end, get(x, s), get(x, s + 1), get(v, s), get(v, s + 1)))
+    return total, tension
 
 
 @view

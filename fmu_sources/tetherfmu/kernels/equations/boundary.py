@@ -33,8 +33,8 @@ from .end_motion import (
     target,
     velocity_at,
 )
-from .properties import chain_at, chain_of
-from .winch import force_rate, length_at, rate_at, reeling_of_step, winch_speed
+from .properties import chain_in_motion, chain_of
+from .winch import acceleration_at, force_rate, length_at, rate_at, reeling_of_step, winch_speed
 
 StepInputs = namedtuple(
     "StepInputs",
@@ -249,15 +249,22 @@ def conditions_of_chain(n, parameters, shape, given, state, x, v):
 
 
 @view
+def chain_moving(conditions, length, speed, acceleration):
+    """The `Chain` with this unstretched length [m], its rate [m/s] and the rate of that [m/s2]."""
+    return chain_in_motion(conditions.n, conditions.parameters, length, speed, acceleration, conditions.wind)
+
+
+@view
 def chain_with(conditions, length, speed):
-    """The `Chain` with this unstretched length [m] and its rate [m/s]."""
-    return chain_at(conditions.n, conditions.parameters, length, speed, conditions.wind)
+    """The same whose rate stays."""
+    return chain_moving(conditions, length, speed, 0.0)
 
 
 @view
 def chain_during(conditions, time):
     """The `Chain` at a time [s] of the communication step."""
-    return chain_with(conditions, length_at(conditions.reeling, time), rate_at(conditions.reeling, time))
+    reeling = conditions.reeling
+    return chain_moving(conditions, length_at(reeling, time), rate_at(reeling, time), acceleration_at(reeling, time))
 
 
 @kernel

@@ -1,21 +1,25 @@
 """The equations of motion of a chain: v' = F/m, one segment after the other. The first file for who wants to know the model.
 
-    x_i' = v_i,   m_i v_i' = T_i e_i - T_(i-1) e_(i-1) + F_i + F_(i-1) - m_i g e_z + N_i + load at the kite end
+    x_i' = v_i,   m_i v_i' = T_i e_i - T_(i-1) e_(i-1) + F_i + F_(i-1) + f_i - m_i g e_z + N_i + load at the kite end
     T = k (l - l0) + c (l' - (l/l0) l0'),   F = 1/4 rho cd d l |w| w
 
 Segment i joins the nodes i and i + 1 in the direction e_i; T is its tension, F half of its drag in the wind w across it
 (`segment.py`), N the force of the ground (`ground.py`). A driven end moves as it is driven, whatever acts on it. Reeling
-changes L, and with it l0 = L/n and the masses, without a thrust from m_i'; L' is the reel-out speed.
+changes L, and with it l0 = L/n and the masses; rope then flows past the nodes, and its momentum makes the forces f
+(`flow.py`). L' is the reel-out speed.
 
 The solvers find the same forces from both ends at once (`assembly.py`); tests/kernels/equations/test_motion.py compares
 them with this file. Theory: docs/models/theory.md, "One segment" and "The chain".
 """
 
+from tetherfmu.runtime import layout as at
+
 from ..compilation import kernel
 from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, get, put, sub
-from . import ground, node_loads, segment
+from . import flow, ground, node_loads, segment
 from .assembly import node_masses
 from .ground import ground_of, has_ground
+from .properties import property_of
 
 
 @kernel
@@ -31,11 +35,17 @@ def accelerations(chain, x, v, load, mass, a):
     for i in range(n + 1):
         put(force, i, node_loads.load(chain, mass[i], get(x, i), get(v, i), None))
     put(force, n, add(get(force, n), load))
+    part = 1.0  # of L' that flows past node p
     for s in range(n):
         p, q = s, s + 1
         pull, drag, _ = segment.forces(chain, s, get(x, p), get(x, q), get(v, p), get(v, q))
         put(force, p, add(get(force, p), add(drag, pull)))
         put(force, q, add(get(force, q), sub(drag, pull)))
+        if flow.flows(chain):
+            of_p, of_q = flow.forces(chain, s, part, get(x, p), get(x, q), get(v, p), get(v, q))
+            put(force, p, add(get(force, p), of_p))
+            put(force, q, add(get(force, q), of_q))
+        part -= property_of(chain, s, at.SHARE)
     for i in range(n + 1):
         put(a, i, add_scaled(of_ground(chain, get(x, i), get(v, i)), 1.0 / mass[i], get(force, i)))
 

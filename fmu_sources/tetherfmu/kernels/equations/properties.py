@@ -11,12 +11,14 @@ from .air import is_uniform
 
 Chain = namedtuple(
     "Chain",
-    "n parameters length reeling growth seen_growth slack_stiffness_ratio slack_damping_ratio gravity wind air_is_uniform",
+    "n parameters length reeling acceleration growth seen_growth slack_stiffness_ratio slack_damping_ratio gravity wind "
+    "air_is_uniform",
 )
 Chain.__doc__ = """A chain at an instant.
 
 n : number of segments.  parameters : flat array, see `layout.py`.
-length, reeling : unstretched length L of the tether [m] and its rate [m/s].  growth : (dL/dt)/L = (dl0/dt)/l0 [1/s].
+length, reeling, acceleration : unstretched length L of the tether [m], its rate [m/s], and the rate of that [m/s2].
+growth : (dL/dt)/L = (dl0/dt)/l0 [1/s].
 seen_growth : growth as far as dampers see it: all of it by the strain_rate law, nothing by the stretch_rate law.
 slack_stiffness_ratio, slack_damping_ratio : of a slack segment to a taut one [-].  gravity : along -z [m/s2].
 wind : at the reference height [m/s]; not used where the wind is given at the nodes, see `node_wind`.
@@ -33,19 +35,27 @@ def sees_reeling(parameters):
 
 
 @view
-def chain_at(n, parameters, length, reeling, wind):
-    """`Chain` of this unstretched length [m] and its rate [m/s] in a wind [m/s]."""
+def chain_in_motion(n, parameters, length, reeling, acceleration, wind):
+    """`Chain` of this unstretched length [m], its rate [m/s] and the rate of that [m/s2] in a wind [m/s]."""
     growth = reeling / length
     seen_growth = growth if sees_reeling(parameters) else 0.0
     ratios = parameters[at.SLACK_STIFFNESS_RATIO], parameters[at.SLACK_DAMPING_RATIO]
     gravity = parameters[at.GRAVITY]
-    return Chain(n, parameters, length, reeling, growth, seen_growth, *ratios, gravity, wind, is_uniform(parameters))
+    motion = length, reeling, acceleration, growth, seen_growth
+    return Chain(n, parameters, *motion, *ratios, gravity, wind, is_uniform(parameters))
+
+
+@view
+def chain_at(n, parameters, length, reeling, wind):
+    """`Chain` of this unstretched length [m], which changes at this rate [m/s], in a wind [m/s]."""
+    return chain_in_motion(n, parameters, length, reeling, 0.0, wind)
 
 
 @view
 def chain_of(n, parameters, state):
-    """`Chain` with the length, the reeling and the wind of a state."""
-    return chain_at(n, parameters, state[at.LENGTH], state[at.REELING], vector_at(state, at.WIND))
+    """`Chain` with the length, the reeling, its rate and the wind of a state."""
+    motion = state[at.LENGTH], state[at.REELING], state[at.ACCELERATION]
+    return chain_in_motion(n, parameters, *motion, vector_at(state, at.WIND))
 
 
 @kernel

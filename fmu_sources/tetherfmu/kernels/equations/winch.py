@@ -45,6 +45,12 @@ def acceleration_at(reeling, time):
 
 
 @kernel
+def jerk_of(reeling):
+    """Its third derivative [m/s3]."""
+    return 6.0 * reeling[3]
+
+
+@kernel
 def is_reeling(reeling):
     """Whether the unstretched length changes in the step."""
     return reeling[1] != 0.0 or reeling[2] != 0.0 or reeling[3] != 0.0

@@ -19,9 +19,11 @@ See docs/models/numerics.md, "Fixed step".
 
 from collections import namedtuple
 
+from tetherfmu.runtime import layout as at
+
 from ..compilation import kernel
-from ..equations import ground, segment
-from ..equations.properties import rest_length
+from ..equations import flow, ground, segment
+from ..equations.properties import property_of, rest_length
 from ..linear_algebra.matrices import (
     ZERO_MATRIX,
     add_matrices,
@@ -117,6 +119,22 @@ def add_ground(attempt, x, is_held, w):
 
 
 @kernel
+def add_flow(attempt, x, w):
+    """Add the forces of the rope that flows to the iteration: w.flow at the positions x [m], w.move, w.matrix (modified)."""
+    chain, h, part = attempt.chain, attempt.h, 1.0
+    for k in range(len(w.flow)):
+        w.flow[k] = 0.0
+    for s in range(chain.n):
+        r = sub(get(x, s + 1), get(x, s))
+        r0 = sub(get(w.old, s + 1), get(w.old, s))
+        flow.add_change(chain, s, part, r, scale(1.0 / h, sub(r, r0)), w.flow)
+        part -= property_of(chain, s, at.SHARE)
+    flow.subtract_slopes(chain, 1.0 / h, 1.0, w.matrix)
+    for k in range(len(w.flow)):
+        w.move[k] += w.flow[k]
+
+
+@kernel
 def rests_on_ground(attempt, x, w):
     """Whether the ground carries and holds the nodes at x [m] as in the iteration that led there.
 
@@ -153,6 +171,11 @@ def potential(attempt, x, w):
         size += abs(work)
     if ground.has_ground(attempt.chain.parameters):
         total += ground_potential(attempt, x, w)
+    if flow.flows(attempt.chain):
+        for i in range(attempt.conditions.first, attempt.conditions.last + 1):
+            work = dot(get(w.flow, i), sub(get(x, i), get(w.old, i)))
+            total -= work
+            size += abs(work)
     return total, ROUNDING * (size + abs(total))
 
 
@@ -192,5 +215,7 @@ def linearize(attempt, x, is_held, w):
         block, force = add_matrices(block, own), add(force, sub(air, pull))
     put_matrix(diagonal, 9 * n, block)
     put(w.move, n, force)
+    if flow.flows(attempt.chain):
+        add_flow(attempt, x, w)
     if ground.has_ground(attempt.chain.parameters):
         add_ground(attempt, x, is_held, w)

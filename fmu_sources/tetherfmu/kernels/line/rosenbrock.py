@@ -18,7 +18,7 @@ from collections import namedtuple
 
 from ..arrays import behind, copy, shared_arrays, shared_size, split
 from ..compilation import kernel, view
-from ..equations import assembly, winch
+from ..equations import assembly, flow, winch
 from ..equations.boundary import chain_during, load_during, place_ends
 from ..equations.end_motion import acceleration_at, position_at, velocity_at
 from ..equations.ground import has_ground
@@ -88,16 +88,20 @@ def workspace(n, work):
 
 
 @kernel
-def add_explicit_rates(conditions, time, w):
+def add_explicit_rates(conditions, chain, time, w):
     """Add to w.q (modified) the rates of the forces [N/s] from the load and from the motion of the driven ends."""
     n = conditions.n
     put(w.q, n, add(get(w.q, n), conditions.load_rate))
     if conditions.first == 1:
         end, rate = velocity_at(conditions.ground, time), acceleration_at(conditions.ground, time)
         assembly.add_end_motion(n, False, end, rate, w.records, w.q)
+        if flow.flows(chain):
+            flow.add_end_motion(chain, False, end, rate, w.q)
     if conditions.last == n - 1:
         end, rate = velocity_at(conditions.kite, time), acceleration_at(conditions.kite, time)
         assembly.add_end_motion(n, True, end, rate, w.records, w.q)
+        if flow.flows(chain):
+            flow.add_end_motion(chain, True, end, rate, w.q)
 
 
 @kernel
@@ -116,7 +120,9 @@ def form(conditions, chain, turns, time, h, x, v, w):
         for k in range(3 * (n + 1)):
             w.q[k] = 0.0
     assembly.add_rate_from_acceleration(chain, winch.acceleration_at(conditions.reeling, time), x, w.records, w.q)
-    add_explicit_rates(conditions, time, w)
+    if flow.flows(chain) and not turns:
+        flow.add_rates(chain, winch.jerk_of(conditions.reeling), x, v, w.q)
+    add_explicit_rates(conditions, chain, time, w)
     assemble(conditions, chain, GAMMA * h, x, v, w)
     if has_ground(chain.parameters) and not turns:
         contact.add_rate(chain, x, v, w, w.q)
@@ -126,6 +132,8 @@ def form(conditions, chain, turns, time, h, x, v, w):
 def assemble(conditions, chain, d, x, v, w):
     """Matrix M/d - B - d K of a step from (x, v) into w.matrix, and which nodes touch the ground into w (both modified)."""
     assembly.assemble(chain.n, 1.0 / d, 1.0, d, w.mass, w.records, w.matrix)
+    if flow.flows(chain):
+        flow.subtract_slopes(chain, 1.0, d, w.matrix)
     if has_ground(chain.parameters):
         contact.find(conditions, chain, x, v, w)
         contact.subtract_slopes(chain, d, x, v, w)
@@ -221,7 +229,7 @@ def without_damping(n, stage, h, k, w):
 
 @kernel
 def right_hand_side(conditions, stage, h, w):
-    """`without_damping` - B r of all nodes [N] into w.q (modified), from both ends at once."""
+    """`without_damping` - B r of all nodes [N] into w.q (modified), from both ends at once; without rope that flows."""
     n = conditions.n
     from_outside = pair(ZERO_VECTOR, ZERO_VECTOR)
     r_p = get_interleaved(w.r, 0)

@@ -14,7 +14,7 @@ from math import inf, sqrt
 
 from ..arrays import copy
 from ..compilation import kernel
-from ..equations import segment
+from ..equations import flow, segment
 from ..equations.assembly import longest_part
 from ..equations.ground import has_ground
 from ..equations.lines import (
@@ -45,6 +45,15 @@ EARLY, LATE, HELD = 0, 1, 2
 STUCK = -1.0  # instead of the part of a move that was taken: no part of it goes down
 
 # --- the potential and its minimum
+
+
+@kernel
+def does_any_flow(system, step):
+    """Whether the rope of any line flows past its nodes: its forces are anew in each iteration."""
+    for k in range(lines_of(system)):
+        if moves(system, k) and flow.flows(attempt_of(system, k, step).chain):
+            return True
+    return False
 
 
 @kernel
@@ -204,7 +213,7 @@ def descend(system, step, before, phase):
     taken = direction(system, step, phase)
     if taken == 0.0:
         return before, inf
-    if step.turns or before == inf or has_ground(parameters_of(system, 0)):
+    if step.turns or before == inf or has_ground(parameters_of(system, 0)) or does_any_flow(system, step):
         before, _ = potential(system, step, False)
     return go_along(system, step, taken, before)
 

@@ -76,6 +76,15 @@ def chain_in_step(system, k, time):
     return chain_during(conditions, time)
 
 
+@view
+def chain_at_start(system, k, time):
+    """The `Chain` of line k at the start of the step, a time [s] of the communication step."""
+    conditions = conditions_of(system, k)
+    if has_drum(system, k):
+        return chain_with(conditions, *length_of(system, k))
+    return chain_during(conditions, time)
+
+
 @kernel
 def begin_step(system, k):
     """Let the drum of line k (modified) begin a step with the length and the speed of its state; error estimates are 0."""

@@ -11,7 +11,7 @@ from tetherfmu.runtime import layout as at
 from ..arrays import behind, places_of
 from ..compilation import kernel, view
 from ..equations import winch
-from ..equations.boundary import chain_with
+from ..equations.boundary import chain_moving
 from ..equations.drum import HELD, drum_of
 from ..equations.lines import (
     CONDITIONS,
@@ -221,13 +221,13 @@ def is_turning(system, k, step):
 
 
 @kernel
-def length_and_rate(system, k, step):
-    """Unstretched length [m] of line k at the end of a step and its rate [m/s], in the iteration."""
+def length_in_motion(system, k, step):
+    """Unstretched length [m] of line k at the end of a step, its rate [m/s] and the rate of that [m/s2], in the iteration."""
     if is_turning(system, k, step):
-        (length, _), speed = length_of(system, k), numbers_of(system, k)[TRIAL]
-        return length + step.h * speed, speed
+        (length, before), speed = length_of(system, k), numbers_of(system, k)[TRIAL]
+        return length + step.h * speed, speed, (speed - before) / step.h
     reeling, end = conditions_of(system, k).reeling, step.time + step.h
-    return winch.length_at(reeling, end), winch.rate_at(reeling, end)
+    return winch.length_at(reeling, end), winch.rate_at(reeling, end), winch.acceleration_at(reeling, end)
 
 
 @view
@@ -235,4 +235,4 @@ def attempt_of(system, k, step):
     """`incremental_potential.Attempt` of line k."""
     conditions = conditions_of(system, k)
     _, v = motion_of(system, k)
-    return Attempt(conditions, chain_with(conditions, *length_and_rate(system, k, step)), step.h, v)
+    return Attempt(conditions, chain_moving(conditions, *length_in_motion(system, k, step)), step.h, v)

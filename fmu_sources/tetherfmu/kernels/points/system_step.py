@@ -14,7 +14,7 @@ F at a stage counts times the mass of the start over that of the stage, at a poi
 """
 
 from ..compilation import kernel, view
-from ..equations import winch
+from ..equations import flow, winch
 from ..equations.lines import (
     add_at,
     clear,
@@ -39,7 +39,7 @@ from ..linear_algebra.point_blocks import factorize_blocks, solve_blocks
 from ..linear_algebra.vectors import add_scaled, get, put, scale, sub
 from . import system_drums
 from .at_points import place_matrix, take_ends
-from .system_drums import chain_in_step
+from .system_drums import chain_at_start, chain_in_step
 from .system_room import (
     has_drum,
     integrator_of,
@@ -128,6 +128,9 @@ def reduce_line(system, k, stage, time, h, points):
     """Right-hand side of a stage of line k, condensed, and what is left of it into that of the points (modified)."""
     n, w, has_turning = segments_of(system, k), integrator_of(system, k), turns(system, k)
     rosenbrock.right_hand_side(conditions_of(system, k), stage, h, w)
+    chain = chain_at_start(system, k, time)
+    if flow.flows(chain):
+        flow.add_damping(chain, -1.0, w.r, w.q)
     if has_turning:
         system_drums.subtract_rest(system, k)
     condensed.solve_inner(rows_of(system, k), w.matrix, w.q)

@@ -1,0 +1,157 @@
+"""Rope that flows past the nodes where the winch reels: its momentum.
+
+Nodes keep their shares of the unstretched length L, so they are no material points: rope flows past node i at the rate
+c_i = L' (1 - sum of the shares before it), at the winch at L' and at the last node not at all. Each half segment of the mass
+mu l0/2, with the vector r between its nodes, moves with V = v_i + c_i r/l0. Lagrange's equations of sum 1/2 (mu l0/2) |V|^2,
+to which rope comes from the winch with the velocity of the first node, are those of lumped masses with the forces
+
+    f_p = -1/2 mu (c_p' r + (c_p + c_q) u + (c_p^2 + c_q^2) r/l0)
+    f_q = -1/2 mu (c_q' r + (c_p + c_q) u - (c_p^2 + c_q^2) r/l0)
+
+of each segment on its nodes p (nearer to the winch) and q, with u = r'. Without reeling there are none, and none with the
+stretch_rate law, which has the momentum of Tethers.jl. They depend on r and u linearly: f = a r + b u.
+
+Theory: docs/models/theory.md, "Rope that flows".
+"""
+
+from tetherfmu.runtime import layout as at
+
+from ..compilation import kernel
+from ..linear_algebra.both_ends import add_to_node, get_node
+from ..linear_algebra.vectors import add, add_scaled, get, put, scale, sub
+from .properties import property_of, rest_length, sees_reeling
+
+
+@kernel
+def flows(chain):
+    """Whether rope flows past the nodes, or begins to."""
+    return (chain.reeling != 0.0 or chain.acceleration != 0.0) and sees_reeling(chain.parameters)
+
+
+@kernel
+def slopes(chain, s, part):
+    """a of node p, a of node q [N/m] and b [N s/m] of segment s; part : c_p/L' [-]."""
+    half, next_part = 0.5 * property_of(chain, s, at.LINE_DENSITY), part - property_of(chain, s, at.SHARE)
+    c_p, c_q = part * chain.reeling, next_part * chain.reeling
+    along = (c_p * c_p + c_q * c_q) / rest_length(chain, s)
+    return (
+        -half * (part * chain.acceleration + along),
+        -half * (next_part * chain.acceleration - along),
+        -half * (c_p + c_q),
+    )
+
+
+@kernel
+def slope_rates(chain, s, part, jerk):
+    """Rates of these numbers per second; jerk : L''' [m/s3]."""
+    half, share = 0.5 * property_of(chain, s, at.LINE_DENSITY), property_of(chain, s, at.SHARE)
+    next_part, rest = part - share, rest_length(chain, s)
+    square = part * part + next_part * next_part
+    rate = 2.0 * chain.reeling * chain.acceleration - chain.reeling * chain.reeling * chain.growth
+    return (
+        -half * (part * jerk + square * rate / rest),
+        -half * (next_part * jerk - square * rate / rest),
+        -half * (part + next_part) * chain.acceleration,
+    )
+
+
+@kernel
+def forces(chain, s, part, x_p, x_q, v_p, v_q):
+    """f_p and f_q [N] of segment s with its nodes there [m, m/s]; part : c_p/L' [-]."""
+    of_p, of_q, by_rate = slopes(chain, s, part)
+    r, along = sub(x_q, x_p), scale(by_rate, sub(v_q, v_p))
+    return add_scaled(along, of_p, r), add_scaled(along, of_q, r)
+
+
+@kernel
+def end_force(chain, kite_end, x_p, x_q, v_p, v_q):
+    """What the rope that flows adds to the force on what holds an end [N], from the nodes of its segment [m, m/s].
+
+    At the winch -1/2 mu (c_0' r + (c_0 + c_1) (u - r l0'/l0)): with it the force is that of the rope where it leaves the
+    winch, where it has gained its speed. At the kite f_n.
+    """
+    if not kite_end:
+        _, _, by_rate = slopes(chain, 0, 1.0)
+        half = 0.5 * property_of(chain, 0, at.LINE_DENSITY)
+        r = sub(x_q, x_p)
+        return add_scaled(scale(-half * chain.acceleration - by_rate * chain.growth, r), by_rate, sub(v_q, v_p))
+    s = chain.n - 1
+    _, of_kite = forces(chain, s, property_of(chain, s, at.SHARE), x_p, x_q, v_p, v_q)
+    return of_kite
+
+
+@kernel
+def add_forces(chain, x, v, force):
+    """Add the forces on all nodes [N] to `force` (modified); x, v : positions [m], velocities [m/s]; all interleaved."""
+    n, part = chain.n, 1.0
+    x_p, v_p = get_node(n, 0, x), get_node(n, 0, v)
+    for s in range(n):
+        x_q, v_q = get_node(n, s + 1, x), get_node(n, s + 1, v)
+        of_p, of_q = forces(chain, s, part, x_p, x_q, v_p, v_q)
+        add_to_node(n, s, of_p, force)
+        add_to_node(n, s + 1, of_q, force)
+        part -= property_of(chain, s, at.SHARE)
+        x_p, v_p = x_q, v_q
+
+
+@kernel
+def add_rates(chain, jerk, x, v, force_rate):
+    """Add df/dt [N/s] at constant x [m], v [m/s] to `force_rate` (modified), all flat; jerk : L''' [m/s3]."""
+    part = 1.0
+    for s in range(chain.n):
+        of_p, of_q, by_rate = slope_rates(chain, s, part, jerk)
+        r, along = sub(get(x, s + 1), get(x, s)), scale(by_rate, sub(get(v, s + 1), get(v, s)))
+        put(force_rate, s, add(get(force_rate, s), add_scaled(along, of_p, r)))
+        put(force_rate, s + 1, add(get(force_rate, s + 1), add_scaled(along, of_q, r)))
+        part -= property_of(chain, s, at.SHARE)
+
+
+@kernel
+def add_change(chain, s, part, dr, du, force):
+    """Add to the flat array `force` (modified) what changes of r [m] and u [m/s] of segment s change its forces by [N]."""
+    of_p, of_q, by_rate = slopes(chain, s, part)
+    along = scale(by_rate, du)
+    put(force, s, add(get(force, s), add_scaled(along, of_p, dr)))
+    put(force, s + 1, add(get(force, s + 1), add_scaled(along, of_q, dr)))
+
+
+@kernel
+def add_end_motion(chain, kite_end, dx, dv, force):
+    """Add to `force` (modified, flat) the change of the forces [N] when one end moves by dx [m] and dv [m/s]."""
+    if kite_end:
+        s = chain.n - 1
+        add_change(chain, s, property_of(chain, s, at.SHARE), dx, dv, force)
+    else:
+        add_change(chain, 0, 1.0, scale(-1.0, dx), scale(-1.0, dv), force)
+
+
+@kernel
+def add_damping(chain, factor, velocity, force):
+    """Add factor df/dv velocity [N] to `force` (modified, flat); velocity : interleaved [m/s]."""
+    n, part = chain.n, 1.0
+    at_p = get_node(n, 0, velocity)
+    for s in range(n):
+        _, _, by_rate = slopes(chain, s, part)
+        at_q = get_node(n, s + 1, velocity)
+        change = scale(factor * by_rate, sub(at_q, at_p))
+        put(force, s, add(get(force, s), change))
+        put(force, s + 1, add(get(force, s + 1), change))
+        part -= property_of(chain, s, at.SHARE)
+        at_p = at_q
+
+
+@kernel
+def subtract_slopes(chain, damping_factor, stiffness_factor, matrix):
+    """Subtract damping_factor df/dv + stiffness_factor df/dx from a `block_tridiagonal.Matrix` (modified)."""
+    diagonal, lower, upper = matrix
+    part = 1.0
+    for s in range(chain.n):
+        of_p, of_q, by_rate = slopes(chain, s, part)
+        of_p = damping_factor * by_rate + stiffness_factor * of_p
+        of_q = damping_factor * by_rate + stiffness_factor * of_q
+        for j in range(3):
+            diagonal[9 * s + 4 * j] += of_p
+            upper[9 * s + 4 * j] -= of_p
+            lower[9 * s + 9 + 4 * j] += of_q
+            diagonal[9 * s + 9 + 4 * j] -= of_q
+        part -= property_of(chain, s, at.SHARE)
