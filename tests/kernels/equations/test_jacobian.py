@@ -5,7 +5,7 @@ import pytest
 
 from kernels.chain_problem import ChainProblem
 from kernels.interleaved import interleaved, node_forces
-from tetherfmu.kernels.equations import assembly, segment
+from tetherfmu.kernels.equations import assembly, flow, segment
 from tetherfmu.kernels.equations.properties import chain_at
 from tetherfmu.kernels.line import rosenbrock
 from tetherfmu.runtime import layout as at
@@ -39,10 +39,12 @@ def differences(function, point):
     return np.array(columns).T
 
 
-def dense(problem, factors):
-    """The block tridiagonal matrix of `assembly.assemble` as a full one."""
+def dense(problem, factors, flowing=None):
+    """The block tridiagonal matrix of `assembly.assemble` as a full one, with the rope that flows in a `Chain`."""
     n, w = problem.n, problem.of_rosenbrock
     assembly.assemble(n, *factors, w.mass, w.records, w.matrix)
+    if flowing is not None and flow.flows(flowing):
+        flow.subtract_slopes(flowing, factors[1], factors[2], w.matrix)
     full = np.zeros((3 * (n + 1), 3 * (n + 1)))
     for i in range(n + 1):
         rows = slice(3 * i, 3 * i + 3)
@@ -64,13 +66,15 @@ def test_forces_differentiate_to_the_matrices(damping_law, wind_profile, slack):
     chain = chain_of_length(problem, length)
     assembly.node_masses(chain, w.mass)
     force_rate = linearize(chain, problem.x, problem.v, w)
+    if flow.flows(chain):
+        flow.add_rates(chain, 0.0, problem.x, problem.v, force_rate)
     np.testing.assert_array_equal(w.modes, segment.SLACK if slack else segment.TAUT)
     by_position = differences(lambda x: forces(problem, x, problem.v, length), problem.x)
     by_velocity = differences(lambda v: forces(problem, problem.x, v, length), problem.v)
     by_length = differences(lambda at_length: forces(problem, problem.x, problem.v, at_length[0]), np.array([length]))[:, 0]
     for found, expected in (
-        (dense(problem, (0.0, 0.0, -1.0)), by_position),
-        (dense(problem, (0.0, -1.0, 0.0)), by_velocity),
+        (dense(problem, (0.0, 0.0, -1.0), chain), by_position),
+        (dense(problem, (0.0, -1.0, 0.0), chain), by_velocity),
         (force_rate / problem.conditions.reeling[1], by_length),
     ):
         np.testing.assert_allclose(found, expected, atol=TOLERANCE * np.abs(expected).max())

@@ -34,8 +34,14 @@ SAME_PLACE = 1e-12  # of the length, relative: so near to a stop the drum is at 
 @view
 def drum_of(parameters, force, force_rate):
     """`Drum` with this force [N] and its rate [N/s]."""
-    mass, friction = parameters[at.WINCH_MASS], parameters[at.WINCH_FRICTION]
-    if mass == 0.0:
+    return drum_with(parameters, 0.0, force, force_rate)
+
+
+@view
+def drum_with(parameters, rope, force, force_rate):
+    """The same with so much mass of rope [kg]."""
+    mass, friction = parameters[at.WINCH_MASS] + rope, parameters[at.WINCH_FRICTION]
+    if parameters[at.WINCH_MASS] == 0.0:
         force = max(force, -friction)  # of which rounding may take a little, see `transaction.check_reeling`
     return Drum(
         mass,

@@ -83,28 +83,28 @@ def project(conditions, drum, direction, d, now):
 
 
 @kernel
-def room_left(conditions, drum, direction, event, now):
+def room_left(drum, direction, event, now, tension):
     """How far a drum that turns in a direction, or is held, is from an event at an `Instant`; below 0 it has happened.
 
     And how much below 0 is as good as 0. The length [m] to a stop, else see `drum_events.room_to_change`.
+    tension : of a drum that is held [N].
     """
     if event == PAID_OUT:
         return drum.longest - now.length, LOCATED * now.length
     if event == REELED_IN:
         return now.length - drum.shortest, LOCATED * now.length
-    tension = tension_at_rest(conditions, now) if direction == HELD else 0.0
     return room_to_change(drum, direction, now.time, now.length, now.speed, tension)
 
 
 @kernel
-def first_event(conditions, drum, direction, now):
+def first_event(drum, direction, now, tension):
     """An event that has happened at an `Instant` to a drum that turned in a direction or was held, or NOTHING.
 
-    And the room that is left until it, below 0.
+    And the room that is left until it, below 0.  tension : as for `room_left`.
     """
     for event in (PAID_OUT, REELED_IN, CHANGES):
         if may_change(drum, direction) if event == CHANGES else direction != HELD:
-            room, margin = room_left(conditions, drum, direction, event, now)
+            room, margin = room_left(drum, direction, event, now, tension)
             if room < -margin:
                 return event, room
     return NOTHING, 0.0

@@ -24,7 +24,7 @@ from .block_tridiagonal import factorize, solve
 from .both_ends import get_packed_blocks, get_two, pack_blocks, put_two
 from .matrices import ZERO_MATRIX, apply, get_matrix, multiply, put_matrix, scale_matrix, subtract, transposed_apply
 from .pairs import broadcast, first, pair, second
-from .vectors import ZERO_VECTOR, add, get, put, scale, sub
+from .vectors import ZERO_VECTOR, add, dot, get, put, scale, sub
 
 Rows = namedtuple("Rows", "n first last start_is_shared end_is_shared")
 Rows.__doc__ = """The rows 0 .. n: the inner ones, which are solved for, are `first` .. `last`; none where first > last.
@@ -151,6 +151,28 @@ def row_at_end(n, end, g, columns):
         return g if end == 0 else scale(-1.0, g)
     beside = transposed_apply(g, block_beside(n, 0, columns_of(n, end, columns)))
     return add(g, beside) if end == 0 else beside
+
+
+@kernel
+def inner_product(rows, a, b):
+    """Sum of a . b over the inner rows of two arrays."""
+    total = 0.0
+    for i in range(rows.first, rows.last + 1):
+        total += dot(get(a, i), get(b, i))
+    return total
+
+
+@kernel
+def whole_row_at_end(rows, end, row, columns):
+    """What is left at a shared end of the row - sum row_i . y_i, as a row of the condensed system."""
+    n, blocks = rows.n, columns_of(rows.n, end, columns)
+    left = scale(-1.0, get(row, n * end))
+    for i in range(1, (n + 1) // 2):
+        both = transposed_apply(get_two(row, i, n - i), get_packed_blocks(blocks, i, blocks, n - i))
+        left = add(left, add(first(both), second(both)))
+    if n % 2 == 0:
+        left = add(left, transposed_apply(get(row, n // 2), get_matrix(blocks, 9 * (n // 2))))
+    return left
 
 
 @kernel

@@ -10,14 +10,16 @@ from tetherfmu.runtime import layout as at
 from ..compilation import kernel, view
 from ..equations.boundary import chain_with
 from ..equations.drum import HELD, INWARDS, OUTWARDS, is_at_stop, stop_ahead
-from ..equations.lines import conditions_of, lines_of, motion_of
+from ..equations.lines import conditions_of, lines_of, motion_of, state_of
 from ..equations.plan import note_line
 from ..equations.properties import sees_reeling
+from ..equations.rope_at_drum import feels_rope
 from ..line.drum_events import next_motion, part_of_piece
 from ..line.moving_drum import NOTHING, Instant, first_event, project, room_left, tension_at_rest
 from ..line.rodas4p import GAMMA
 from ..line.step_control import DrumError, allowed_errors
 from ..line.taut_slack import wrong_impulse
+from ..points import drum_tension
 from ..points.system_room import (
     DIRECTION,
     INCREMENT,
@@ -51,6 +53,16 @@ def after_step(system, k, time):
 
 
 @kernel
+def tension_if_held(system, k, now, is_after):
+    """Tension [N] at the drum of line k at an `Instant`, were it at rest; is_after : of the result of a step."""
+    conditions = conditions_of(system, k)
+    if feels_rope(conditions.parameters):
+        still = Instant(now.time, now.length, 0.0, now.x, now.v)
+        return drum_tension.tension_at_rest(system, k, still, is_after)
+    return tension_at_rest(conditions, now)
+
+
+@kernel
 def begin_drums(system):
     """Let the drums (modified) begin a communication step."""
     for k in range(lines_of(system)):
@@ -62,13 +74,15 @@ def turn_drum(system, k, time, duration):
     """Let the drum of line k (modified) turn, or be held, from a time [s] on; False if one without mass cannot."""
     conditions, drum, numbers = conditions_of(system, k), drum_at(system, k), numbers_of(system, k)
     now, is_held, found = before_step(system, k, time), numbers[TURNED_BACK] != 0.0, True
-    length, tension = now.length, tension_at_rest(conditions, now)
+    length, tension = now.length, tension_if_held(system, k, now, False)
     direction, speed = next_motion(drum, is_held, time, length, now.speed, tension)
     if direction != HELD and drum.mass == 0.0:
         length, speed, found = project(conditions, drum, direction, AT_ONCE * duration, now)
         if is_at_stop(drum, length, direction):
             direction, length, speed, found = HELD, stop_ahead(drum, direction), 0.0, True
     numbers[DIRECTION] = direction
+    if direction == HELD:
+        state_of(system, k)[at.ACCELERATION] = 0.0
     put_length(system, k, length, speed)
     return found
 
@@ -142,10 +156,13 @@ def part_to_event(system, time, h, weight):
     least = inf
     for k in range(lines_of(system)):
         if has_drum(system, k):
-            conditions, drum, direction = conditions_of(system, k), drum_at(system, k), numbers_of(system, k)[DIRECTION]
-            event, over = first_event(conditions, drum, direction, after_step(system, k, time + h))
+            drum, direction, after = drum_at(system, k), numbers_of(system, k)[DIRECTION], after_step(system, k, time + h)
+            tension = tension_if_held(system, k, after, True) if direction == HELD else 0.0
+            event, over = first_event(drum, direction, after, tension)
             if event != NOTHING:
-                before, _ = room_left(conditions, drum, direction, event, before_step(system, k, time))
+                now = before_step(system, k, time)
+                tension = tension_if_held(system, k, now, False) if direction == HELD else 0.0
+                before, _ = room_left(drum, direction, event, now, tension)
                 least = min(least, part_of_piece(weight * before, over))
     return least
 

@@ -35,6 +35,7 @@ from ..equations.lines import (
     segments_of,
 )
 from ..equations.properties import point_mass, property_of, sees_reeling
+from ..equations.rope_at_drum import feels_rope
 from ..line import contact
 from ..line.rodas4p import ALPHA, GAMMA, GAMMA_I, INERTIA, R_BY_GAMMA, STAGES, A, P
 from ..linear_algebra import condensed
@@ -43,6 +44,7 @@ from ..linear_algebra.matrices import get_matrix, transposed_apply
 from ..linear_algebra.pairs import first
 from ..linear_algebra.vectors import add, add_scaled, dot, get, put, put_at, scale, sub, vector_at
 from .at_points import add_column, place_column, row_of
+from . import rope_drums
 from .system_room import (
     BY_POSITION,
     BY_SPEED,
@@ -55,6 +57,7 @@ from .system_room import (
     ROW,
     SOLUTION,
     SPEED,
+    STAGE_ACCELERATION,
     drum_at,
     has_drum,
     integrator_of,
@@ -64,6 +67,7 @@ from .system_room import (
     room_in_step,
     shares_of,
     turns,
+    turns_with_rope,
 )
 
 
@@ -153,6 +157,9 @@ def sum_forces(system, points):
             for end in range(2):
                 if is_at_point(system, k, end):
                     add_at(points.right, point_at(system, k, end), get_node(n, n * end, w.force))
+            if turns_with_rope(system, k) and is_at_point(system, k, 0):
+                push = scale(numbers_of(system, k)[STAGE_ACCELERATION], get(shares_of(system, k).border, 0))
+                add_at(points.right, point_at(system, k, 0), push)
 
 
 @kernel
@@ -169,14 +176,20 @@ def form_column(system, k, d, points):
         contact.add_rate(growing, x, v, w, b.by_length)
     clear(b.by_speed)
     assembly.add_rate_from_acceleration(growing, 1.0, x, w.records, b.by_speed)
+    flows = feels_rope(conditions.parameters)
+    if flows:
+        rope_drums.add_to_column(system, k)
     for i in range(n + 1):
         mass, force, end = w.mass[i], get_node(n, i, w.force), 0 if i == 0 else 1
+        if flows:
+            force = add_scaled(force, numbers_of(system, k)[STAGE_ACCELERATION], get(b.border, i))
         if (i == 0 or i == n) and is_at_point(system, k, end):
             point = point_at(system, k, end)
             mass, force = points.mass[point], get(points.right, point)
         share = (w.mass[i] - point_mass(growing, i)) / (mass * length)
         put(b.by_length, i, add(get(b.by_length, i), scale(-share, force)))
-        put(column, i, add_scaled(get(b.by_speed, i), d, get(b.by_length, i)))
+        along = add_scaled(get(b.by_speed, i), d, get(b.by_length, i))
+        put(column, i, add_scaled(along, 1.0 / d, get(b.border, i)) if flows else along)
     condensed.reduce(rows_of(system, k), w.matrix, column)
 
 
@@ -211,7 +224,10 @@ def place_drums(system, time, h):
     for k in range(lines_of(system)):
         if turns(system, k):
             form_column(system, k, d, points)
-            if not take_equation(system, k, time, d):
+            if feels_rope(conditions_of(system, k).parameters):
+                if not rope_drums.take_equation(system, k, time, d):
+                    return False
+            elif not take_equation(system, k, time, d):
                 return False
             place_column(system, k)
     return True
@@ -235,16 +251,32 @@ def subtract_rest(system, k):
 
 
 @kernel
+def solve_drum_with_rope(system, k, stage, h):
+    """`solve_drum` of a drum that feels the rope that flows; `rope_drums.push_back` is done."""
+    w, numbers = integrator_of(system, k), numbers_of(system, k)
+    right = rope_drums.right_of_stage(system, k, stage, inertia_of_stage(system, k, stage), h)
+    right -= numbers[BY_SPEED] * numbers[REST]
+    numbers[SOLUTION] = (right + condensed.inner_product(rows_of(system, k), shares_of(system, k).row, w.q)) / numbers[PIVOT]
+
+
+@kernel
+def inertia_of_stage(system, k, stage):
+    """What the stages of the drum of line k before this one add up to for its inertia [m/s]."""
+    _, speed = length_of(system, k)
+    return added_up(GAMMA_I[stage] / GAMMA * speed / GAMMA, INERTIA, stage, shares_of(system, k).speeds)
+
+
+@kernel
 def solve_drum(system, k, stage, time, h):
     """p of a stage of the drum of line k (modified) but for what q of its ends adds; q of its inner nodes is solved."""
     n, w, numbers, record = segments_of(system, k), integrator_of(system, k), numbers_of(system, k), record_of(system, k)
-    drum, chain, (_, speed) = drum_at(system, k), chain_in_step(system, k, time), length_of(system, k)
+    drum, chain = drum_at(system, k), chain_in_step(system, k, time)
     x_p, x_q = assembly.lower_and_upper(n, 0, w.stage_x)
     v_p, v_q = assembly.lower_and_upper(n, 0, w.stage_v)
     r_p, r_q = assembly.lower_and_upper(n, 0, w.r)
     length, e = segment.geometry(sub(first(x_q), first(x_p)))
     tension = segment.tension_of(chain, 0, w.modes[0], length, dot(e, sub(first(v_q), first(v_p))))
-    inertia = added_up(GAMMA_I[stage] / GAMMA * speed / GAMMA, INERTIA, stage, shares_of(system, k).speeds)
+    inertia = inertia_of_stage(system, k, stage)
     still = record[segment.DAMPER] * dot(segment.direction_in(record), sub(first(r_q), first(r_p)))
     right = balance(drum, numbers[DIRECTION], tension, chain.reeling, time + ALPHA[stage] * h)
     others = drum.mass * inertia / h - still - numbers[BY_SPEED] * numbers[REST]

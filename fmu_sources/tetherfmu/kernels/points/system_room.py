@@ -12,7 +12,7 @@ from ..arrays import behind, places_of
 from ..compilation import kernel, view
 from ..equations import winch
 from ..equations.boundary import chain_moving
-from ..equations.drum import HELD, drum_of
+from ..equations.drum import HELD, drum_with
 from ..equations.lines import (
     CONDITIONS,
     conditions_of,
@@ -23,6 +23,8 @@ from ..equations.lines import (
     segments_of,
     state_of,
 )
+from ..equations.properties import property_of
+from ..equations.rope_at_drum import feels_rope
 from ..flat_arrays import part
 from ..line import rosenbrock, second_order
 from ..line.incremental_potential import Attempt
@@ -35,10 +37,12 @@ Room.__doc__ = """Scratch arrays of a line.
 numbers : see below.  columns : of its ends, see `linear_algebra.condensed`.  own : of the method, see `own_size`.
 column : of its drum, 3 (n + 1).
 """
-Shares = namedtuple("Shares", "by_length by_speed speeds")
+Shares = namedtuple("Shares", "by_length by_speed speeds by_velocity row border pulled")
 Shares.__doc__ = """Scratch arrays of a drum in a Rosenbrock step, see `system_drums.py`.
 
 by_length, by_speed : F_L [N/m] and F_u [N s/m], flat arrays of 3 (n + 1) numbers.  speeds : U_u of all stages [m/s].
+Of a drum that feels the rope that flows, as long: by_velocity : R_v [N s/m].  row : of the matrix [N s/m].  border,
+pulled : col at the start of the step and at a stage [kg].
 """
 
 (
@@ -55,6 +59,15 @@ by_length, by_speed : F_L [N/m] and F_u [N s/m], flat arrays of 3 (n + 1) number
     BY_SPEED,  # f_u [N s/m]
     RATE,  # explicit time derivative of f [N/s]
     BY_POSITION,  # T_x [N/m]
+    # with rope that flows, see `rope_drums.py`
+    ROW_AT_START,  # what is left of the row at the ends of the line
+    ROW_AT_END,
+    ACCELERATION,  # u' at the start of the step, at the stage [m/s2]
+    STAGE_ACCELERATION,
+    UNBALANCED,  # force [N] and inertia [kg] of a stage without what the first node adds
+    YIELDING,
+    INERTIA_OF_ROPE,  # I at the start of the step [kg]
+    BALANCE,  # right-hand side of a stage [N]
     # fixed steps
     GOAL,  # the largest move of a node with which the line has converged [m]
     UNCONVERGED,  # in how many steps the iteration ended before
@@ -76,13 +89,13 @@ by_length, by_speed : F_L [N/m] and F_u [N s/m], flat arrays of 3 (n + 1) number
     LARGEST,  # largest tension of a segment after a Rosenbrock step [N]
     _,
     NUMBERS,  # how many there are: an even number
-) = places_of(1, 3, *[1] * 9, 3, *[1] * 19)
+) = places_of(1, 3, *[1] * 9, 3, 3, 3, *[1] * 6, *[1] * 19)
 
 
 @kernel
 def own_size(n):
     """Length of the room of the method: of a Rosenbrock step with its `Shares`, or of a fixed step."""
-    return max(rosenbrock.workspace_size(n) + 6 * (n + 1) + STAGES, second_order.workspace_size(n))
+    return max(rosenbrock.workspace_size(n) + 18 * (n + 1) + STAGES, second_order.workspace_size(n))
 
 
 @kernel
@@ -118,7 +131,9 @@ def shares_of(system, k):
     """`Shares` of line k."""
     flat = 3 * (segments_of(system, k) + 1)
     room = behind(rosenbrock.workspace_size(segments_of(system, k)), room_in_step(system, k).own)
-    return Shares(part(room, 0, flat), part(room, flat, flat), part(room, 2 * flat, STAGES))
+    of_rope = behind(2 * flat + STAGES, room)
+    rows = part(of_rope, 0, flat), part(of_rope, flat, flat), part(of_rope, 2 * flat, flat), part(of_rope, 3 * flat, flat)
+    return Shares(part(room, 0, flat), part(room, flat, flat), part(room, 2 * flat, STAGES), *rows)
 
 
 @view
@@ -135,9 +150,13 @@ def scratch_of(system, k):
 
 @view
 def drum_at(system, k):
-    """`Drum` of line k."""
+    """`Drum` of line k; one that feels the rope that flows is as heavy as what rope turns with it at least."""
     conditions = conditions_of(system, k)
-    return drum_of(conditions.parameters, conditions.force, conditions.force_rate)
+    rope = 0.0
+    if feels_rope(conditions.parameters):
+        rope = 0.5 * property_of(conditions, 0, at.LINE_DENSITY) * property_of(conditions, 0, at.SHARE)
+        rope *= state_of(system, k)[at.LENGTH]
+    return drum_with(conditions.parameters, rope, conditions.force, conditions.force_rate)
 
 
 @kernel
@@ -167,6 +186,12 @@ def has_drum(system, k):
 def turns(system, k):
     """Whether line k has a drum that turns in a Rosenbrock step."""
     return has_drum(system, k) and numbers_of(system, k)[DIRECTION] != HELD
+
+
+@kernel
+def turns_with_rope(system, k):
+    """Whether that drum feels the rope that flows."""
+    return turns(system, k) and feels_rope(parameters_of(system, k))
 
 
 @kernel
@@ -203,6 +228,7 @@ def any_line(holds):
 
 does_any_move, any_drum = any_line(moves), any_line(has_drum)
 is_any_turning, is_any_reeling = any_line(turns), any_line(reels)
+is_any_turning_with_rope = any_line(turns_with_rope)
 
 
 # --- fixed steps

@@ -15,6 +15,7 @@ F at a stage counts times the mass of the start over that of the stage, at a poi
 
 from ..compilation import kernel, view
 from ..equations import flow, winch
+from ..equations.boundary import chain_moving
 from ..equations.lines import (
     add_at,
     clear,
@@ -37,17 +38,23 @@ from ..linear_algebra import condensed
 from ..linear_algebra.both_ends import add_to_node, get_node
 from ..linear_algebra.point_blocks import factorize_blocks, solve_blocks
 from ..linear_algebra.vectors import add_scaled, get, put, scale, sub
-from . import system_drums
+from . import rope_drums, system_drums
 from .at_points import place_matrix, take_ends
 from .system_drums import chain_at_start, chain_in_step
 from .system_room import (
+    ACCELERATION,
+    STAGE_ACCELERATION,
     has_drum,
     integrator_of,
     is_any_reeling,
     is_any_turning,
+    is_any_turning_with_rope,
+    length_of,
     moves,
+    numbers_of,
     room_in_step,
     turns,
+    turns_with_rope,
 )
 
 # --- the matrix of a step
@@ -57,6 +64,8 @@ from .system_room import (
 def prepare(system, time, h):
     """Matrices of a step of all lines, condensed, and that of the points; False if one is singular."""
     points = points_of(system)
+    if is_any_turning_with_rope(system) and not find_accelerations(system, time, h):
+        return False
     clear(points.matrix)
     clear(points.mass)
     clear(points.mass_rate)
@@ -67,6 +76,25 @@ def prepare(system, time, h):
             if not condensed.condense(rows_of(system, k), matrix, room_in_step(system, k).columns):
                 return False
             place_matrix(system, k, matrix)
+    return True
+
+
+@kernel
+def find_accelerations(system, time, h):
+    """Accelerations at the start of a step of all drums that feel their rope (modified); False if one has no length."""
+    points = points_of(system)
+    clear(points.mass)
+    clear(points.mass_rate)
+    for k in range(lines_of(system)):
+        if moves(system, k):
+            numbers_of(system, k)[ACCELERATION] = 0.0
+            form_line(system, k, time, h)
+            if not start_stage(system, k, 0, time, h):
+                return False
+    stage_masses(system)
+    rope_drums.accelerate(system, 0, time)
+    for k in range(lines_of(system)):
+        numbers_of(system, k)[ACCELERATION] = numbers_of(system, k)[STAGE_ACCELERATION]
     return True
 
 
@@ -90,6 +118,8 @@ def form_line(system, k, time, h):
     if has_drum(system, k):
         system_drums.begin_step(system, k)
     points, chain, w = points_of(system), chain_in_step(system, k, time), integrator_of(system, k)
+    if turns_with_rope(system, k):
+        chain = chain_moving(conditions_of(system, k), *length_of(system, k), numbers_of(system, k)[ACCELERATION])
     x, v = motion_of(system, k)
     rosenbrock.form(conditions_of(system, k), chain, turns(system, k), time, h, x, v, w)
     for end in range(2):
@@ -131,10 +161,15 @@ def reduce_line(system, k, stage, time, h, points):
     chain = chain_at_start(system, k, time)
     if flow.flows(chain):
         flow.add_damping(chain, -1.0, w.r, w.q)
+    with_rope = turns_with_rope(system, k)
     if has_turning:
         system_drums.subtract_rest(system, k)
+    if with_rope:
+        rope_drums.push_back(system, k, system_drums.inertia_of_stage(system, k, stage), h)
     condensed.solve_inner(rows_of(system, k), w.matrix, w.q)
-    if has_turning:
+    if with_rope:
+        system_drums.solve_drum_with_rope(system, k, stage, h)
+    elif has_turning:
         system_drums.solve_drum(system, k, stage, time, h)
     for end in range(2):
         if is_at_point(system, k, end):
@@ -187,7 +222,10 @@ def solve_stages(system, time, h):
             if moves(system, k) and not start_stage(system, k, stage, time, h):
                 return False
         if reels:
-            stage_masses(system, stage)
+            stage_masses(system)
+            if is_any_turning_with_rope(system):
+                rope_drums.accelerate(system, stage, time + ALPHA[stage] * h)
+            share_all_forces(system, stage)
         if stage == 0 and not factorize(system, time, h):
             return False
         solve_stage(system, stage, reels, time, h)
@@ -214,8 +252,8 @@ def share_forces(system, k, stage):
 
 
 @kernel
-def stage_masses(system, stage):
-    """Masses of the free points at a stage [kg], and the forces that follow from them, in a system that reels (modified)."""
+def stage_masses(system):
+    """Masses of the free points at a stage [kg] in a system that reels (modified)."""
     points = points_of(system)
     clear(points.stage_mass)
     for k in range(lines_of(system)):
@@ -223,6 +261,11 @@ def stage_masses(system, stage):
         for end in range(2):
             if is_at_point(system, k, end):
                 points.stage_mass[point_at(system, k, end)] += stage_mass[n * end]
+
+
+@kernel
+def share_all_forces(system, stage):
+    """`share_forces` of all lines."""
     for k in range(lines_of(system)):
         if moves(system, k):
             share_forces(system, k, stage)

@@ -1,0 +1,320 @@
+"""Drums that feel the rope that flows (`equations/rope_at_drum.py`), in a Rosenbrock step and in outputs.
+
+    M(y) (v', u') = (F, f),   m_i v_i' - col_i u' = F_i,   (m + I) u' - sum col_i . v_i' = f = R_0 - W - W^2/(2 EA)
+
+M is diagonal but for its border, so accelerations are explicit. A stage has M_0 (v', u') of its argument, with M_0 of the
+start of the step, as right-hand side, and the derivatives of F, f at constant v', u' but for those of M. So the border of
+the matrix (`system_drums.py`) is the column c = F_u + d F_L + col/d and the row over all nodes R_v + d R_x + col/d.
+"""
+
+from tetherfmu.runtime import layout as at
+
+from ..compilation import kernel
+from ..equations import segment
+from ..equations import rope_at_drum as rope
+from ..equations.boundary import chain_moving, chain_with
+from ..equations.drum import force_at
+from ..equations.end_motion import acceleration_at, velocity_at
+from ..equations.lines import (
+    conditions_of,
+    is_at_point,
+    lines_of,
+    load_at,
+    motion_of,
+    parameters_of,
+    point_at,
+    points_of,
+    rows_of,
+    segments_of,
+)
+from ..equations.properties import property_of
+from ..line.rodas4p import GAMMA_I
+from ..linear_algebra import condensed
+from ..linear_algebra.both_ends import add_to_node, get_node
+from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, dot, get, put, put_at, scale, sub
+from .system_room import (
+    BALANCE,
+    BY_SPEED,
+    DIRECTION,
+    INERTIA_OF_ROPE,
+    LENGTH,
+    PIVOT,
+    RATE,
+    ROW_AT_END,
+    ROW_AT_START,
+    SPEED,
+    STAGE_ACCELERATION,
+    UNBALANCED,
+    YIELDING,
+    drum_at,
+    integrator_of,
+    length_of,
+    numbers_of,
+    room_in_step,
+    shares_of,
+    turns_with_rope,
+)
+
+SWEEPS = 8  # over drums at free points, whose accelerations depend on each other
+
+
+@kernel
+def mass_of(system, k):
+    """m of the drum of line k [kg]."""
+    return parameters_of(system, k)[at.WINCH_MASS]
+
+
+@kernel
+def counter_force(system, k, direction, speed, time):
+    """W + W^2/(2 EA) [N] of the drum of line k that turns in a direction with a speed [m/s], at a time [s]; and its slope."""
+    drum = drum_at(system, k)
+    force = force_at(drum, time) + drum.damping * speed + drum.friction * direction
+    return rope.counter_force(property_of(conditions_of(system, k), 0, at.STIFFNESS), force)
+
+
+@kernel
+def is_free(conditions, i):
+    """Whether node i moves freely."""
+    return conditions.first <= i <= conditions.last
+
+
+@kernel
+def acceleration_of_start(conditions, time):
+    """Acceleration [m/s2] of the first node of a line if it is driven, else 0."""
+    return acceleration_at(conditions.ground, time) if conditions.first == 1 else ZERO_VECTOR
+
+
+# --- a stage
+
+
+@kernel
+def begin_acceleration(system, k, time):
+    """f [N] and the inertia [kg] of the drum of line k at a stage, once its forces are known, into its numbers (modified).
+
+    But for what a first node adds that is a free point. col goes into `Shares.pulled` (modified).
+    """
+    conditions, numbers, w, pulled = conditions_of(system, k), numbers_of(system, k), integrator_of(system, k), shares_of(system, k).pulled
+    chain, n, part = chain_with(conditions, numbers[LENGTH], numbers[SPEED]), conditions.n, 1.0
+    counter, _ = counter_force(system, k, numbers[DIRECTION], numbers[SPEED], time)
+    force, inertia, from_below = rope.of_speed(chain) - counter, mass_of(system, k), ZERO_VECTOR
+    x_p, v_p = get_node(n, 0, w.stage_x), get_node(n, 0, w.stage_v)
+    lowest = x_p[2]
+    for s in range(n):
+        x_q, v_q = get_node(n, s + 1, w.stage_x), get_node(n, s + 1, w.stage_v)
+        r, height = sub(x_q, x_p), segment.mean_height(x_p, x_q) - lowest
+        force += rope.pull(chain, s, part, w.modes[s], r, sub(v_q, v_p), height)
+        inertia += rope.inertia(chain, s, part, r)
+        of_p, of_q = rope.columns(chain, s, part, r)
+        put(pulled, s, add(from_below, of_p))
+        from_below, part = of_q, rope.next_part(chain, s, part)
+        x_p, v_p = x_q, v_q
+    put(pulled, n, from_below)
+    for i in range(n + 1):
+        if is_free(conditions, i) and not (i == 0 and is_at_point(system, k, 0)):
+            force += dot(get(pulled, i), get_node(n, i, w.force)) / w.stage_mass[i]
+            inertia -= dot(get(pulled, i), get(pulled, i)) / w.stage_mass[i]
+    numbers[UNBALANCED] = force + dot(get(pulled, 0), acceleration_of_start(conditions, time))
+    numbers[YIELDING] = inertia
+    numbers[STAGE_ACCELERATION] = numbers[UNBALANCED] / inertia
+
+
+@kernel
+def force_at_stage(system, point, time):
+    """Force on a free point [N] at a stage, of all lines with their drums, and of the load."""
+    total = load_at(system, point, time)
+    for k in range(lines_of(system)):
+        n, w = segments_of(system, k), integrator_of(system, k)
+        for end in range(2):
+            if is_at_point(system, k, end) and point_at(system, k, end) == point:
+                total = add(total, get_node(n, n * end, w.force))
+        if turns_with_rope(system, k) and is_at_point(system, k, 0) and point_at(system, k, 0) == point:
+            total = add_scaled(total, numbers_of(system, k)[STAGE_ACCELERATION], get(shares_of(system, k).pulled, 0))
+    return total
+
+
+@kernel
+def couple(system, k, time):
+    """u' of the drum of line k at a stage (modified), whose first node is a free point."""
+    numbers, pulled, point = numbers_of(system, k), get(shares_of(system, k).pulled, 0), point_at(system, k, 0)
+    mass = points_of(system).stage_mass[point]
+    others = add_scaled(force_at_stage(system, point, time), -numbers[STAGE_ACCELERATION], pulled)
+    numbers[STAGE_ACCELERATION] = (numbers[UNBALANCED] + dot(pulled, others) / mass) / (
+        numbers[YIELDING] - dot(pulled, pulled) / mass
+    )
+
+
+@kernel
+def take_balance(system, k, stage, time):
+    """Right-hand side of a stage of the drum of line k, from u' of all drums: BALANCE among its numbers (modified)."""
+    conditions, numbers, w, b = conditions_of(system, k), numbers_of(system, k), integrator_of(system, k), shares_of(system, k)
+    n, gained, points = conditions.n, numbers[STAGE_ACCELERATION], points_of(system)
+    if stage == 0:
+        for i in range(3 * (n + 1)):
+            b.border[i] = b.pulled[i]
+        numbers[INERTIA_OF_ROPE] = rope_inertia(system, k)
+    balance = (mass_of(system, k) + numbers[INERTIA_OF_ROPE]) * gained
+    for i in range(n + 1):
+        if is_free(conditions, i):
+            col, col_0, force = get(b.pulled, i), get(b.border, i), get_node(n, i, w.force)
+            mass, total = w.stage_mass[i], add_scaled(force, gained, col)
+            if i == 0 and is_at_point(system, k, 0):
+                point = point_at(system, k, 0)
+                mass, total = points.stage_mass[point], force_at_stage(system, point, time)
+            balance -= dot(col_0, total) / mass
+    numbers[BALANCE] = balance
+
+
+@kernel
+def push_nodes(system, k):
+    """Let the forces of line k (modified) have what u' of its drum does: col u', and - col_0 u' of M_0, by masses."""
+    conditions, w, b, points = conditions_of(system, k), integrator_of(system, k), shares_of(system, k), points_of(system)
+    gained = numbers_of(system, k)[STAGE_ACCELERATION]
+    for i in range(conditions.n + 1):
+        if is_free(conditions, i):
+            ratio = w.stage_mass[i] / w.mass[i]
+            if i == 0 and is_at_point(system, k, 0):
+                point = point_at(system, k, 0)
+                ratio = points.stage_mass[point] / points.mass[point]
+            push = add_scaled(scale(gained, get(b.pulled, i)), -gained * ratio, get(b.border, i))
+            add_to_node(conditions.n, i, push, w.force)
+
+
+@kernel
+def rope_inertia(system, k):
+    """I of line k at the start of the step [kg]."""
+    conditions, (x, _), part, total = conditions_of(system, k), motion_of(system, k), 1.0, 0.0
+    chain = chain_with(conditions, *length_of(system, k))
+    for s in range(chain.n):
+        total += rope.inertia(chain, s, part, sub(get(x, s + 1), get(x, s)))
+        part = rope.next_part(chain, s, part)
+    return total
+
+
+@kernel
+def accelerate(system, stage, time):
+    """u' of all drums that feel their rope at a stage at a time [s], and the right-hand sides with it (modified)."""
+    coupled = 0
+    for k in range(lines_of(system)):
+        if turns_with_rope(system, k):
+            begin_acceleration(system, k, time)
+            coupled += is_at_point(system, k, 0)
+    if coupled > 0:
+        for _ in range(SWEEPS if coupled > 1 else 1):
+            for k in range(lines_of(system)):
+                if turns_with_rope(system, k) and is_at_point(system, k, 0):
+                    couple(system, k, time)
+    for k in range(lines_of(system)):
+        if turns_with_rope(system, k):
+            take_balance(system, k, stage, time)
+    if stage > 0:
+        for k in range(lines_of(system)):
+            if turns_with_rope(system, k):
+                push_nodes(system, k)
+
+
+# --- the border
+
+
+@kernel
+def node_acceleration(system, k, i, time):
+    """Acceleration of node i of line k at the start of the step [m/s2], whose forces stand in w.force."""
+    conditions, w, numbers = conditions_of(system, k), integrator_of(system, k), numbers_of(system, k)
+    if not is_free(conditions, i):
+        return acceleration_of_start(conditions, time) if i == 0 else ZERO_VECTOR
+    points = points_of(system)
+    if i == 0 and is_at_point(system, k, 0):
+        point = point_at(system, k, 0)
+        return scale(1.0 / points.mass[point], force_at_stage(system, point, time))
+    if i == conditions.n and is_at_point(system, k, 1):
+        return ZERO_VECTOR  # its part in the rope that flows is 0
+    force = add_scaled(get_node(conditions.n, i, w.force), numbers[STAGE_ACCELERATION], get(shares_of(system, k).border, i))
+    return scale(1.0 / w.mass[i], force)
+
+
+@kernel
+def take_equation(system, k, time, d):
+    """f_u, df/dt, the row and P of the drum of line k, whose column is condensed, into its numbers (modified); False: none."""
+    conditions, numbers, b, w = conditions_of(system, k), numbers_of(system, k), shares_of(system, k), integrator_of(system, k)
+    n, (x, v), (length, speed) = conditions.n, motion_of(system, k), length_of(system, k)
+    chain, part = chain_moving(conditions, length, speed, numbers[STAGE_ACCELERATION]), 1.0
+    _, slope = counter_force(system, k, numbers[DIRECTION], speed, time)
+    drum = drum_at(system, k)
+    by_speed, by_length = 2.0 * rope.half_density(chain, 0) * speed - slope * drum.damping, 0.0
+    by_position = b.row  # in the same room at first
+    for i in range(3 * (n + 1)):
+        b.by_velocity[i] = 0.0
+        by_position[i] = 0.0
+    a_p = node_acceleration(system, k, 0, time)
+    for s in range(n):
+        a_q = node_acceleration(system, k, s + 1, time)
+        r, u = sub(get(x, s + 1), get(x, s)), sub(get(v, s + 1), get(v, s))
+        by_r, by_u, of_length, of_speed = rope.by_motion(chain, s, part, w.modes[s], r, u, a_p, a_q)
+        weight = (0.0, 0.0, -0.5 * property_of(chain, s, at.SHARE) * 2.0 * rope.half_density(chain, s) * chain.gravity)
+        put(by_position, s, add(sub(get(by_position, s), by_r), weight))
+        put(by_position, s + 1, add(add(get(by_position, s + 1), by_r), weight))
+        put(by_position, 0, add_scaled(get(by_position, 0), -2.0, weight))
+        put(b.by_velocity, s, sub(get(b.by_velocity, s), by_u))
+        put(b.by_velocity, s + 1, add(get(b.by_velocity, s + 1), by_u))
+        by_length += of_length
+        by_speed += of_speed
+        part, a_p = rope.next_part(chain, s, part), a_q
+    rate = -slope * drum.force_rate
+    if conditions.first == 1:
+        rate += dot(get(by_position, 0), velocity_at(conditions.ground, time))
+        rate += dot(get(b.by_velocity, 0), acceleration_at(conditions.ground, time))
+        rate += dot(get(b.border, 0), scale(6.0, conditions.ground[3]))
+    if conditions.last == n - 1:
+        rate += dot(get(by_position, n), velocity_at(conditions.kite, time))
+        rate += dot(get(b.by_velocity, n), acceleration_at(conditions.kite, time))
+    for i in range(n + 1):
+        along = add_scaled(add_scaled(get(b.by_velocity, i), d, get(by_position, i)), 1.0 / d, get(b.border, i))
+        put(b.row, i, along if is_free(conditions, i) else ZERO_VECTOR)
+    keep_row(system, k, b.row)
+    numbers[BY_SPEED], numbers[RATE] = by_speed, rate
+    pivot = (mass_of(system, k) + numbers[INERTIA_OF_ROPE]) / d - by_speed - d * by_length
+    numbers[PIVOT] = pivot - condensed.inner_product(rows_of(system, k), b.row, room_in_step(system, k).column)
+    return 0.0 < numbers[PIVOT]
+
+
+@kernel
+def keep_row(system, k, row):
+    """What is left of a row of the drum of line k at its ends into its numbers (modified)."""
+    numbers, rows, columns = numbers_of(system, k), rows_of(system, k), room_in_step(system, k).columns
+    if is_at_point(system, k, 0):
+        put_at(numbers, ROW_AT_START, condensed.whole_row_at_end(rows, 0, row, columns))
+    if is_at_point(system, k, 1):
+        put_at(numbers, ROW_AT_END, condensed.whole_row_at_end(rows, 1, row, columns))
+
+
+@kernel
+def add_to_column(system, k):
+    """Add the rope that flows to F_L and F_u of line k (modified), but for what all forces add by masses."""
+    conditions, b, (x, v) = conditions_of(system, k), shares_of(system, k), motion_of(system, k)
+    chain, part = chain_with(conditions, *length_of(system, k)), 1.0
+    for s in range(chain.n):
+        r, u = sub(get(x, s + 1), get(x, s)), sub(get(v, s + 1), get(v, s))
+        by_length, of_p, of_q = rope.force_slopes(chain, s, part, r, u)
+        put(b.by_length, s, add(get(b.by_length, s), by_length))
+        put(b.by_length, s + 1, sub(get(b.by_length, s + 1), by_length))
+        put(b.by_speed, s, add(get(b.by_speed, s), of_p))
+        put(b.by_speed, s + 1, add(get(b.by_speed, s + 1), of_q))
+        part = rope.next_part(chain, s, part)
+
+
+@kernel
+def push_back(system, k, inertia, h):
+    """Subtract col_0 of what the stages of the drum of line k add up to [m/s] from its right-hand side (modified)."""
+    q, border = integrator_of(system, k).q, shares_of(system, k).border
+    for i in range(len(border)):
+        q[i] -= border[i] * (inertia / h)
+
+
+@kernel
+def right_of_stage(system, k, stage, inertia, h):
+    """Right-hand side of a stage of the drum of line k [N]; inertia : what its stages add up to [m/s]."""
+    conditions, numbers, b, w = conditions_of(system, k), numbers_of(system, k), shares_of(system, k), integrator_of(system, k)
+    total = numbers[BALANCE] + (mass_of(system, k) + numbers[INERTIA_OF_ROPE]) * inertia / h + GAMMA_I[stage] * h * numbers[RATE]
+    for i in range(conditions.first, conditions.last + 1):
+        total -= dot(get(b.border, i), get_node(conditions.n, i, w.inertia_velocity)) / h
+        total -= dot(get(b.by_velocity, i), get_node(conditions.n, i, w.r))
+    return total
