@@ -99,7 +99,8 @@ FALLBACKS = CORRECTION_LEFT + 1  # fixed steps of lower order than asked for sin
 RECENT_FALLBACKS = FALLBACKS + 1  # part of about the last 1000 fixed steps that they are [-]
 PEAK_SO_FAR = FALLBACKS + 2  # largest tension [N] after the internal steps but the last of the last communication step
 ACCELERATION = FALLBACKS + 3  # rate of REELING at the end of the last step [m/s2]
-GIVEN_DERIVATIVES = FALLBACKS + 4  # sum of 2**k, k of the inputs whose derivatives are given for the next step
+TENSION_AT_DRUM = FALLBACKS + 4  # [N], where the rope leaves a drum that feels its flow; 0 of other winches
+GIVEN_DERIVATIVES = FALLBACKS + 5  # sum of 2**k, k of the inputs whose derivatives are given for the next step
 INPUT_DERIVATIVES = GIVEN_DERIVATIVES + 1  # those derivatives [1/s times the unit of the input], in the order of the inputs
 STATE_HEADER = INPUT_DERIVATIVES + INPUTS
 

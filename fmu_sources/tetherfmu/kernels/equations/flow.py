@@ -18,7 +18,7 @@ from tetherfmu.runtime import layout as at
 
 from ..compilation import kernel
 from ..linear_algebra.both_ends import add_to_node, get_node
-from ..linear_algebra.vectors import add, add_scaled, get, put, scale, sub
+from ..linear_algebra.vectors import add, add_scaled, dot, get, norm, put, scale, sub
 from .properties import property_of, rest_length, sees_reeling
 
 
@@ -81,6 +81,15 @@ def end_force(chain, kite_end, x_p, x_q, v_p, v_q):
 
 
 @kernel
+def energy(chain, s, part, x_p, x_q, v_p, v_q):
+    """Kinetic energy [J] of segment s beyond 1/2 (mu l0/2) |v|^2 of its nodes: mu/2 (c v . r + c^2 l^2/(2 l0)) of both."""
+    c_p, c_q = part * chain.reeling, (part - property_of(chain, s, at.SHARE)) * chain.reeling
+    r, rest = sub(x_q, x_p), rest_length(chain, s)
+    along = c_p * dot(v_p, r) + c_q * dot(v_q, r) + 0.5 * (c_p * c_p + c_q * c_q) / rest * dot(r, r)
+    return 0.5 * property_of(chain, s, at.LINE_DENSITY) * along
+
+
+@kernel
 def add_forces(chain, x, v, force):
     """Add the forces on all nodes [N] to `force` (modified); x, v : positions [m], velocities [m/s]; all interleaved."""
     n, part = chain.n, 1.0
@@ -92,6 +101,17 @@ def add_forces(chain, x, v, force):
         add_to_node(n, s + 1, of_q, force)
         part -= property_of(chain, s, at.SHARE)
         x_p, v_p = x_q, v_q
+
+
+@kernel
+def most_power(chain, x, v):
+    """Power [W] of these forces at most, with the nodes at x [m], v [m/s]."""
+    power, part = 0.0, 1.0
+    for s in range(chain.n):
+        of_p, of_q = forces(chain, s, part, get(x, s), get(x, s + 1), get(v, s), get(v, s + 1))
+        power += norm(of_p) * norm(get(v, s)) + norm(of_q) * norm(get(v, s + 1))
+        part -= property_of(chain, s, at.SHARE)
+    return power
 
 
 @kernel

@@ -18,7 +18,7 @@ drum plus T^2/(2 EA), the energy of its strain. Theory: docs/models/theory.md, "
 from tetherfmu.runtime import layout as at
 
 from ..compilation import kernel
-from ..linear_algebra.vectors import add, add_scaled, dot, scale, sub
+from ..linear_algebra.vectors import add, add_scaled, dot, scale
 from . import segment
 from .properties import property_of, rest_length, sees_reeling
 

@@ -36,7 +36,9 @@ WHOLE, STAGE, EXPECTED = 0, 1, 2  # steps, stages of `second_order.py`, those of
 
 FixedSteps = namedtuple("FixedSteps", "size method")
 FixedSteps.__doc__ = "Fixed steps: their size [s], 0 for adaptive ones, and `fixed_step_method`, as an enumeration."
-Workspace = namedtuple("Workspace", "x trial old free drag slope move acceleration flow matrix mass modes held pressed")
+Workspace = namedtuple(
+    "Workspace", "x trial old free drag slope move acceleration flow row_of_drum matrix mass modes held pressed"
+)
 Workspace.__doc__ = """Scratch arrays of a step; 3 (n + 1) numbers where nothing else is said.
 
 x : positions of the iteration [m].  trial : positions to try [m].  old : positions before the step [m].
@@ -44,14 +46,15 @@ free : y, where the nodes would fly freely [m].  drag : half drags F of the segm
 9 (n + 1).  move : minus the gradient of Phi [N], then the move of the nodes [m].  matrix, mass : see
 `arrays.shared_arrays`; masses at the end of the step.  modes : n, which damping each segment has, see `segment.TAUT`.
 held : n, l - l0 where the matrix was made [m]: its sign is the mode of the spring there.  acceleration : of the nodes in a
-stage [m/s2], before it what is expected.  flow : forces of the rope that flows in the iteration [N].  pressed : n + 1, a_n of the friction on the ground [m/s2].
+stage [m/s2], before it what is expected.  flow : forces of the rope that flows in the iteration [N].
+row_of_drum : of a drum that feels it, dR/dx [N/m].  pressed : n + 1, a_n of the friction on the ground [m/s2].
 """
 
 
 @kernel
 def workspace_size(n):
     """Length of the work array that `workspace` needs."""
-    return shared_size(n) + 8 * 3 * (n + 1) + 10 * (n + 1) + 2 * n
+    return shared_size(n) + 9 * 3 * (n + 1) + 10 * (n + 1) + 2 * n
 
 
 @view
@@ -59,10 +62,10 @@ def workspace(n, work):
     """Cut the work array into the arrays of `Workspace`."""
     blocks, _, mass, room = shared_arrays(n, work)
     x, trial, old, free, drag, move, room = node_arrays(n, room)
-    flow, room = part(room, 0, 3 * (n + 1)), behind(3 * (n + 1), room)
+    flow, row, room = part(room, 0, 3 * (n + 1)), part(room, 3 * (n + 1), 3 * (n + 1)), behind(6 * (n + 1), room)
     acceleration, slope, room = part(room, 0, 3 * (n + 1)), part(room, 3 * (n + 1), 9 * (n + 1)), behind(12 * (n + 1), room)
     modes, held, pressed = part(room, 0, n), part(room, n, n), part(room, 2 * n, n + 1)
-    vectors = x, trial, old, free, drag, slope, move, acceleration, flow
+    vectors = x, trial, old, free, drag, slope, move, acceleration, flow, row
     return Workspace(*vectors, Matrix(*blocks), mass, modes, held, pressed)
 
 

@@ -30,7 +30,7 @@ from collections import namedtuple
 
 from ..arrays import behind, split
 from ..compilation import kernel, view
-from ..equations import node_loads, segment
+from ..equations import flow, node_loads, segment
 from ..equations.boundary import chain_during, load_during
 from ..equations.properties import rest_length
 from ..flat_arrays import part
@@ -85,6 +85,8 @@ def energy_and_power(conditions, time, x, v, mass):
     for i in range(conditions.first, conditions.last + 1):
         speed = norm(get(v, i))
         energy += mass[i] * (0.5 * speed * speed + node_loads.specific_potential(chain, get(x, i), True))
+    if flow.flows(chain):
+        power += flow.most_power(chain, x, v)
     for s in range(n):
         x_p, x_q, v_p, v_q = get(x, s), get(x, s + 1), get(v, s), get(v, s + 1)
         length, e = segment.geometry(sub(x_q, x_p))

@@ -12,12 +12,13 @@ from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.status import NO_LENGTH, OK
 
 from ..compilation import kernel
-from ..equations import segment
+from ..equations import flow, segment
 from ..equations.boundary import chain_with
 from ..equations.drum import INWARDS, OUTWARDS, force_at, is_at_stop
-from ..equations.lines import conditions_of, lines_of, motion_of, put_reeling
+from ..equations.lines import conditions_of, lines_of, motion_of, parameters_of, put_reeling
 from ..equations.plan import note_line
 from ..equations.properties import property_of
+from ..equations.rope_at_drum import feels_rope
 from ..line.moving_drum import Instant, first_tension, project
 from ..line.second_order import TO_NEXT, start_of_second, start_of_third
 from ..linear_algebra.vectors import NEUTRAL, dot, get, sub
@@ -196,6 +197,8 @@ def energy_and_power(system, k, is_new, x, v):
     length, speed = length_of(system, k) if is_new else (numbers[START_LENGTH], numbers[START_SPEED])
     hold(system, k, length)
     chain, power = chain_with(conditions, length, speed), 0.0
+    if feels_rope(chain.parameters):
+        return energy_and_power_with_rope(system, k, chain, x, v)
     first = first_tension(chain, x, v)
     for s in range(chain.n):
         stretched, e = segment.geometry(sub(get(x, s + 1), get(x, s)))
@@ -203,6 +206,24 @@ def energy_and_power(system, k, is_new, x, v):
         tension = segment.tension_of(chain, s, segment.BY_LENGTH, stretched, rate)
         power += abs(property_of(chain, s, at.SHARE) * first - tension * stretched / length)
     return 0.5 * drum_at(system, k).mass * speed * speed, power * abs(speed)
+
+
+@kernel
+def energy_and_power_with_rope(system, k, chain, x, v):
+    """The same where the drum feels the rope that flows: with the kinetic energy of the rope beyond that of the nodes.
+
+    The power is what rope from the drum brings, and the strain that it has there.
+    """
+    speed = chain.reeling
+    energy, part = 0.5 * parameters_of(system, k)[at.WINCH_MASS] * speed * speed, 1.0
+    for s in range(chain.n):
+        energy += flow.energy(chain, s, part, get(x, s), get(x, s + 1), get(v, s), get(v, s + 1))
+        part -= property_of(chain, s, at.SHARE)
+    drum, density = drum_at(system, k), property_of(chain, 0, at.LINE_DENSITY)
+    force = abs(drum.force) + drum.damping * abs(speed) + drum.friction
+    stored = 0.5 * force * force / property_of(chain, 0, at.STIFFNESS)
+    brought = density * (0.5 * speed * speed + chain.gravity * abs(x[2]) + dot(get(v, 0), get(v, 0)))
+    return energy, (brought + stored) * abs(speed)
 
 
 @kernel

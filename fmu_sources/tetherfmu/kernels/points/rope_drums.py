@@ -10,8 +10,8 @@ the matrix (`system_drums.py`) is the column c = F_u + d F_L + col/d and the row
 from tetherfmu.runtime import layout as at
 
 from ..compilation import kernel
-from ..equations import segment
 from ..equations import rope_at_drum as rope
+from ..equations import segment
 from ..equations.boundary import chain_moving, chain_with
 from ..equations.drum import force_at
 from ..equations.end_motion import acceleration_at, velocity_at
@@ -93,7 +93,12 @@ def begin_acceleration(system, k, time):
 
     But for what a first node adds that is a free point. col goes into `Shares.pulled` (modified).
     """
-    conditions, numbers, w, pulled = conditions_of(system, k), numbers_of(system, k), integrator_of(system, k), shares_of(system, k).pulled
+    conditions, numbers, w, pulled = (
+        conditions_of(system, k),
+        numbers_of(system, k),
+        integrator_of(system, k),
+        shares_of(system, k).pulled,
+    )
     chain, n, part = chain_with(conditions, numbers[LENGTH], numbers[SPEED]), conditions.n, 1.0
     counter, _ = counter_force(system, k, numbers[DIRECTION], numbers[SPEED], time)
     force, inertia, from_below = rope.of_speed(chain) - counter, mass_of(system, k), ZERO_VECTOR
@@ -146,7 +151,12 @@ def couple(system, k, time):
 @kernel
 def take_balance(system, k, stage, time):
     """Right-hand side of a stage of the drum of line k, from u' of all drums: BALANCE among its numbers (modified)."""
-    conditions, numbers, w, b = conditions_of(system, k), numbers_of(system, k), integrator_of(system, k), shares_of(system, k)
+    conditions, numbers, w, b = (
+        conditions_of(system, k),
+        numbers_of(system, k),
+        integrator_of(system, k),
+        shares_of(system, k),
+    )
     n, gained, points = conditions.n, numbers[STAGE_ACCELERATION], points_of(system)
     if stage == 0:
         for i in range(3 * (n + 1)):
@@ -234,7 +244,12 @@ def node_acceleration(system, k, i, time):
 @kernel
 def take_equation(system, k, time, d):
     """f_u, df/dt, the row and P of the drum of line k, whose column is condensed, into its numbers (modified); False: none."""
-    conditions, numbers, b, w = conditions_of(system, k), numbers_of(system, k), shares_of(system, k), integrator_of(system, k)
+    conditions, numbers, b, w = (
+        conditions_of(system, k),
+        numbers_of(system, k),
+        shares_of(system, k),
+        integrator_of(system, k),
+    )
     n, (x, v), (length, speed) = conditions.n, motion_of(system, k), length_of(system, k)
     chain, part = chain_moving(conditions, length, speed, numbers[STAGE_ACCELERATION]), 1.0
     _, slope = counter_force(system, k, numbers[DIRECTION], speed, time)
@@ -273,7 +288,7 @@ def take_equation(system, k, time, d):
     numbers[BY_SPEED], numbers[RATE] = by_speed, rate
     pivot = (mass_of(system, k) + numbers[INERTIA_OF_ROPE]) / d - by_speed - d * by_length
     numbers[PIVOT] = pivot - condensed.inner_product(rows_of(system, k), b.row, room_in_step(system, k).column)
-    return 0.0 < numbers[PIVOT]
+    return numbers[PIVOT] > 0.0
 
 
 @kernel
@@ -312,8 +327,15 @@ def push_back(system, k, inertia, h):
 @kernel
 def right_of_stage(system, k, stage, inertia, h):
     """Right-hand side of a stage of the drum of line k [N]; inertia : what its stages add up to [m/s]."""
-    conditions, numbers, b, w = conditions_of(system, k), numbers_of(system, k), shares_of(system, k), integrator_of(system, k)
-    total = numbers[BALANCE] + (mass_of(system, k) + numbers[INERTIA_OF_ROPE]) * inertia / h + GAMMA_I[stage] * h * numbers[RATE]
+    conditions, numbers, b, w = (
+        conditions_of(system, k),
+        numbers_of(system, k),
+        shares_of(system, k),
+        integrator_of(system, k),
+    )
+    total = (
+        numbers[BALANCE] + (mass_of(system, k) + numbers[INERTIA_OF_ROPE]) * inertia / h + GAMMA_I[stage] * h * numbers[RATE]
+    )
     for i in range(conditions.first, conditions.last + 1):
         total -= dot(get(b.border, i), get_node(conditions.n, i, w.inertia_velocity)) / h
         total -= dot(get(b.by_velocity, i), get_node(conditions.n, i, w.r))

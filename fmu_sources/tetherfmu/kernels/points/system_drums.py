@@ -43,8 +43,8 @@ from ..linear_algebra.both_ends import get_node, get_two, put_two
 from ..linear_algebra.matrices import get_matrix, transposed_apply
 from ..linear_algebra.pairs import first
 from ..linear_algebra.vectors import add, add_scaled, dot, get, put, put_at, scale, sub, vector_at
-from .at_points import add_column, place_column, row_of
 from . import rope_drums
+from .at_points import add_column, place_column, row_of
 from .system_room import (
     BY_POSITION,
     BY_SPEED,

@@ -34,6 +34,7 @@ from ..equations.lines import (
     lines_of,
     load_at,
     motion_of,
+    parameters_of,
     point_at,
     points_of,
     rows_of,
@@ -41,10 +42,13 @@ from ..equations.lines import (
 )
 from ..equations.node_loads import free_acceleration
 from ..equations.properties import point_mass, sees_reeling
+from ..equations.rope_at_drum import feels_rope
 from ..line import backward_euler, incremental_potential
 from ..linear_algebra import condensed
 from ..linear_algebra.vectors import add, add_scaled, dot, get, put, put_at, scale, sub
+from . import rope_fixed_drums
 from .at_points import place_column, row_of
+from .rope_drums import keep_row, mass_of
 from .system_room import (
     CHANGE,
     GOAL,
@@ -144,6 +148,8 @@ def form_column(system, k, step):
         pull = add(scale(along, e), scale(aslant, incremental_potential.slant_of(b, length, e, r0)))
         put(column, s, add(get(column, s), pull))
         put(column, s + 1, sub(get(column, s + 1), pull))
+    if feels_rope(attempt.chain.parameters):
+        rope_fixed_drums.form_column(system, k, step)
     hold_ends(attempt.conditions, column)
 
 
@@ -152,6 +158,15 @@ def take_equation(system, k, step):
     """P, T + T_x p and T_x of the drum of line k, whose move and column are condensed, into its numbers (modified)."""
     attempt, w, rows, drum = attempt_of(system, k, step), scratch_of(system, k), rows_of(system, k), drum_at(system, k)
     h, chain, column, numbers = step.h, attempt.chain, room_in_step(system, k).column, numbers_of(system, k)
+    if feels_rope(chain.parameters):
+        row = w.row_of_drum
+        pull, by_rope = rope_fixed_drums.take_row(system, k, step, row)
+        inertia = rope_fixed_drums.inertia(system, k, step)
+        lowest = LEAST_PIVOT * (inertia + drum.mass / h)
+        numbers[PIVOT] = max(inertia + by_rope - condensed.inner_product(rows, row, column), lowest)
+        numbers[TENSION] = pull + condensed.inner_product(rows, row, w.move)
+        keep_row(system, k, row)
+        return
     length, e, rest, stiffness, c, rate, r0 = incremental_potential.segment_at(attempt, 0, w.x, w)
     b = incremental_potential.shrinkage(attempt)
     by_position = add(scale(stiffness, e), scale(c * b / h, incremental_potential.slant_of(b, length, e, r0)))
@@ -169,8 +184,19 @@ def take_equation(system, k, step):
 def residual_of(system, k, step, tension):
     """r [N] of the drum of line k with a tension [N]."""
     (_, before), speed, drum = length_of(system, k), numbers_of(system, k)[TRIAL], drum_at(system, k)
+    if feels_rope(parameters_of(system, k)):
+        counter, _ = rope_fixed_drums.counter_force(system, k, step, 0.0)
+        return mass_of(system, k) * (speed - before) / step.h + (counter - tension)
     residual = drum.mass * (speed - before) / step.h + drum.damping * speed
     return residual + (force_at(drum, step.time + step.h) - tension)
+
+
+@kernel
+def friction_of(system, k, step, direction):
+    """Friction of the drum of line k [N] in a direction."""
+    if feels_rope(parameters_of(system, k)):
+        return rope_fixed_drums.friction(system, k, step, direction)
+    return drum_at(system, k).friction
 
 
 @kernel
@@ -180,7 +206,7 @@ def place_drum(system, k, step, points):
     way, change = numbers[WAY], numbers[SOUGHT] - numbers[TRIAL]
     if abs(way) == OUTWARDS:
         residual = residual_of(system, k, step, numbers[TENSION])
-        change = -(residual + way * drum_at(system, k).friction) / numbers[PIVOT]
+        change = -(residual + way * friction_of(system, k, step, way)) / numbers[PIVOT]
         place_column(system, k)
     for end in range(2):
         if is_at_point(system, k, end):
@@ -248,7 +274,8 @@ def find_drum(system, k, step, points):
         if is_at_point(system, k, end):
             tension -= dot(row_of(system, k, end), get(points.solution, point_at(system, k, end)))
     wanted = speed - residual_of(system, k, step, tension) / numbers[PIVOT]
-    drawn = max(abs(wanted) - friction / numbers[PIVOT], 0.0)
+    drag = friction_of(system, k, step, OUTWARDS if wanted > 0.0 else INWARDS)
+    drawn = max(abs(wanted) - drag / numbers[PIVOT], 0.0)
     nearest = min(highest, max(lowest, drawn if wanted > 0.0 else -drawn))
     farthest = MOST_REELED * attempt_of(system, k, step).chain.length / step.h
     onward = speed + max(-farthest, min(farthest, nearest - speed))

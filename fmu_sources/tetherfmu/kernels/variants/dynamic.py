@@ -52,6 +52,7 @@ def advance(n, parameters, given, before, state, work):
     status = moving_lines.advance(system, given.step, before)
     if status == OK:
         moving_lines.end_line(system, 0, given.step)
+        moving_lines.end_drums(system, given.step)
     return status
 
 

@@ -11,6 +11,7 @@ from tetherfmu.runtime.status import OK, STEP_BUDGET_SPENT
 from ..arrays import state_size
 from ..compilation import kernel, view
 from ..equations.boundary import conditions_of_chain, place_ends
+from ..equations.drum import direction_of
 from ..equations.lines import (
     conditions_of,
     lines_of,
@@ -24,10 +25,12 @@ from ..equations.lines import (
 )
 from ..equations.notes import note
 from ..equations.properties import chain_of
+from ..equations.rope_at_drum import feels_rope
 from ..line import step_control
 from ..line.backward_euler import FixedSteps, given_steps
+from ..line.moving_drum import Instant
 from ..motion import adaptive_steps, fallback, fixed_steps
-from ..points import system_room
+from ..points import drum_tension, system_room
 from ..rest import compressed_chain, end_tensions
 from ..step.plausibility import note_pressing, note_stiff_and_slack, note_unconverged
 
@@ -96,6 +99,22 @@ def advance(system, step, before):
     if status == STEP_BUDGET_SPENT and move_coarsely(system, step, before) == OK:
         return OK
     return status
+
+
+@kernel
+def end_drums(system, step):
+    """Accelerations of the drums that feel the rope that flows, and the tensions there, into the states (modified).
+
+    At the end of a communication step [s], of which all lines have their states.
+    """
+    for k in range(lines_of(system)):
+        if system_room.has_drum(system, k) and feels_rope(parameters_of(system, k)):
+            state, (length, speed) = state_of(system, k), system_room.length_of(system, k)
+            now, drum = Instant(step, length, speed, *motion_of(system, k)), system_room.drum_at(system, k)
+            at_rest = drum_tension.tension_at_rest(system, k, Instant(step, length, 0.0, *motion_of(system, k)), False)
+            direction = direction_of(drum, length, speed, at_rest, step)
+            tension, acceleration = drum_tension.tension_and_acceleration(system, k, now, direction)
+            state[at.TENSION_AT_DRUM], state[at.ACCELERATION] = tension, acceleration
 
 
 @kernel

@@ -208,6 +208,7 @@ def commit(system, step, before):
     status = OK
     for k in range(lines_of(system)):
         moving_lines.end_line(system, k, step)
+    moving_lines.end_drums(system, step)
     for k in range(lines_of(system)):
         if status == OK:
             system.plan[places.STATUS_LINE] = k
