@@ -3,7 +3,7 @@
 Lagrange's equation of L, with the kinetic energy of `flow.py` and with rope that is on the drum already as fast as the drum
 turns, so that it leaves it without a thrust:
 
-    m u' = R - W - W^2/(2 EA),   R = R_0 + sum_i col_i . v_i' - I u',   L' = u
+    m u' = T - W,   T + T^2/(2 EA) = R = R_0 + sum_i col_i . v_i' - I u',   L' = u
 
     R_0 = sum over segments of  s (k (l^2 - l0^2)/(2 l0) + c (r . r' - l^2 l0'/l0)/l0 - mu g ((z_p + z_q)/2 - z_0)
                                    + mu |r'|^2/4) + mu/2 (w_p^2 + w_q^2) (s u^2 l^2/(2 l0^2) - 2 u r . r'/l0)
@@ -11,16 +11,20 @@ turns, so that it leaves it without a thrust:
     col_p = -mu/2 w_p r,  col_q = -mu/2 w_q r,   I = sum mu/2 (w_p^2 + w_q^2) l^2/l0
 
 with s the share of a segment in L, w_i = c_i/u the part that flows past a node, W all that the drum sets against the rope
-(motor, damping, friction), m its mass. u' makes the force col_i u' on node i. R is the tension T where the rope leaves the
-drum plus T^2/(2 EA), the energy of its strain. Theory: docs/models/theory.md, "Rope that flows".
+(motor, damping, friction), m its mass. u' makes the force col_i u' on node i. T is the tension where the rope leaves the
+drum, T^2/(2 EA) the energy of the strain that it has there. Theory: docs/models/theory.md, "Rope that flows".
 """
+
+from math import sqrt
 
 from tetherfmu.runtime import layout as at
 
+from ..arrays import positions_and_velocities
 from ..compilation import kernel
-from ..linear_algebra.vectors import add, add_scaled, dot, scale
+from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, dot, get, norm, scale, sub, vector_at
 from . import segment
-from .properties import property_of, rest_length, sees_reeling
+from .boundary import spring_at_ground
+from .properties import chain_at, property_of, rest_length, sees_reeling
 
 
 @kernel
@@ -101,7 +105,7 @@ def by_motion(chain, s, part, mode, r, u, a_p, a_q):
 
 @kernel
 def force_slopes(chain, s, part, r, u):
-    """Slopes of the forces of rope that flows on node p and on node q: by L [N/m] of p, which q has with the other sign; by u.
+    """Slopes of the forces of rope that flows: by L [N/m] of node p, which q has with the other sign; by u of p and of q.
 
     r [m], r' [m/s].
     """
@@ -112,6 +116,34 @@ def force_slopes(chain, s, part, r, u):
 
 
 @kernel
-def counter_force(stiffness, force):
-    """W + W^2/(2 EA) [N] of a force W of the drum, and its slope [-]; EA [N] of the first segment."""
+def with_strain(stiffness, force):
+    """T + T^2/(2 EA) [N] of a tension T [N], and its slope [-]; EA [N] of the first segment."""
     return force + 0.5 * force * force / stiffness, 1.0 + force / stiffness
+
+
+@kernel
+def tension_of(stiffness, pull):
+    """T [N] of T + T^2/(2 EA) = R; EA [N]."""
+    return stiffness * (sqrt(max(1.0 + 2.0 * pull / stiffness, 0.0)) - 1.0)
+
+
+@kernel
+def tension_at_winch(n, parameters, state):
+    """Tension where the rope leaves the winch [N], of a chain at rest in a state: T of R_0 without motion.
+
+    Where positions do not hold the tensions, that of the first segment and its half of the weight.
+    """
+    held = vector_at(state, at.GROUND_TENSION_VECTOR)
+    tension = norm(held)
+    if not feels_rope(parameters):
+        return spring_at_ground(n, parameters, state)
+    chain, (x, _) = chain_at(n, parameters, state[at.LENGTH], 0.0, ZERO_VECTOR), positions_and_velocities(n, state)
+    if tension > 0.0:
+        return tension - half_density(chain, 0) * rest_length(chain, 0) * chain.gravity * held[2] / tension
+    total, part, lowest = 0.0, 1.0, get(x, 0)[2]
+    for s in range(n):
+        x_p, x_q = get(x, s), get(x, s + 1)
+        height = segment.mean_height(x_p, x_q) - lowest
+        total += pull(chain, s, part, segment.BY_LENGTH, sub(x_q, x_p), ZERO_VECTOR, height)
+        part = next_part(chain, s, part)
+    return tension_of(property_of(chain, 0, at.STIFFNESS), total)

@@ -1,7 +1,5 @@
 """Tension where a rope leaves its drum, and the acceleration of the drum, of a state of the lines; see `rope_drums.py`."""
 
-from math import sqrt
-
 from tetherfmu.runtime import layout as at
 
 from ..compilation import kernel, view
@@ -20,7 +18,7 @@ from ..equations.lines import (
 )
 from ..equations.properties import point_mass, property_of, rest_length
 from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, dot, get, scale, sub
-from .rope_drums import acceleration_of_start, counter_force, is_free, mass_of
+from .rope_drums import acceleration_of_start, acceleration_with, counter_force, is_free, mass_of, stiffness_of
 from .system_room import has_drum, integrator_of, length_of, shares_of
 
 
@@ -104,26 +102,18 @@ def pull_and_inertia(system, k, now, is_after):
 
 
 @kernel
-def tension_of(stiffness, pull):
-    """T [N] of T + T^2/(2 EA) = R; EA [N]."""
-    return stiffness * (sqrt(max(1.0 + 2.0 * pull / stiffness, 0.0)) - 1.0)
-
-
-@kernel
 def tension_at_rest(system, k, now, is_after):
     """Tension where the rope leaves the drum of line k [N] at an `Instant` without speed, were it held."""
     pull, _ = pull_and_inertia(system, k, now, is_after)
-    return tension_of(property_of(conditions_of(system, k), 0, at.STIFFNESS), pull)
+    return rope.tension_of(stiffness_of(system, k), pull)
 
 
 @kernel
 def tension_and_acceleration(system, k, now, direction):
     """The same of a drum that turns in a direction, or is held, and its acceleration [m/s2]."""
     pull, inertia = pull_and_inertia(system, k, now, False)
-    stiffness = property_of(conditions_of(system, k), 0, at.STIFFNESS)
     if direction == HELD:
-        return tension_of(stiffness, pull), 0.0
-    counter, _ = counter_force(system, k, direction, now.speed, now.time)
-    mass = mass_of(system, k)
-    acceleration = (pull - counter) / (mass + inertia)
-    return tension_of(stiffness, counter + mass * acceleration), acceleration
+        return rope.tension_of(stiffness_of(system, k), pull), 0.0
+    counter = counter_force(system, k, direction, now.speed, now.time)
+    acceleration = acceleration_with(system, k, counter, pull, inertia)
+    return counter + mass_of(system, k) * acceleration, acceleration

@@ -1,11 +1,13 @@
 """Drums that feel the rope that flows (`equations/rope_at_drum.py`), in a Rosenbrock step and in outputs.
 
-    M(y) (v', u') = (F, f),   m_i v_i' - col_i u' = F_i,   (m + I) u' - sum col_i . v_i' = f = R_0 - W - W^2/(2 EA)
+    m_i v_i' - col_i u' = F_i,   T + T^2/(2 EA) + I u' - sum col_i . v_i' = R_0,   T = W + m u'
 
-M is diagonal but for its border, so accelerations are explicit. A stage has M_0 (v', u') of its argument, with M_0 of the
+All v_i' depend on u' alone, and so accelerations are explicit. By M these equations change with (v', u'). A stage has M_0 (v', u') of its argument, with M_0 of the
 start of the step, as right-hand side, and the derivatives of F, f at constant v', u' but for those of M. So the border of
 the matrix (`system_drums.py`) is the column c = F_u + d F_L + col/d and the row over all nodes R_v + d R_x + col/d.
 """
+
+from math import sqrt
 
 from tetherfmu.runtime import layout as at
 
@@ -36,7 +38,7 @@ from .system_room import (
     BALANCE,
     BY_SPEED,
     DIRECTION,
-    INERTIA_OF_ROPE,
+    INERTIA,
     LENGTH,
     PIVOT,
     RATE,
@@ -65,11 +67,25 @@ def mass_of(system, k):
 
 
 @kernel
+def stiffness_of(system, k):
+    """EA [N] of the first segment of line k."""
+    return property_of(conditions_of(system, k), 0, at.STIFFNESS)
+
+
+@kernel
 def counter_force(system, k, direction, speed, time):
-    """W + W^2/(2 EA) [N] of the drum of line k that turns in a direction with a speed [m/s], at a time [s]; and its slope."""
+    """W [N] of the drum of line k that turns in a direction with a speed [m/s], at a time [s]: motor, damping, friction."""
     drum = drum_at(system, k)
-    force = force_at(drum, time) + drum.damping * speed + drum.friction * direction
-    return rope.counter_force(property_of(conditions_of(system, k), 0, at.STIFFNESS), force)
+    return force_at(drum, time) + drum.damping * speed + drum.friction * direction
+
+
+@kernel
+def acceleration_with(system, k, counter, pull, inertia):
+    """u' [m/s2] of the drum of line k: T + T^2/(2 EA) = R - I u', T = W + m u'; W, R [N], I [kg]."""
+    mass, stiffness = mass_of(system, k), stiffness_of(system, k)
+    stored, slope = rope.with_strain(stiffness, counter)
+    total, free = slope * mass + inertia, pull - stored
+    return 2.0 * free / (total + sqrt(max(total * total + 2.0 * mass * mass / stiffness * free, 0.0)))
 
 
 @kernel
@@ -100,8 +116,7 @@ def begin_acceleration(system, k, time):
         shares_of(system, k).pulled,
     )
     chain, n, part = chain_with(conditions, numbers[LENGTH], numbers[SPEED]), conditions.n, 1.0
-    counter, _ = counter_force(system, k, numbers[DIRECTION], numbers[SPEED], time)
-    force, inertia, from_below = rope.of_speed(chain) - counter, mass_of(system, k), ZERO_VECTOR
+    force, inertia, from_below = rope.of_speed(chain), 0.0, ZERO_VECTOR
     x_p, v_p = get_node(n, 0, w.stage_x), get_node(n, 0, w.stage_v)
     lowest = x_p[2]
     for s in range(n):
@@ -120,7 +135,8 @@ def begin_acceleration(system, k, time):
             inertia -= dot(get(pulled, i), get(pulled, i)) / w.stage_mass[i]
     numbers[UNBALANCED] = force + dot(get(pulled, 0), acceleration_of_start(conditions, time))
     numbers[YIELDING] = inertia
-    numbers[STAGE_ACCELERATION] = numbers[UNBALANCED] / inertia
+    counter = counter_force(system, k, numbers[DIRECTION], numbers[SPEED], time)
+    numbers[STAGE_ACCELERATION] = acceleration_with(system, k, counter, numbers[UNBALANCED], inertia)
 
 
 @kernel
@@ -143,9 +159,10 @@ def couple(system, k, time):
     numbers, pulled, point = numbers_of(system, k), get(shares_of(system, k).pulled, 0), point_at(system, k, 0)
     mass = points_of(system).stage_mass[point]
     others = add_scaled(force_at_stage(system, point, time), -numbers[STAGE_ACCELERATION], pulled)
-    numbers[STAGE_ACCELERATION] = (numbers[UNBALANCED] + dot(pulled, others) / mass) / (
-        numbers[YIELDING] - dot(pulled, pulled) / mass
-    )
+    pull = numbers[UNBALANCED] + dot(pulled, others) / mass
+    counter = counter_force(system, k, numbers[DIRECTION], numbers[SPEED], time)
+    inertia = numbers[YIELDING] - dot(pulled, pulled) / mass
+    numbers[STAGE_ACCELERATION] = acceleration_with(system, k, counter, pull, inertia)
 
 
 @kernel
@@ -161,8 +178,8 @@ def take_balance(system, k, stage, time):
     if stage == 0:
         for i in range(3 * (n + 1)):
             b.border[i] = b.pulled[i]
-        numbers[INERTIA_OF_ROPE] = rope_inertia(system, k)
-    balance = (mass_of(system, k) + numbers[INERTIA_OF_ROPE]) * gained
+        numbers[INERTIA] = rope_inertia(system, k) + slope_at_start(system, k, time) * mass_of(system, k)
+    balance = numbers[INERTIA] * gained
     for i in range(n + 1):
         if is_free(conditions, i):
             col, col_0, force = get(b.pulled, i), get(b.border, i), get_node(n, i, w.force)
@@ -187,6 +204,16 @@ def push_nodes(system, k):
                 ratio = points.stage_mass[point] / points.mass[point]
             push = add_scaled(scale(gained, get(b.pulled, i)), -gained * ratio, get(b.border, i))
             add_to_node(conditions.n, i, push, w.force)
+
+
+@kernel
+def slope_at_start(system, k, time):
+    """1 + T/EA [-] at the drum of line k at the start of the step, a time [s], with its acceleration."""
+    _, speed = length_of(system, k)
+    numbers = numbers_of(system, k)
+    counter = counter_force(system, k, numbers[DIRECTION], speed, time)
+    _, slope = rope.with_strain(stiffness_of(system, k), counter + mass_of(system, k) * numbers[STAGE_ACCELERATION])
+    return slope
 
 
 @kernel
@@ -252,8 +279,7 @@ def take_equation(system, k, time, d):
     )
     n, (x, v), (length, speed) = conditions.n, motion_of(system, k), length_of(system, k)
     chain, part = chain_moving(conditions, length, speed, numbers[STAGE_ACCELERATION]), 1.0
-    _, slope = counter_force(system, k, numbers[DIRECTION], speed, time)
-    drum = drum_at(system, k)
+    slope, drum = slope_at_start(system, k, time), drum_at(system, k)
     by_speed, by_length = 2.0 * rope.half_density(chain, 0) * speed - slope * drum.damping, 0.0
     by_position = b.row  # in the same room at first
     for i in range(3 * (n + 1)):
@@ -286,7 +312,7 @@ def take_equation(system, k, time, d):
         put(b.row, i, along if is_free(conditions, i) else ZERO_VECTOR)
     keep_row(system, k, b.row)
     numbers[BY_SPEED], numbers[RATE] = by_speed, rate
-    pivot = (mass_of(system, k) + numbers[INERTIA_OF_ROPE]) / d - by_speed - d * by_length
+    pivot = numbers[INERTIA] / d - by_speed - d * by_length
     numbers[PIVOT] = pivot - condensed.inner_product(rows_of(system, k), b.row, room_in_step(system, k).column)
     return numbers[PIVOT] > 0.0
 
@@ -333,9 +359,7 @@ def right_of_stage(system, k, stage, inertia, h):
         shares_of(system, k),
         integrator_of(system, k),
     )
-    total = (
-        numbers[BALANCE] + (mass_of(system, k) + numbers[INERTIA_OF_ROPE]) * inertia / h + GAMMA_I[stage] * h * numbers[RATE]
-    )
+    total = numbers[BALANCE] + numbers[INERTIA] * inertia / h + GAMMA_I[stage] * h * numbers[RATE]
     for i in range(conditions.first, conditions.last + 1):
         total -= dot(get(b.border, i), get_node(conditions.n, i, w.inertia_velocity)) / h
         total -= dot(get(b.by_velocity, i), get_node(conditions.n, i, w.r))

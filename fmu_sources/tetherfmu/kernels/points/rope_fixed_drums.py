@@ -1,6 +1,6 @@
 """Drums that feel the rope that flows (`equations/rope_at_drum.py`) in an iteration of `system_fixed_drums.py`.
 
-    r = m (u - u0)/h + W + W^2/(2 EA) - R,   R = R_0 + sum_i col_i . (v_i - v0_i)/h - I (u - u0)/h
+    r = T + T^2/(2 EA) - R,   T = W + m (u - u0)/h,   R = R_0 + sum_i col_i . (v_i - v0_i)/h - I (u - u0)/h
 
 at the end of the step: R feels all nodes, and so does the row of the drum.
 """
@@ -15,8 +15,10 @@ from ..equations.end_motion import acceleration_at
 from ..equations.lines import conditions_of, motion_of
 from ..equations.properties import property_of
 from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, dot, get, put, scale, sub
-from .rope_drums import is_free, mass_of
-from .system_room import TRIAL, attempt_of, drum_at, numbers_of, room_in_step, scratch_of
+from .rope_drums import is_free, mass_of, stiffness_of
+from .system_room import CHANGE, TRIAL, attempt_of, drum_at, length_of, numbers_of, room_in_step, scratch_of
+
+CLOSE = 1e-6  # of the tension: what an iteration may leave, whose square the next one does
 
 
 @kernel
@@ -80,10 +82,10 @@ def take_row(system, k, step, row):
 
 @kernel
 def counter_force(system, k, step, direction):
-    """W + W^2/(2 EA) [N] of the drum of line k in the iteration, were its friction that of a direction; and its slope."""
-    drum, speed = drum_at(system, k), numbers_of(system, k)[TRIAL]
+    """T + T^2/(2 EA) [N] with T = W + m u' in the iteration, were friction in a direction; and its slope with T [-]."""
+    drum, (_, before), speed = drum_at(system, k), length_of(system, k), numbers_of(system, k)[TRIAL]
     force = force_at(drum, step.time + step.h) + drum.damping * speed + drum.friction * direction
-    return rope.counter_force(property_of(conditions_of(system, k), 0, at.STIFFNESS), force)
+    return rope.with_strain(stiffness_of(system, k), force + mass_of(system, k) * (speed - before) / step.h)
 
 
 @kernel
@@ -96,6 +98,15 @@ def friction(system, k, step, direction):
 
 @kernel
 def inertia(system, k, step):
-    """m/h and what the drum adds to the slope of r with u [N s/m]."""
+    """Slope of that with u [N s/m]."""
     _, slope = counter_force(system, k, step, 0.0)
-    return mass_of(system, k) / step.h + slope * drum_at(system, k).damping
+    return slope * (mass_of(system, k) / step.h + drum_at(system, k).damping)
+
+
+@kernel
+def is_close(system, k, step):
+    """Whether what the last iteration left of r is a part CLOSE of the tension, or of EA times its square: (m du/h)^2/(2 EA)."""
+    stiffness, changed = stiffness_of(system, k), mass_of(system, k) * numbers_of(system, k)[CHANGE] / step.h
+    drum, speed = drum_at(system, k), numbers_of(system, k)[TRIAL]
+    force = abs(force_at(drum, step.time + step.h)) + drum.damping * abs(speed) + abs(changed)
+    return changed * changed <= 2.0 * stiffness * CLOSE * (force + CLOSE * stiffness)

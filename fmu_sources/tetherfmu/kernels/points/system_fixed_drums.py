@@ -48,7 +48,7 @@ from ..linear_algebra import condensed
 from ..linear_algebra.vectors import add, add_scaled, dot, get, put, put_at, scale, sub
 from . import rope_fixed_drums
 from .at_points import place_column, row_of
-from .rope_drums import keep_row, mass_of
+from .rope_drums import keep_row
 from .system_room import (
     CHANGE,
     GOAL,
@@ -186,7 +186,7 @@ def residual_of(system, k, step, tension):
     (_, before), speed, drum = length_of(system, k), numbers_of(system, k)[TRIAL], drum_at(system, k)
     if feels_rope(parameters_of(system, k)):
         counter, _ = rope_fixed_drums.counter_force(system, k, step, 0.0)
-        return mass_of(system, k) * (speed - before) / step.h + (counter - tension)
+        return counter - tension
     residual = drum.mass * (speed - before) / step.h + drum.damping * speed
     return residual + (force_at(drum, step.time + step.h) - tension)
 
@@ -329,5 +329,8 @@ def unconverged_drums(system, step):
         if is_turning(system, k, step):
             numbers = numbers_of(system, k)
             moved = step.h * abs(numbers[CHANGE])
-            count += not (moved <= segments_of(system, k) * numbers[GOAL] and numbers[IS_FOUND] == 1.0)
+            is_close = moved <= segments_of(system, k) * numbers[GOAL]
+            if feels_rope(parameters_of(system, k)):
+                is_close = is_close and rope_fixed_drums.is_close(system, k, step)
+            count += not (is_close and numbers[IS_FOUND] == 1.0)
     return count

@@ -66,7 +66,7 @@ pulled : col at the start of the step and at a stage [kg].
     STAGE_ACCELERATION,
     UNBALANCED,  # force [N] and inertia [kg] of a stage without what the first node adds
     YIELDING,
-    INERTIA_OF_ROPE,  # I at the start of the step [kg]
+    INERTIA,  # m (1 + T/EA) + I at the start of the step [kg]
     BALANCE,  # right-hand side of a stage [N]
     # fixed steps
     GOAL,  # the largest move of a node with which the line has converged [m]

@@ -55,3 +55,9 @@ def outputs_of(n, parameters, state, shape_points, outputs, work):
     x, v = positions_and_velocities(n, state)
     _, _, mass, _ = shared_arrays(n, work)
     outputs_of_chain(chain_of(n, parameters, state), state, x, v, shape_points, outputs, mass)
+    if follows_force(parameters) and feels_rope(parameters):
+        tension = state[at.TENSION_AT_DRUM]
+        if state[at.LAST_STEP] <= 0.0:
+            tension = tension_at_winch(n, parameters, state)
+        outputs[at.GROUND_TENSION] = tension
+        outputs[at.MAX_TENSION] = max(outputs[at.MAX_TENSION], tension)

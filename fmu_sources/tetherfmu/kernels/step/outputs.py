@@ -158,9 +158,6 @@ def outputs_of_chain(chain, state, x, v, shape_points, outputs, mass):
     outputs[at.GROUNDED_LENGTH] = grounded_length(chain, x)
     write_segments(chain, x, v, outputs)
     correct_end_forces(chain, state, x, outputs)
-    if state[at.TENSION_AT_DRUM] != 0.0:
-        outputs[at.GROUND_TENSION] = state[at.TENSION_AT_DRUM]
-        outputs[at.MAX_TENSION] = max(outputs[at.MAX_TENSION], state[at.TENSION_AT_DRUM])
     write_shape(chain, x, shape_points, outputs)
 
 

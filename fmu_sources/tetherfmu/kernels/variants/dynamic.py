@@ -8,9 +8,9 @@ from tetherfmu.runtime.status import OK
 
 from ..arrays import positions_and_velocities
 from ..compilation import kernel, view
-from ..equations.boundary import spring_at_ground as tension_at_ground  # noqa: F401 - of `winch_start`
 from ..equations.lines import System
 from ..equations.plan import OneLine
+from ..equations.rope_at_drum import tension_at_winch as tension_at_ground  # noqa: F401 - of `winch_start`
 from ..equations.winch import follows_force
 from ..flat_arrays import part
 from ..line.backward_euler import given_steps

@@ -11,7 +11,6 @@ from tetherfmu.runtime.status import INPUT_NOT_FINITE, KITE_AND_WINCH_SOUGHT, OK
 from ..arrays import copy, inputs_size, outputs_size, parameters_size, state_size
 from ..compilation import kernel
 from ..equations import wind_points
-from ..equations.boundary import spring_at_ground
 from ..equations.lines import (
     free_points,
     inputs_of,
@@ -27,6 +26,7 @@ from ..equations.lines import (
     take_loads,
     with_states,
 )
+from ..equations.rope_at_drum import tension_at_winch
 from ..equations.winch import is_sought
 from ..line.backward_euler import given_steps
 from ..motion import adaptive_steps, iteration_limit
@@ -118,7 +118,7 @@ def settle(n, parameters, inputs, state, work):
     return dynamic_chain.initialize(n, parameters, parameters[at.INITIAL_SHAPE], state, work)
 
 
-find_length, note_imbalance = winch_start(settle, spring_at_ground)
+find_length, note_imbalance = winch_start(settle, tension_at_winch)
 
 
 @kernel
