@@ -5,7 +5,10 @@ unstretched length l0 = L/n, whose rate is u/n:
 
     r = x_(s+1) - x_s,   l = |r|,   e = r/l,   strain rate = (e.(v_(s+1) - v_s) - l u/L)/l0
     T = EA (l/l0 - 1) (times `slack` where l < l0) + D strain rate,   half drag = rho cd d l |w| w/4
-    dL/dt = u,   m du/dt = T_1 - W - c u,    without mass: u from T_1 = W + c u
+    K = sum of 1/2 (mu l0/2) |v_i + u (1 - i/n) r/l0|^2 over both halves of all segments
+    d/dt dK/dv_i - dK/dx_i = F_i,   d/dt dK/du - dK/dL = R - mu u^2/2 - (T_0 + T_0^2/(2 EA)),   T_0 = W + c u + m u'
+
+where R is the force of springs, dampers and weight along L, and rope on the drum, at the height of node 0, has the speed u.
 """
 
 from dataclasses import dataclass, field
@@ -39,25 +42,22 @@ class Drum:
         part = np.arange(self.n + 1)[:, None] / self.n
         self.state = np.concatenate((self.x.ravel(), (part * self.kite_velocity).ravel(), (self.length, self.speed)))
 
-    def tension_without_drum(self, x, v, length):
-        """Per segment: elastic tension and damper at u = 0 [N], what u lowers it by [N s/m], l, e."""
+    def pulls(self, x, v, length, speed):
+        """Per segment: r, its rate, l, e, tension [N], force of spring and damper along the unstretched length [N]."""
         rest = length / self.n
         r, rate = np.diff(x, axis=0), np.diff(v, axis=0)
         stretched = np.sqrt((r * r).sum(axis=1))
         e = r / stretched[:, None]
-        spring = self.stiffness * (stretched / rest - 1.0)
-        spring = np.where(stretched > rest, spring, self.slack * spring)
-        damper = self.material / rest
-        return spring + damper * (rate * e).sum(axis=1), damper * stretched / length, stretched, e
+        stiffness = np.where(stretched > rest, 1.0, self.slack) * self.stiffness
+        damper = self.material / rest * ((rate * e).sum(axis=1) - stretched * speed / length)
+        stored = 0.5 * stiffness * ((stretched / rest) ** 2 - 1.0)
+        return r, rate, stretched, e, stiffness * (stretched / rest - 1.0) + damper, stored + damper * stretched / rest
 
     def rates(self, time, state, force):
         """Rate of the state; force : W [N] as a function of the time."""
-        nodes = 3 * (self.n + 1)
-        x, v, length, speed = state[:nodes].reshape(-1, 3), state[nodes:-2].reshape(-1, 3), *state[-2:]
-        at_rest, by_speed, stretched, e = self.tension_without_drum(x, v, length)
-        if self.mass == 0.0:
-            speed = (at_rest[0] - force(time)) / (by_speed[0] + self.damping)
-        tension = at_rest - by_speed * speed
+        nodes, n = 3 * (self.n + 1), self.n
+        x, v, length, u = state[:nodes].reshape(-1, 3), state[nodes:-2].reshape(-1, 3), *state[-2:]
+        r, rate, stretched, e, tension, along = self.pulls(x, v, length, u)
         pull = tension[:, None] * e
         w = self.wind - 0.5 * (v[1:] + v[:-1])
         w = w - (w * e).sum(axis=1)[:, None] * e
@@ -65,12 +65,34 @@ class Drum:
         total = np.zeros_like(x)
         total[:-1] += pull + half
         total[1:] += half - pull
-        share = self.density * np.pi / 4.0 * self.diameter**2 * length / self.n
+        mu, rest = self.density * np.pi / 4.0 * self.diameter**2, length / n
+        total[:, 2] -= mu * rest * G  # of inner nodes
+        column, inertia = np.zeros_like(x), 0.0
+        motor = along.sum() / n - mu * G * (0.5 * (x[1:, 2] + x[:-1, 2]) - x[0, 2]).sum() / n + 0.5 * mu * u * u
+        for j in range(2):  # d/dt dK/dq' - dK/dq of the halves at the lower and at the upper nodes, without q''
+            part = (1.0 - np.arange(j, n + j) / n)[:, None]
+            of_node, flow = v[j : n + j], part * u
+            velocity = of_node + flow * r / rest
+            total[j : n + j] -= 0.5 * mu * (u / n * of_node + flow * rate)
+            total[:-1] -= 0.5 * mu * flow * velocity
+            total[1:] += 0.5 * mu * flow * velocity
+            motor -= 0.5 * mu * (part * (rate * velocity + r * (flow * rate / rest - flow * u / n * r / rest**2))).sum()
+            motor += (0.25 * mu * velocity**2 - 0.5 * mu * velocity * flow * r / rest).sum() / n
+            column[j : n + j] -= 0.5 * mu * part * r
+            inertia += 0.5 * mu * (part**2 * r * r).sum() / rest
+        free = total[1:-1] / (mu * rest), column[1:-1] / (mu * rest)
+        motor += (column[1:-1] * free[0]).sum()
+        inertia -= (column[1:-1] * free[1]).sum()
+        held = force(time) + self.damping * u
+        gain = 0.0
+        for _ in range(6):  # Newton's method
+            tension = held + self.mass * gain
+            wrong = tension + 0.5 * tension**2 / self.stiffness + inertia * gain - motor
+            gain -= wrong / (self.mass * (1.0 + tension / self.stiffness) + inertia)
         a = np.zeros_like(x)
-        a[1:-1] = total[1:-1] / share - (0.0, 0.0, G)
-        gain = (tension[0] - force(time) - self.damping * speed) / self.mass if self.mass else 0.0
+        a[1:-1] = free[0] + gain * free[1]
         moving = np.concatenate((np.zeros((1, 3)), v[1:]))
-        return np.concatenate((moving.ravel(), a.ravel(), (speed, gain)))
+        return np.concatenate((moving.ravel(), a.ravel(), (u, gain)))
 
     def advance(self, step, force):
         """Go on by a time [s]; force : W [N] as a function of the time within it."""

@@ -34,7 +34,13 @@ def on_drum(model, distance=100.0, **options):
 
 def spring(**options):
     """A spring between a drum and an end that stays: one segment without mass between its nodes, without damper and load."""
-    chosen = {"initial_length": 100.0, "axial_stiffness": 1e5, "axial_damping": 0.0, "relative_tolerance": 1e-8}
+    chosen = {
+        "initial_length": 100.0,
+        "axial_stiffness": 1e5,
+        "axial_damping": 0.0,
+        "relative_tolerance": 1e-8,
+        "density": 1e-3,
+    }
     return on_drum(TetherDynamic, segments=1, **NOTHING, **(chosen | options))
 
 

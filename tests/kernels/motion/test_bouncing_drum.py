@@ -36,7 +36,7 @@ SCENES = {
     "undamped": Scene(
         (60.0, 0.0, 80.0),
         (0.0, 0.0, 0.0),
-        Tether(segments=1, initial_length=101.0, axial_damping=0.0, slack_stiffness_ratio=0.0),
+        Tether(segments=1, initial_length=101.0, density=1e-3, axial_damping=0.0, slack_stiffness_ratio=0.0),
         Winch(winch_control="force", winch_mass=10.0),
         300.0,
         16,
@@ -44,7 +44,7 @@ SCENES = {
     "damped, with a kite that flies": Scene(
         (60.0, 0.0, 80.0),
         (0.9, 0.5, -0.4),
-        Tether(segments=1, initial_length=99.3),
+        Tether(segments=1, initial_length=99.3, density=1e-3),
         Winch(winch_control="force", winch_mass=2.0, winch_damping=3.0),
         100.0,
         20,

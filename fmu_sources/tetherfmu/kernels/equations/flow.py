@@ -19,13 +19,13 @@ from tetherfmu.runtime import layout as at
 from ..compilation import kernel
 from ..linear_algebra.both_ends import add_to_node, get_node
 from ..linear_algebra.vectors import add, add_scaled, dot, get, norm, put, scale, sub
-from .properties import property_of, rest_length, sees_reeling
+from .properties import property_of, rest_length
 
 
 @kernel
 def flows(chain):
     """Whether rope flows past the nodes, or begins to."""
-    return (chain.reeling != 0.0 or chain.acceleration != 0.0) and sees_reeling(chain.parameters)
+    return chain.flows
 
 
 @kernel
@@ -112,6 +112,50 @@ def most_power(chain, x, v):
         power += norm(of_p) * norm(get(v, s)) + norm(of_q) * norm(get(v, s + 1))
         part -= property_of(chain, s, at.SHARE)
     return power
+
+
+@kernel
+def power(chain, x, v, a, are_free):
+    """Power [W] of what accelerates rope that flows: of these forces, and the rate of `energy_of_flow`.
+
+    x, v, a : positions [m], velocities [m/s] and accelerations [m/s2] of the nodes.  are_free : of its ends, 1 or 0.
+    """
+    start, end = are_free
+    total, part = 0.0, 1.0
+    for s in range(chain.n):
+        r, u = sub(get(x, s + 1), get(x, s)), sub(get(v, s + 1), get(v, s))
+        free_p, free_q = start if s == 0 else 1.0, end if s == chain.n - 1 else 1.0
+        of_p, of_q = forces(chain, s, part, get(x, s), get(x, s + 1), get(v, s), get(v, s + 1))
+        total += free_p * dot(of_p, get(v, s)) + free_q * dot(of_q, get(v, s + 1))
+        next_part = part - property_of(chain, s, at.SHARE)
+        square, half = part * part + next_part * next_part, 0.5 * property_of(chain, s, at.LINE_DENSITY)
+        crossed = 0.0 if s == 0 else part * rate_of_product(chain, r, u, get(v, s), get(a, s))
+        crossed += free_q * next_part * rate_of_product(chain, r, u, get(v, s + 1), get(a, s + 1))
+        of_square = chain.acceleration * dot(r, r) + chain.reeling * (dot(r, u) - 0.5 * chain.growth * dot(r, r))
+        total += half * (crossed + square * chain.reeling / rest_length(chain, s) * of_square)
+        part = next_part
+    return total
+
+
+@kernel
+def rate_of_product(chain, r, u, v, a):
+    """Rate of L' v . r [m3/s3] with r' = u, v' = a."""
+    return chain.acceleration * dot(v, r) + chain.reeling * (dot(a, r) + dot(v, u))
+
+
+@kernel
+def energy_of_flow(chain, x, v, end_is_free):
+    """Kinetic energy [J] that `energy` has of all segments, but for what the velocity of an end has a part in.
+
+    That of the first node, and that of the last one if it is driven (end_is_free is 0, else 1).
+    """
+    total, part = 0.0, 1.0
+    for s in range(chain.n):
+        v_p = scale(0.0 if s == 0 else 1.0, get(v, s))
+        v_q = scale(end_is_free if s == chain.n - 1 else 1.0, get(v, s + 1))
+        total += energy(chain, s, part, get(x, s), get(x, s + 1), v_p, v_q)
+        part -= property_of(chain, s, at.SHARE)
+    return total
 
 
 @kernel

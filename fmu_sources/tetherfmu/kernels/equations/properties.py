@@ -11,14 +11,14 @@ from .air import is_uniform
 
 Chain = namedtuple(
     "Chain",
-    "n parameters length reeling acceleration growth seen_growth slack_stiffness_ratio slack_damping_ratio gravity wind "
-    "air_is_uniform",
+    "n parameters length reeling acceleration flows growth seen_growth slack_stiffness_ratio slack_damping_ratio gravity "
+    "wind air_is_uniform",
 )
 Chain.__doc__ = """A chain at an instant.
 
 n : number of segments.  parameters : flat array, see `layout.py`.
 length, reeling, acceleration : unstretched length L of the tether [m], its rate [m/s], and the rate of that [m/s2].
-growth : (dL/dt)/L = (dl0/dt)/l0 [1/s].
+flows : whether rope flows past the nodes, or begins to, and its momentum counts: by the strain_rate law.  growth : (dL/dt)/L = (dl0/dt)/l0 [1/s].
 seen_growth : growth as far as dampers see it: all of it by the strain_rate law, nothing by the stretch_rate law.
 slack_stiffness_ratio, slack_damping_ratio : of a slack segment to a taut one [-].  gravity : along -z [m/s2].
 wind : at the reference height [m/s]; not used where the wind is given at the nodes, see `node_wind`.
@@ -35,14 +35,20 @@ def sees_reeling(parameters):
 
 
 @view
-def chain_in_motion(n, parameters, length, reeling, acceleration, wind):
-    """`Chain` of this unstretched length [m], its rate [m/s] and the rate of that [m/s2] in a wind [m/s]."""
+def chain_with_flow(n, parameters, length, reeling, acceleration, wind, flows):
+    """`Chain` of this unstretched length [m], its rate [m/s] and the rate of that [m/s2] in a wind [m/s]; flows : see there."""
     growth = reeling / length
     seen_growth = growth if sees_reeling(parameters) else 0.0
+    motion = length, reeling, acceleration, flows, growth, seen_growth
     ratios = parameters[at.SLACK_STIFFNESS_RATIO], parameters[at.SLACK_DAMPING_RATIO]
-    gravity = parameters[at.GRAVITY]
-    motion = length, reeling, acceleration, growth, seen_growth
-    return Chain(n, parameters, *motion, *ratios, gravity, wind, is_uniform(parameters))
+    return Chain(n, parameters, *motion, *ratios, parameters[at.GRAVITY], wind, is_uniform(parameters))
+
+
+@view
+def chain_in_motion(n, parameters, length, reeling, acceleration, wind):
+    """The same of which rope flows where it reels."""
+    flows = (reeling != 0.0 or acceleration != 0.0) and sees_reeling(parameters)
+    return chain_with_flow(n, parameters, length, reeling, acceleration, wind, flows)
 
 
 @view
@@ -56,6 +62,12 @@ def chain_of(n, parameters, state):
     """`Chain` with the length, the reeling, its rate and the wind of a state."""
     motion = state[at.LENGTH], state[at.REELING], state[at.ACCELERATION]
     return chain_in_motion(n, parameters, *motion, vector_at(state, at.WIND))
+
+
+@view
+def chain_without_flow(n, parameters, state):
+    """The same of a chain in equilibrium, whose equations know no momentum of rope that flows."""
+    return chain_with_flow(n, parameters, state[at.LENGTH], state[at.REELING], 0.0, vector_at(state, at.WIND), False)
 
 
 @kernel

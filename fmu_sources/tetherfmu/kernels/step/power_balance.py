@@ -5,11 +5,12 @@ from tetherfmu.runtime.status import OK
 
 from ..arrays import copy, positions_and_velocities, shared_arrays
 from ..compilation import kernel
-from ..equations import node_loads, segment
+from ..equations import flow, motion, node_loads, segment
 from ..equations.assembly import end_force, node_masses
 from ..equations.boundary import wind_of
+from ..equations.continuation import is_continued
 from ..equations.drum import drum_of
-from ..equations.properties import chain_at, point_mass, rest_length
+from ..equations.properties import chain_with_flow, point_mass, rest_length, sees_reeling
 from ..equations.winch import follows_force
 from ..flat_arrays import part
 from ..linear_algebra.vectors import dot, get, scale, sub, vector_at
@@ -26,25 +27,55 @@ def size(n):
 
 
 @kernel
-def balance(n, parameters, state, v, inputs, energies, work):
+def balance(n, parameters, state, v, inputs, has_waves, energies, work):
     """Energies [J], powers [W], tensions [N] and velocities of a state into `energies` (modified), see `ENERGIES`; a status.
 
     v : velocities of its nodes [m/s].  inputs : reel-out speed, wind, load of a free kite end and force of the winch count.
-    work (modified) : for node masses.
+    has_waves : whether its nodes move by the equations of motion.  work (modified) : for node masses.
     """
-    chain = chain_at(n, parameters, state[at.LENGTH], inputs[at.REEL_OUT_SPEED], wind_of(inputs))
+    speed = inputs[at.REEL_OUT_SPEED]
+    acceleration = acceleration_with(parameters, speed, state)
+    flows = has_waves and sees_reeling(parameters) and (speed != 0.0 or acceleration != 0.0)
+    chain = chain_with_flow(n, parameters, state[at.LENGTH], speed, acceleration, wind_of(inputs), flows)
     x, _ = positions_and_velocities(n, state)
-    _, _, mass, _ = shared_arrays(n, work)
+    blocks, _, mass, _ = shared_arrays(n, work)
     node_masses(chain, mass)
     for k in range(ENERGIES):
         energies[k] = 0.0
     balance_nodes(chain, x, v, mass, energies)
     balance_segments(chain, x, v, energies)
     balance_ends(chain, x, v, mass, vector_at(inputs, at.KITE_LOAD), energies)
-    balance_drum(parameters, state[at.REELING], energies[ENERGIES], inputs[at.WINCH_FORCE], energies)
+    tension = energies[ENERGIES]
+    if has_waves and sees_reeling(parameters) and state[at.LAST_STEP] > 0.0:
+        tension = state[at.TENSION_AT_DRUM]
+    balance_drum(parameters, state[at.REELING], tension, inputs[at.WINCH_FORCE], energies)
     energies[MATERIAL] = chain.growth * (energies[ELASTIC] + energies[MATERIAL])
+    if chain.flows:
+        balance_flow(chain, x, v, vector_at(inputs, at.KITE_LOAD), mass, part(blocks[0], 0, 3 * (n + 1)), energies)
     copy(v, part(energies, ENERGIES + n, 3 * (n + 1)))
     return OK
+
+
+@kernel
+def acceleration_with(parameters, speed, state):
+    """Rate of the reel-out speed [m/s2] in a state; with another speed [m/s] than that of the state, that of the next step."""
+    if speed == state[at.REELING] or follows_force(parameters):
+        return state[at.ACCELERATION]
+    if state[at.LAST_STEP] > 0.0 and is_continued(parameters):
+        return (speed - state[at.LAST_REEL_OUT_SPEED]) / state[at.LAST_STEP]
+    return 0.0
+
+
+@kernel
+def balance_flow(chain, x, v, load, mass, a, energies):
+    """Add the energy [J] of rope that flows and the power [W] that accelerates it to `energies` (modified).
+
+    load : on a free kite end [N].  mass, a (modified) : room for masses [kg] and accelerations [m/s2].
+    """
+    are_free = chain.parameters[at.GROUND_IS_FREE], chain.parameters[at.KITE_IS_FREE]
+    motion.accelerations(chain, x, v, scale(are_free[1], load), mass, a)
+    energies[KINETIC] += flow.energy_of_flow(chain, x, v, are_free[1])
+    energies[WINCH] += flow.power(chain, x, v, a, are_free)
 
 
 @kernel
@@ -101,7 +132,7 @@ def balance_ends(chain, x, v, mass, kite_load, energies):
 def balance_drum(parameters, speed, tension, force, energies):
     """Energy and powers of a drum that is controlled by force [N] into `energies` (modified); 0 of any other winch.
 
-    speed : of the drum [m/s].  tension : of the first segment [N].
+    speed : of the drum [m/s].  tension : at the drum [N].
     """
     drum = drum_of(parameters, force, 0.0)
     is_there = 1.0 if follows_force(parameters) else 0.0

@@ -12,7 +12,7 @@ from ..compilation import kernel, view
 from ..equations import winch
 from ..equations.boundary import move_ends
 from ..equations.boundary import spring_at_ground as tension_at_ground
-from ..equations.properties import chain_of
+from ..equations.properties import chain_of, chain_without_flow
 from ..linear_algebra.vectors import add_scaled, get, put, scale, sub
 from ..motion.drum_in_equilibrium import drum_at
 from ..rest import newton, solve
@@ -89,4 +89,4 @@ def outputs_of(n, parameters, state, shape_points, outputs, work):
     x, _ = positions_and_velocities(n, state)
     v = velocities_of(n, parameters, state, work)
     mass = newton.workspace(n, work).mass
-    outputs_of_chain(chain_of(n, parameters, state), state, x, v, shape_points, outputs, mass)
+    outputs_of_chain(chain_without_flow(n, parameters, state), state, x, v, shape_points, outputs, mass)

@@ -106,7 +106,7 @@ def energy(system, k, energies):
     n, parameters, state = segments_of(system, k), parameters_of(system, k), state_of(system, k)
     _, v = motion_of(system, k)
     wind_points.take_from_state(n, parameters, state)
-    return power_balance.balance(n, parameters, state, v, inputs_of(system, k), energies, room_of(system, k))
+    return power_balance.balance(n, parameters, state, v, inputs_of(system, k), True, energies, room_of(system, k))
 
 
 # --- the start

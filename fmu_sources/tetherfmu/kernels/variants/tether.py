@@ -79,7 +79,7 @@ def tether(variant):
         n, parameters, state = segments_of(system, 0), system.parameters, system.state
         wind_points.take_from_state(n, parameters, state)
         v = variant.velocities_of(n, parameters, state, system.work)
-        return power_balance.balance(n, parameters, state, v, system.inputs, energies, system.work)
+        return power_balance.balance(n, parameters, state, v, system.inputs, has_waves, energies, system.work)
 
     made = ModuleType(name)  # numba knows what is in a module
     for each in (complete_plan, take_outputs, initialize, advance, energy):

@@ -1,0 +1,118 @@
+"""Rope that a winch pays out flows past the nodes and carries its momentum (docs/models/theory.md, "Rope that flows").
+
+mass      a mass on a heavy, stiff rope whose winch pays out with the acceleration a: the rope pulls at the winch with
+          (M + mu L)(g - a), whatever the number of segments
+light     a drum lighter than the rope under constant forces: waves die out (it once fluttered: 64 to 2840 N in 0.4 s)
+frame     an observer who moves uniformly sees the same tensions
+energy    what the powers do not explain falls with the square of the communication step
+law       a drum of the stretch_rate law has the momentum of Tethers.jl
+"""
+
+import numpy as np
+import pytest
+
+from tetherfmu import EnergyAudit, Line, Point, Tether, TetherDynamic, TetherDynamicFree, TetherSystem, Winch
+
+G = 9.81
+MASS, DENSITY, LENGTH, DIAMETER = 20.0, 1.0, 20.0, 0.02  # of the load [kg], of the rope [kg/m], [m], [m]
+ROPE = {
+    "initial_length": LENGTH,
+    "diameter": DIAMETER,
+    "density": DENSITY / (0.25 * np.pi * DIAMETER**2),
+    "axial_stiffness": 1e6,
+    "axial_damping": 5e3,
+    "air_density": 0.0,
+}
+DRUM = 30.0  # [kg]
+METHODS = {"adaptive": {}, "second_order": {"fixed_step": 0.005}}
+
+
+def rise(time):
+    """From 0 to 1 in 0.5 s without a kink, and its first and second integral over the time."""
+    t = min(time, 0.5)
+    after = time - t
+    once, twice = 4.0 * t**3 - 4.0 * t**4 + after, t**4 - 0.8 * t**5 + 0.25 * after + 0.5 * after**2
+    return 4.0 * t * t * (3.0 - 4.0 * t), once, twice
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("control", ["speed", "length", "force"])
+@pytest.mark.parametrize("segments", [10, 40])
+def test_the_whole_rope_is_accelerated(segments, control, method):
+    """0.1 N: what is left of the waves. Without the momentum of the flow half of the rope's inertia is missing, 10.4 N."""
+    options = {"winch_control": control, "kite_start": "equilibrium", **METHODS[method]}
+    options |= {"winch_mass": DRUM} if control == "force" else {}
+    tether = TetherDynamicFree(segments=segments, kite_mass=MASS, **ROPE, **options)
+    step, weight = 0.005, (MASS + DENSITY * LENGTH) * G
+    first = {"winch_length": LENGTH} if control == "length" else {}
+    outputs = tether.initialize(kite_position=(0.0, 0.0, -LENGTH), ground_position=(0.0, 0.0, 0.0), **first)
+    for k in range(300):
+        part, speed, length = rise(k * step)
+        inputs = {"speed": {"reel_out_speed": speed}, "length": {"winch_length": LENGTH + length}}
+        inputs["force"] = {"winch_force": weight - part * (MASS + DENSITY * LENGTH + DRUM)}
+        outputs = tether.step(step, **inputs[control])
+    heavy = MASS + DENSITY * outputs.tether_length
+    acceleration = 1.0
+    if control == "force":  # T = W + m a
+        acceleration = (heavy * G - inputs["force"]["winch_force"]) / (heavy + DRUM)
+        assert outputs.ground_tension == pytest.approx(heavy * (G - acceleration), abs=0.1)
+    assert outputs.winch_speed > 1.0
+    assert -outputs.ground_force[2] == pytest.approx(heavy * (G - acceleration), abs=0.1)
+
+
+def light_drum(drum, kite, segments=10, damping=0.01, **options):
+    """Ranges of the tension [N] in eight windows of 50 ms after a push; masses in those of the rope; 100 m upright."""
+    length, density, stiffness, force = 100.0, 0.0125, 6e5, 1000.0
+    rope, wave = density * length, np.sqrt(stiffness / density)
+    tether = Tether(
+        segments=segments,
+        initial_length=length,
+        diameter=0.004,
+        density=density / (0.25 * np.pi * 0.004**2),
+        axial_stiffness=stiffness,
+        axial_damping=damping * stiffness * length / wave,
+        drag_coefficient=0.0,
+    )
+    winch = Winch(winch_control="force", winch_start="equilibrium", winch_mass=drum * rope, winch_damping=20.0)
+    points = [Point("ground", (0.0, 0.0, 0.0)), Point("kite", (0.0, 0.0, 1.0016 * length), mass=kite * rope)]
+    system = TetherSystem(points, [Line("line", "ground", "kite", tether, winch=winch)], **options)
+    load, weight = {"kite": (0.0, 0.0, force)}, force - (1.0 + kite) * rope * G
+    system.initialize(loads=load, winch_forces={"line": weight})
+    found = []
+    for k in range(400):
+        outputs = system.step(0.001, loads=load, winch_forces={"line": weight + (1.0 if k < 2 else 0.0)})
+        found.append(outputs.lines["line"].ground_tension)
+    return np.ptp(np.reshape(found, (8, 50)), axis=1)
+
+
+@pytest.mark.parametrize(("drum", "kite", "damping"), [(0.05, 0.2, 0.01), (0.05, 0.2, 0.05), (1.0, 0.2, 0.01), (0.0, 20.0, 0.01)])
+def test_a_light_drum_does_not_flutter(drum, kite, damping):
+    ranges = light_drum(drum, kite, damping=damping)
+    assert ranges[-1] < 0.7 * ranges[1]
+    assert ranges[-1] < 0.2 * ranges[0] or drum == 1.0
+    assert ranges.max() < 2.0 * ranges[:2].max()
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_no_random_drum_makes_waves(seed):
+    random = np.random.default_rng(seed)
+    drum, kite = 10.0 ** random.uniform(-2.0, 2.0), 10.0 ** random.uniform(-1.0, 2.0)
+    ranges = light_drum(drum, kite, segments=int(random.integers(1, 12)), damping=10.0 ** random.uniform(-4.0, -1.5))
+    assert ranges[4:].max() < 1.5 * ranges[:4].max()
+
+
+@pytest.mark.parametrize("control", ["speed", "force"])
+def test_a_frame_that_moves_sees_the_same(control):
+    frame = np.array((7.0, -4.0, 3.0))
+    found = []
+    for v in (0.0 * frame, frame):
+        options = {"winch_control": control, "winch_mass": 2.0} if control == "force" else {"winch_control": control}
+        tether = TetherDynamic(segments=5, initial_length=50.0, relative_tolerance=1e-10, air_density=0.0, **options)
+        tether.initialize(positions=np.linspace((0.0, 0.0, 0.0), (30.0, 0.0, 40.1), 6), velocities=np.tile(v, (6, 1)))
+        for k in range(50):
+            ends = {"ground_position": 0.02 * k * v, "kite_position": np.add((30.0, 0.0, 40.1), 0.02 * k * v)}
+            ends |= {"ground_velocity": v, "kite_velocity": v}
+            given = {"winch_force": 800.0} if control == "force" else {"reel_out_speed": 0.3 * np.sin(0.2 * k)}
+            outputs = tether.step(0.02, **ends, **given)
+        found.append((outputs.ground_tension, outputs.kite_tension, outputs.tether_length))
+    np.testing.assert_allclose(found[1], found[0], rtol=1e-7)
