@@ -11,7 +11,7 @@ law       a drum of the stretch_rate law has the momentum of Tethers.jl
 import numpy as np
 import pytest
 
-from tetherfmu import EnergyAudit, Line, Point, Tether, TetherDynamic, TetherDynamicFree, TetherSystem, Winch
+from tetherfmu import Line, Point, Tether, TetherDynamic, TetherDynamicFree, TetherSystem, Winch
 
 G = 9.81
 MASS, DENSITY, LENGTH, DIAMETER = 20.0, 1.0, 20.0, 0.02  # of the load [kg], of the rope [kg/m], [m], [m]

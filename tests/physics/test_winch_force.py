@@ -228,12 +228,14 @@ def test_no_force_lets_the_tether_run_out(fixed_step):
     """A kite that flies away at 10 m/s pulls the tether off its drum, which does not push."""
     tether = TetherDynamic(segments=5, winch_control="force", fixed_step=fixed_step, initial_length=500.0)
     tether.initialize()
+    lengths = []
     for k in range(100):
         way = 10.0 * 0.02 * k * np.array((0.6, 0.0, 0.8))
         outputs = tether.step(0.02, kite_position=np.add((300.0, 0.0, 400.0), way), kite_velocity=(6.0, 0.0, 8.0))
         assert abs(outputs.ground_tension) < 1e-8
-    assert outputs.tether_length > 519.0
-    assert outputs.winch_speed > 9.0
+        lengths.append(outputs.tether_length)
+    assert lengths[-1] > 519.0
+    assert lengths[-1] - lengths[-51] > 9.0  # in a second; waves run on the rope
 
 
 # --- independent solutions

@@ -2,7 +2,8 @@
 
 No node moves freely, so all that the transition can get wrong is the drum:
 
-    m du/dt = T - W - c u,   dL/dt = u,   T = k (l - L) + D/L (dl/dt - u l/L),   k = EA/L taut, r EA/L slack
+    m du/dt = T - W - c u,   dL/dt = u,   k = EA/L taut, r EA/L slack
+    T + T^2/(2 EA) = k (l^2 - L^2)/(2 L) + D/L (dl/dt - u l/L) l/L
 
 Reference: scipy's DOP853 at 1e-11, from one transition to the next, on the equations above.
 """
@@ -64,7 +65,9 @@ def exact(scene):
     def tension(time, length, speed, is_taut):
         distance, rate = kite(time)
         stiffness = tether.axial_stiffness / length * (1.0 if is_taut else tether.slack_stiffness_ratio)
-        return stiffness * (distance - length) + tether.axial_damping / length * (rate - speed * distance / length)
+        damper = tether.axial_damping / length * (rate - speed * distance / length)
+        along = stiffness * (distance**2 - length**2) / (2.0 * length) + damper * distance / length
+        return tether.axial_stiffness * (np.sqrt(1.0 + 2.0 * along / tether.axial_stiffness) - 1.0)
 
     def slope(time, state, is_taut):
         pull = tension(time, *state, is_taut)

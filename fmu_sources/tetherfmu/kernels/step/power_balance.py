@@ -76,6 +76,10 @@ def balance_flow(chain, x, v, load, mass, a, energies):
     motion.accelerations(chain, x, v, scale(are_free[1], load), mass, a)
     energies[KINETIC] += flow.energy_of_flow(chain, x, v, are_free[1])
     energies[WINCH] += flow.power(chain, x, v, a, are_free)
+    for kite_end in range(2):  # what is counted as power of the ends that are driven
+        s, node = (chain.n - 1) * kite_end, chain.n * kite_end
+        push = flow.end_force(chain, kite_end == 1, get(x, s), get(x, s + 1), get(v, s), get(v, s + 1))
+        energies[WINCH] += (1.0 - are_free[kite_end]) * dot(push, get(v, node))
 
 
 @kernel
