@@ -62,7 +62,7 @@ class Energy:
     damping_loss: float = _power("heat in the dampers; at least 0 with the strain-rate law")
     drag_loss: float = _power("heat in the air, drag force . (wind - tether velocity); at least 0")
     drum: float = _energy("kinetic energy of a drum that is controlled by force")
-    drum_power: float = _power("what the tension of the first segment puts into the drum, tension . speed")
+    drum_power: float = _power("what the tension of the rope (`ground_tension`) puts into the drum, tension . speed")
     motor_power: float = _power("what the motor puts into the drum, - winch_force . speed")
     friction_loss: float = _power("heat of the friction of the drum; at least 0")
     contact_loss: float = _power(

@@ -86,7 +86,9 @@ def light_drum(drum, kite, segments=10, damping=0.01, **options):
     return np.ptp(np.reshape(found, (8, 50)), axis=1)
 
 
-@pytest.mark.parametrize(("drum", "kite", "damping"), [(0.05, 0.2, 0.01), (0.05, 0.2, 0.05), (1.0, 0.2, 0.01), (0.0, 20.0, 0.01)])
+@pytest.mark.parametrize(
+    ("drum", "kite", "damping"), [(0.05, 0.2, 0.01), (0.05, 0.2, 0.05), (1.0, 0.2, 0.01), (0.0, 20.0, 0.01)]
+)
 def test_a_light_drum_does_not_flutter(drum, kite, damping):
     ranges = light_drum(drum, kite, damping=damping)
     assert ranges[-1] < 0.7 * ranges[1]

@@ -18,7 +18,8 @@ Chain.__doc__ = """A chain at an instant.
 
 n : number of segments.  parameters : flat array, see `layout.py`.
 length, reeling, acceleration : unstretched length L of the tether [m], its rate [m/s], and the rate of that [m/s2].
-flows : whether rope flows past the nodes, or begins to, and its momentum counts: by the strain_rate law.  growth : (dL/dt)/L = (dl0/dt)/l0 [1/s].
+flows : whether rope flows past the nodes, or begins to, and its momentum counts: by the strain_rate law.
+growth : (dL/dt)/L = (dl0/dt)/l0 [1/s].
 seen_growth : growth as far as dampers see it: all of it by the strain_rate law, nothing by the stretch_rate law.
 slack_stiffness_ratio, slack_damping_ratio : of a slack segment to a taut one [-].  gravity : along -z [m/s2].
 wind : at the reference height [m/s]; not used where the wind is given at the nodes, see `node_wind`.
@@ -36,7 +37,7 @@ def sees_reeling(parameters):
 
 @view
 def chain_with_flow(n, parameters, length, reeling, acceleration, wind, flows):
-    """`Chain` of this unstretched length [m], its rate [m/s] and the rate of that [m/s2] in a wind [m/s]; flows : see there."""
+    """`Chain` of this unstretched length [m], its rate [m/s] and the rate of that [m/s2] in a wind [m/s]."""
     growth = reeling / length
     seen_growth = growth if sees_reeling(parameters) else 0.0
     motion = length, reeling, acceleration, flows, growth, seen_growth

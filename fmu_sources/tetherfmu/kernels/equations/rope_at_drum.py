@@ -128,16 +128,28 @@ def tension_of(stiffness, pull):
 
 
 @kernel
+def tension_of_rope(chain, x, v):
+    """Tension where the rope leaves the winch [N], of R_0 with the nodes at x [m], v [m/s]: but for their accelerations."""
+    total, part, lowest = of_speed(chain), 1.0, get(x, 0)[2]
+    for s in range(chain.n):
+        x_p, x_q = get(x, s), get(x, s + 1)
+        r, u, height = sub(x_q, x_p), sub(get(v, s + 1), get(v, s)), segment.mean_height(x_p, x_q) - lowest
+        total += pull(chain, s, part, segment.BY_LENGTH, r, u, height)
+        part = next_part(chain, s, part)
+    return tension_of(property_of(chain, 0, at.STIFFNESS), total)
+
+
+@kernel
 def tension_at_winch(n, parameters, state):
-    """Tension where the rope leaves the winch [N], of a chain at rest in a state: T of R_0 without motion.
+    """Tension where the rope leaves the winch [N], of a chain at rest in a state.
 
     Where positions do not hold the tensions, that of the first segment and its half of the weight.
     """
-    held = vector_at(state, at.GROUND_TENSION_VECTOR)
-    tension = norm(held)
     if not feels_rope(parameters):
         return spring_at_ground(n, parameters, state)
-    chain, (x, _) = chain_at(n, parameters, state[at.LENGTH], 0.0, ZERO_VECTOR), positions_and_velocities(n, state)
+    held = vector_at(state, at.GROUND_TENSION_VECTOR)
+    tension, (x, _) = norm(held), positions_and_velocities(n, state)
+    chain = chain_at(n, parameters, state[at.LENGTH], 0.0, ZERO_VECTOR)
     if tension > 0.0:
         return tension - half_density(chain, 0) * rest_length(chain, 0) * chain.gravity * held[2] / tension
     total, part, lowest = 0.0, 1.0, get(x, 0)[2]

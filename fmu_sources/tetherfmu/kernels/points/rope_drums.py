@@ -2,9 +2,10 @@
 
     m_i v_i' - col_i u' = F_i,   T + T^2/(2 EA) + I u' - sum col_i . v_i' = R_0,   T = W + m u'
 
-All v_i' depend on u' alone, and so accelerations are explicit. By M these equations change with (v', u'). A stage has M_0 (v', u') of its argument, with M_0 of the
-start of the step, as right-hand side, and the derivatives of F, f at constant v', u' but for those of M. So the border of
-the matrix (`system_drums.py`) is the column c = F_u + d F_L + col/d and the row over all nodes R_v + d R_x + col/d.
+All v_i' depend on u' alone, and so accelerations are explicit. With M the derivatives of the left-hand sides by (v', u'), a
+stage has M_0 (v', u') of its argument, with M_0 of the start of the step, as right-hand side, and the derivatives of F, f at
+constant v', u'. So the border of the matrix (`system_drums.py`) is the column c = F_u + d F_L + col/d and the row over all
+nodes R_v + d R_x + col/d.
 """
 
 from math import sqrt
@@ -270,7 +271,10 @@ def node_acceleration(system, k, i, time):
 
 @kernel
 def take_equation(system, k, time, d):
-    """f_u, df/dt, the row and P of the drum of line k, whose column is condensed, into its numbers (modified); False: none."""
+    """f_u, df/dt, the row and P of the drum of line k, whose column is condensed, into its numbers (modified).
+
+    False if there is none.
+    """
     conditions, numbers, b, w = (
         conditions_of(system, k),
         numbers_of(system, k),

@@ -105,7 +105,7 @@ def inertia(system, k, step):
 
 @kernel
 def is_close(system, k, step):
-    """Whether what the last iteration left of r is a part CLOSE of the tension, or of EA times its square: (m du/h)^2/(2 EA)."""
+    """Whether the last iteration left a part CLOSE of the tension, or its square of EA, of r: (m du/h)^2/(2 EA)."""
     stiffness, changed = stiffness_of(system, k), mass_of(system, k) * numbers_of(system, k)[CHANGE] / step.h
     drum, speed = drum_at(system, k), numbers_of(system, k)[TRIAL]
     force = abs(force_at(drum, step.time + step.h)) + drum.damping * abs(speed) + abs(changed)

@@ -50,10 +50,10 @@ STUCK = -1.0  # instead of the part of a move that was taken: no part of it goes
 @kernel
 def does_any_flow(system, step):
     """Whether the rope of any line flows past its nodes: its forces are anew in each iteration."""
+    count = 0
     for k in range(lines_of(system)):
-        if moves(system, k) and flow.flows(attempt_of(system, k, step).chain):
-            return True
-    return False
+        count += moves(system, k) and flow.flows(attempt_of(system, k, step).chain)
+    return count > 0
 
 
 @kernel

@@ -248,7 +248,7 @@ def is_turning(system, k, step):
 
 @kernel
 def length_in_motion(system, k, step):
-    """Unstretched length [m] of line k at the end of a step, its rate [m/s] and the rate of that [m/s2], in the iteration."""
+    """Unstretched length [m] of line k at the end of a step, its rate [m/s] and its second one [m/s2], in the iteration."""
     if is_turning(system, k, step):
         (length, before), speed = length_of(system, k), numbers_of(system, k)[TRIAL]
         return length + step.h * speed, speed, (speed - before) / step.h

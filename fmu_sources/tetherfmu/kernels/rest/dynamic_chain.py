@@ -8,9 +8,9 @@ from ..arrays import positions_and_velocities, shared_arrays
 from ..compilation import kernel
 from ..equations.notes import note
 from ..equations.properties import chain_of
-from ..equations.rope_at_drum import feels_rope, tension_at_winch
+from ..equations.rope_at_drum import feels_rope, tension_at_winch, tension_of_rope
 from ..equations.winch import follows_force
-from ..linear_algebra.vectors import ZERO_VECTOR, get, norm, put
+from ..linear_algebra.vectors import ZERO_VECTOR, get, norm, put, vector_at
 from ..step.outputs import outputs_of_chain
 from ..step.plausibility import note_damping_of_steps
 from . import newton, solve
@@ -61,5 +61,7 @@ def outputs_of(n, parameters, state, shape_points, outputs, work):
         tension = state[at.TENSION_AT_DRUM]
         if state[at.LAST_STEP] <= 0.0:
             tension = tension_at_winch(n, parameters, state)
+            if norm(vector_at(state, at.GROUND_TENSION_VECTOR)) == 0.0:
+                tension = tension_of_rope(chain_of(n, parameters, state), x, v)
         outputs[at.GROUND_TENSION] = tension
         outputs[at.MAX_TENSION] = max(outputs[at.MAX_TENSION], tension)

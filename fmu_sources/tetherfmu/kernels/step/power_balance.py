@@ -58,7 +58,7 @@ def balance(n, parameters, state, v, inputs, has_waves, energies, work):
 
 @kernel
 def acceleration_with(parameters, speed, state):
-    """Rate of the reel-out speed [m/s2] in a state; with another speed [m/s] than that of the state, that of the next step."""
+    """Rate of the reel-out speed [m/s2] in a state; of the next step, if the speed [m/s] is not that of the state."""
     if speed == state[at.REELING] or follows_force(parameters):
         return state[at.ACCELERATION]
     if state[at.LAST_STEP] > 0.0 and is_continued(parameters):
