@@ -91,6 +91,29 @@ class Network:
             force[self.names.index(name)] += load
         return force
 
+    def flow(self, name, x, v, length, speed):
+        """Of rope that flows (docs/models/theory.md): nodes, forces f and k [N, kg] on them, R_0 [N] and I [kg]."""
+        nodes, tether = np.array(self.nodes_of[name]), next(line.tether for line in self.lines if line.name == name)
+        n, mu = tether.segments, tether.density * np.pi / 4.0 * tether.diameter**2
+        s, rest, part = 1.0 / n, length / n, (1.0 - np.arange(n + 1) / n)[:, None]
+        r, u = np.diff(x[nodes], axis=0), np.diff(v[nodes], axis=0)
+        square, both = (r * r).sum(axis=1), (r * u).sum(axis=1)
+        parts = (part[1:] ** 2 + part[:-1] ** 2)[:, 0]
+        force, column = np.zeros((n + 1, 3)), np.zeros((n + 1, 3))
+        across, along = 0.5 * mu * speed * (part[1:] + part[:-1]) * u, 0.5 * mu * speed**2 * (parts / rest)[:, None] * r
+        force[:-1] -= across + along
+        force[1:] -= across - along
+        column[:-1] -= 0.5 * mu * part[:-1] * r
+        column[1:] -= 0.5 * mu * part[1:] * r
+        stiffness = np.where(square > rest**2, 1.0, tether.slack_stiffness_ratio) * tether.axial_stiffness
+        heights = 0.5 * (x[nodes][1:, 2] + x[nodes][:-1, 2]) - x[nodes][0, 2]
+        pull = s * (
+            0.5 * stiffness * (square / rest**2 - 1.0) + tether.axial_damping / rest**2 * (both - square * speed / length)
+        )
+        pull += s * mu * (0.25 * (u * u).sum(axis=1) - self.environment.gravity * heights)
+        pull += 0.5 * mu * parts * (0.5 * s * speed**2 * square / rest**2 - 2.0 * speed * both / rest)
+        return nodes, force, column, pull.sum() + 0.5 * mu * speed**2, (0.5 * mu * parts * square / rest).sum()
+
     def with_driven(self, time, x, v):
         """Positions and velocities with the driven points where they are driven."""
         for k in self.driven:

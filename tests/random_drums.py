@@ -2,7 +2,7 @@
 
 Without air and damping nothing in a step of h but springs, weights, loads and drums pulls, all at its end:
 
-    M1 (v1 - v0)/h = sum k (l1 - l0) e - M1 g + load,        l0 = L1/n, M1 of the lengths then
+    M1 (v1 - v0)/h = sum k (l1 - l0) e - M1 g + load + f,    l0 = L1/n, M1 of the lengths then, f of rope that flows
     m (u1 - u0)/h = T - W - c u1 - F sign(u1),               at rest: the left side less the right one is at most F
 
 Nodes and numbers are those of `networks.py`.
@@ -84,14 +84,26 @@ def left(network, told, system, number, h):
         return None
     _lengthen(network, after)
     _, tension, _ = network.segments(0.0, x, v)
-    rest = network.forces(0.0, x, v) - network.masses(0.0)[:, None] * (v - v0) / h
+    force, drums = network.forces(0.0, x, v), []
+    accelerations = (v - v0) / h
+    for line in network.lines:
+        old, new = before.lines[line.name], after.lines[line.name]
+        speed = new.winch_speed
+        if line.name in told["winch_forces"]:  # in the step, after which a stop may have taken it
+            speed = (new.tether_length - old.tether_length) / h
+        nodes, flowing, column, pull, inertia = network.flow(line.name, x, v, new.tether_length, speed)
+        gained = (speed - old.winch_speed) / h
+        if line.name in told["winch_lengths"]:  # the end of a cubic polynomial
+            mean = (new.tether_length - old.tether_length) / h
+            gained = (2.0 * old.winch_speed + 4.0 * new.winch_speed - 6.0 * mean) / h
+        np.add.at(force, nodes, flowing + gained * column)
+        if line.name in told["winch_forces"]:
+            pull += (column * accelerations[nodes]).sum() - inertia * gained
+            stiffness = line.tether.axial_stiffness
+            tension = stiffness * (np.sqrt(1.0 + 2.0 * pull / stiffness) - 1.0)
+            drums.append(_left_of_drum(line, tension, told, old, new, h))
+    rest = force - network.masses(0.0)[:, None] * accelerations
     largest = max(1.0, np.abs(tension).max(), np.abs(network.forces(0.0, x, v)[network.free]).max())
-    firsts = np.cumsum([0, *(line.tether.segments for line in network.lines)])
-    drums = [
-        _left_of_drum(line, tension[first], told, before.lines[line.name], after.lines[line.name], h)
-        for line, first in zip(network.lines, firsts, strict=False)
-        if line.name in told["winch_forces"]
-    ]
     return Left(np.abs(rest[network.free]).max() / largest, max(drums, default=0.0) / largest)
 
 

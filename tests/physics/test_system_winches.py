@@ -126,33 +126,36 @@ class OnDrums(Network):
     def rest_lengths(self, time):
         return self.rest
 
-    def excess(self, time, x, v):
-        """T - W of all drums [N]."""
-        _, tension, _ = self.segments(time, x, v)
-        firsts = dict(zip(self.nodes_of, np.cumsum([0, *(line.tether.segments for line in self.lines)]), strict=False))
-        return np.array([tension[firsts[name]] - force for name, force in self.forces_of_winches.items()])
-
     def winches(self):
         """Mass and damping of all drums."""
         of = {line.name: line.winch for line in self.lines}
         return np.array([(of[name].winch_mass, of[name].winch_damping) for name in self.forces_of_winches]).T
 
     def rates(self, time, y):
-        """d(x, v, L, u)/dt; a drum without mass has u from T = W + c u, which is linear in u."""
+        """d(x, v, L, u)/dt: T + T^2/(2 EA) = R_0 + sum k . a - I u', T = W + c u + m u', by Newton's method in all u'."""
         count = len(self.forces_of_winches)
         x, v = self.unpacked(time, y[: -2 * count])
-        lengths, speeds = y[-2 * count : -count], y[-count:].copy()
+        lengths, speeds = y[-2 * count : -count], y[-count:]
         mass, damping = self.winches()
-        is_light = mass == 0.0
-        speeds[is_light] = 0.0
         self.turned(lengths, speeds)
-        at_rest = self.excess(time, x, v)
-        self.turned(lengths, speeds + is_light)
-        by_speed = self.excess(time, x, v) - at_rest - damping
-        speeds[is_light] = -at_rest[is_light] / by_speed[is_light]
-        self.turned(lengths, speeds)
-        acceleration = (self.excess(time, x, v) - damping * speeds) / np.where(is_light, np.inf, mass)
-        return np.concatenate([super().rates(time, y[: -2 * count]), speeds, acceleration])
+        masses, force = self.masses(time), self.forces(time, x, v)
+        columns, pulls, stiffness = np.zeros((count, *x.shape)), np.zeros(count), np.zeros(count)
+        yielding = np.zeros((count, count))
+        for k, name in enumerate(self.forces_of_winches):
+            nodes, of_flow, column, pulls[k], yielding[k, k] = self.flow(name, x, v, lengths[k], speeds[k])
+            np.add.at(force, nodes, of_flow)
+            np.add.at(columns[k], nodes, column)
+            stiffness[k] = next(line.tether.axial_stiffness for line in self.lines if line.name == name)
+        free = self.free
+        pulls += np.einsum("kij,ij->k", columns[:, free], force[free] / masses[free, None])
+        yielding -= np.einsum("kij,lij->kl", columns[:, free], columns[:, free] / masses[free, None])
+        gained, held = np.zeros(count), np.array(list(self.forces_of_winches.values())) + damping * speeds
+        for _ in range(8):
+            tension = held + mass * gained
+            wrong = tension + 0.5 * tension**2 / stiffness + yielding @ gained - pulls
+            gained -= np.linalg.solve(yielding + np.diag(mass * (1.0 + tension / stiffness)), wrong)
+        a = (force + np.einsum("k,kij->ij", gained, columns))[free] / masses[free, None]
+        return np.concatenate([v[free].ravel(), a.ravel(), speeds, gained])
 
 
 SOFT = {"axial_stiffness": 20000.0, "axial_damping": 40.0}  # so that an explicit method needs few steps
