@@ -116,7 +116,7 @@ def _lengthen(network, outputs):
 def _left_of_drum(line, tension, told, before, after, h):
     """What is left of the equation of a drum [N]; 0 at a stop, and where friction lets it rest before it turns round."""
     winch, speed = line.winch, after.winch_speed
-    is_brought_to_rest = speed == 0.0 != before.winch_speed and winch.winch_mass > 0.0
+    is_brought_to_rest = speed == 0.0 != before.winch_speed
     stops = winch.shortest_length, winch.longest_length, MIN_SEGMENT_LENGTH * line.tether.segments
     if is_brought_to_rest or after.tether_length in stops:
         return 0.0

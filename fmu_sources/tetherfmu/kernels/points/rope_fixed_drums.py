@@ -105,8 +105,12 @@ def inertia(system, k, step):
 
 @kernel
 def is_close(system, k, step):
-    """Whether the last iteration left a part CLOSE of the tension, or its square of EA, of r: (m du/h)^2/(2 EA)."""
+    """Whether the last iteration left less than a part CLOSE of the tension, or its square of EA, of r.
+
+    It left (m du/h)^2/(2 EA), and m du/h F/EA of friction.
+    """
     stiffness, changed = stiffness_of(system, k), mass_of(system, k) * numbers_of(system, k)[CHANGE] / step.h
     drum, speed = drum_at(system, k), numbers_of(system, k)[TRIAL]
     force = abs(force_at(drum, step.time + step.h)) + drum.damping * abs(speed) + abs(changed)
-    return changed * changed <= 2.0 * stiffness * CLOSE * (force + CLOSE * stiffness)
+    left = abs(changed) * (abs(changed) + 2.0 * drum.friction)
+    return left <= 2.0 * stiffness * CLOSE * (force + CLOSE * stiffness)
