@@ -109,7 +109,7 @@ def test_orders_of_a_hoist(drum):
     for method, order, largest in (("second_order", 2.0, 1e-5), ("backward_euler", 1.0, 0.02)):
         errors = [np.abs(hoist(fixed(h, method), winch) - exact).max() for h in steps]
         assert errors[0] < largest
-        if drum or order == 1.0:  # a bare drum rings with the rope that leaves it, 10 g, in a mode that no such step resolves
+        if drum or order == 1.0:  # a bare drum rings with the rope that leaves it, 10 g, which no such step resolves
             assert np.polyfit(np.log(steps), np.log(errors), 1)[0] == pytest.approx(order, abs=0.1)
 
 

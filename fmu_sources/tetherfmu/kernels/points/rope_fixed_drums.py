@@ -107,10 +107,10 @@ def inertia(system, k, step):
 def is_close(system, k, step):
     """Whether the last iteration left less than a part CLOSE of the tension, or its square of EA, of r.
 
-    It left (m du/h)^2/(2 EA), and m du/h F/EA of friction.
+    It left dT^2/(2 EA) and dT F/EA of friction, dT = (m/h + c) du.
     """
-    stiffness, changed = stiffness_of(system, k), mass_of(system, k) * numbers_of(system, k)[CHANGE] / step.h
-    drum, speed = drum_at(system, k), numbers_of(system, k)[TRIAL]
+    stiffness, drum, numbers = stiffness_of(system, k), drum_at(system, k), numbers_of(system, k)
+    speed, changed = numbers[TRIAL], (mass_of(system, k) / step.h + drum.damping) * numbers[CHANGE]
     force = abs(force_at(drum, step.time + step.h)) + drum.damping * abs(speed) + abs(changed)
     left = abs(changed) * (abs(changed) + 2.0 * drum.friction)
     return left <= 2.0 * stiffness * CLOSE * (force + CLOSE * stiffness)
