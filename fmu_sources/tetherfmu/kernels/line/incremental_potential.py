@@ -119,8 +119,8 @@ def add_ground(attempt, x, is_held, w):
 
 
 @kernel
-def add_flow(attempt, x, w):
-    """Add the forces of the rope that flows to the iteration: w.flow at the positions x [m], w.move, w.matrix (modified)."""
+def find_flow(attempt, x, w):
+    """Forces of the rope that flows with the nodes at x [m] into w.flow (modified)."""
     chain, h, part = attempt.chain, attempt.h, 1.0
     for k in range(len(w.flow)):
         w.flow[k] = 0.0
@@ -129,7 +129,13 @@ def add_flow(attempt, x, w):
         r0 = sub(get(w.old, s + 1), get(w.old, s))
         flow.add_change(chain, s, part, r, scale(1.0 / h, sub(r, r0)), w.flow)
         part -= property_of(chain, s, at.SHARE)
-    flow.subtract_slopes(chain, 1.0 / h, 1.0, w.matrix)
+
+
+@kernel
+def add_flow(attempt, x, w):
+    """Add the forces of the rope that flows to the iteration: w.flow at the positions x [m], w.move, w.matrix (modified)."""
+    find_flow(attempt, x, w)
+    flow.subtract_slopes(attempt.chain, 1.0 / attempt.h, 1.0, w.matrix)
     for k in range(len(w.flow)):
         w.move[k] += w.flow[k]
 

@@ -23,6 +23,7 @@ docs/models/numerics.md, "A drum in the same system".
 """
 
 from ..compilation import kernel
+from ..equations import flow
 from ..equations.assembly import node_masses
 from ..equations.boundary import hold_ends, load_during
 from ..equations.drum import HELD, INWARDS, OUTWARDS, force_at
@@ -311,13 +312,16 @@ def give(system, step):
 
 @kernel
 def turn(system, step):
-    """Let all drums (modified) have the speeds that were found, and the masses follow."""
+    """Let all drums (modified) have the speeds that were found; masses and the forces of rope that flows follow."""
     for k in range(lines_of(system)):
         if is_turning(system, k, step):
             numbers = numbers_of(system, k)
             numbers[CHANGE] = numbers[ONWARD] - numbers[TRIAL]
             numbers[TRIAL] = numbers[ONWARD]
-            node_masses(attempt_of(system, k, step).chain, scratch_of(system, k).mass)
+            attempt, w = attempt_of(system, k, step), scratch_of(system, k)
+            node_masses(attempt.chain, w.mass)
+            if flow.flows(attempt.chain):
+                incremental_potential.find_flow(attempt, w.x, w)
     take_masses(system, step)
 
 
