@@ -317,7 +317,7 @@ def test_a_winch_that_does_not(model, force, length, winch):
 
 @pytest.mark.parametrize("model", EVERY[1:], ids=lambda model: model.variant)
 def test_a_tether_that_hangs_is_not_slack(model):
-    """20 m more than the distance of the ends: its weight pulls at the winch with 17 N, 17 % of the force or 9 %, not its inertia."""
+    """20 m more than the distance of the ends: its weight pulls at the winch with 17 N, 17 % of the force, or 9 %."""
     assert pulled(model, 100.0, 520.0, winch_mass=50.0)[0] == {}
     assert pulled(model, 200.0, 520.0, winch_mass=200.0)[0] == {plausibility.WINCH_REELS_IN_SLACK: 200.0}
 
