@@ -21,6 +21,7 @@ from tetherfmu.export.build_options import BuildOptions, Purpose
 from tetherfmu.export.documents import OSP_FOLDER
 from tetherfmu.export.texts import xml_text
 from tetherfmu.fmi.model_description import base_units, number_text
+from tetherfmu.lean import Lean
 from tetherfmu.runtime import __version__
 from wind import turbulence_systems as turbulent
 
@@ -177,8 +178,8 @@ def _built(fmu, start, system, folder, options, files):
         starts = [(name, value) for name, value in start.items() if name in known]
         return example_fmus.build(fmu, folder, starts, files.get(fmu, ()))
     about = f"With the start values of the system {system}."
-    purpose = Purpose(system, (), about, STEP, STOP, PAGE.format(name=fmu, version=__version__, about=about))
-    return archive.build(fmu, folder, replace(options, starts=tuple(start.items()), purpose=purpose))
+    purpose = Purpose(system, about, STEP, STOP, PAGE.format(name=fmu, version=__version__, about=about))
+    return archive.build(fmu, folder, replace(options, lean=Lean(starts=tuple(start.items())), purpose=purpose))
 
 
 def _connectors(component, inputs, outputs, units):
