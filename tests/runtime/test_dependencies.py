@@ -74,9 +74,7 @@ def not_seen(fmu, output, known):
     if known.startswith(("initial_kite_position", "ground_position")) and name in ("kite_position", "shape"):
         return True
     # no segment is in compression here: that takes air which blows a slack tether back on itself (theory, "Initial shape")
-    if known == "slack_stiffness_ratio" and (fmu == "TetherQuasiSteady" or name in STEADY):
-        return True
-    return False
+    return known == "slack_stiffness_ratio" and (fmu == "TetherQuasiSteady" or name in STEADY)
 
 
 def other_value(host, known):
