@@ -4,6 +4,7 @@ import hashlib
 import sys
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -305,6 +306,14 @@ def winch_of(table, flight):
     return winch
 
 
+@lru_cache(maxsize=4)
+def series(path, state):
+    """`Series` of a CSV file, read once for all scenes of a sweep; state : another one for a file written anew."""
+    from .series import Series  # its splines take half a second to import
+
+    return Series(path)
+
+
 def read_flight(table, folder):
     """A flight of `flights.KINDS`, or the series of a CSV file."""
     require(table, "flight", table)
@@ -315,9 +324,9 @@ def read_flight(table, folder):
         require(table, "flight of kind series", ("file",), REQUIRED["flight of kind series"])
         if not isinstance(table["file"], str):
             raise ValueError(f"flight.file is {table.get('file')!r}; it must be the name of a CSV file")
-        from .series import Series  # its splines take half a second to import
-
-        return Series(folder / table["file"])
+        path = folder / table["file"]
+        status = path.stat() if path.is_file() else None
+        return series(path, (status.st_size, status.st_mtime_ns) if status else object())
     kinds = [*KINDS, "series"]
     if kind not in KINDS:
         raise ValueError(f"flight.kind is {kind!r}{meant_or_all(str(kind), kinds, 'it must be one of {}')}")
