@@ -15,7 +15,7 @@ SUBCOMMANDS = {
     "build": Subcommand("build FMUs: all, or those that are named", "tetherfmu build dynamic --segments 20 --native"),
     "fly": Subcommand(
         "fly a circle, a scene, or the flight of a CSV file, with tether FMUs",
-        "tetherfmu fly eight_on_a_winch --set wind.speed='12 m/s' --html",
+        "tetherfmu fly eight_on_a_winch --set winch.force='5 kN' --html",
     ),
     "check": Subcommand("check FMUs on this machine", "tetherfmu check dist/TetherDynamic.fmu", "tetherfmu.check.__main__"),
     "replay": Subcommand(
@@ -32,7 +32,7 @@ SUBCOMMANDS = {
     ),
     "sweep": Subcommand(
         "fly a scene with many values, on a grid or at random, and write statistics",
-        "tetherfmu sweep circle --vary 'tether.diameter=3 mm..6 mm:4' --vary 'wind.speed~weibull(2, 9 m/s)'",
+        "tetherfmu sweep circle --vary 'tether.diameter=3 mm..6 mm:4' --vary wind.speed=6,9,12",
     ),
     "import": Subcommand(
         "make a scene of settings of KiteUtils.jl, or a system of a file of MoorDyn",

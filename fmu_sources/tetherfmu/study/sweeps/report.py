@@ -9,7 +9,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from tetherfmu.console.colours import BLUE, VERMILLION
-from tetherfmu.console.ending import WrongUse, remedy
+from tetherfmu.console.ending import FAILED, WrongUse, remedy
 from tetherfmu.console.progress import now
 from tetherfmu.study.advice.scene_report import html
 from tetherfmu.study.measuring.store import keeping
@@ -113,7 +113,7 @@ def values_in_words(table, name):
 def reasons_of(table):
     """How often flights were refused, by reason, and one of them: a DataFrame."""
     refused = table[table.refused != ""].refused
-    reasons = refused.str.replace(r"step \d+ of", "a step of", regex=True)
+    reasons = refused.str.replace(r"\d[\d.e+-]*", "#", regex=True)  # the same but for numbers
     rows = [(len(each), int(each.index[0]), refused[each.index[0]]) for _, each in refused.groupby(reasons, sort=False)]
     return pd.DataFrame(sorted(rows, reverse=True), columns=["flights", "such as flight", "reason"])
 
@@ -158,4 +158,4 @@ def run(options):
         print(f"largest tension: {table.peak_tension[k]:.1f} N, in flight {k}: {at}")
     for path in written:
         print(path)
-    return 0
+    return FAILED if refused == len(table) else 0

@@ -8,6 +8,7 @@ wind.speed~weibull(2, 9 m/s)       a distribution
 """
 
 import re
+from contextlib import suppress
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
@@ -74,10 +75,13 @@ def unit_of(name, flight):
 
 def number_of(text, unit):
     """A number in SI units, a whole one where it is written so; ValueError for another unit."""
+    for kind in (int, float):
+        with suppress(ValueError):
+            return kind(text)
     try:
-        return int(text)
-    except ValueError:
         return float(in_si(text.strip(), unit))
+    except ValueError as error:
+        raise ValueError(f"{text.strip()!r} is not possible; {error}") from None
 
 
 def grid(first, last, count, unit):
