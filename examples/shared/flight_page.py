@@ -81,8 +81,11 @@ def plane(axes, height):
     return go.Mesh3d(**corners, i=[0, 0], j=[1, 2], k=[2, 3], name="ground", **looks)
 
 
-def moment(flights, k, scale):
-    """Curves of one time: of each flight the tether, its ends, and the forces that it knows, as arrows."""
+def moment(flights, k, scale, paths=None):
+    """Curves of one time: of each flight the tether, its ends, and the forces that it knows, as arrows.
+
+    paths : of points by name, arrays (rows, 3) [m], which are shown in the place of the ends.
+    """
     drawn = []
     for name, flight, colour in coloured(flights):
         shape = np.asarray(flight.shape[k])
@@ -90,9 +93,12 @@ def moment(flights, k, scale):
         for field, end in (("kite_force", -1), ("ground_force", 0)):
             if getattr(flight, field, None) is not None:
                 drawn += arrow(shape[end], np.asarray(getattr(flight, field)[k]), scale, colour)
-    ends = {"marker": {"size": 6, "color": BLACK, "symbol": ["square", "diamond"]}}
-    named = {"text": ["ground station", "kite"], "textposition": "top center", "showlegend": False}
-    return [*drawn, line(shape[[0, -1]], "ends", "markers+text", BLACK, **ends, **named)]
+    names, symbols, places = ["ground station", "kite"], ["square", "diamond"], shape[[0, -1]]
+    if paths:
+        names, symbols, places = list(paths), ["diamond"] * len(paths), np.array([path[k] for path in paths.values()])
+    ends = {"marker": {"size": 6, "color": BLACK, "symbol": symbols}}
+    named = {"text": names, "textposition": "top center", "showlegend": False}
+    return [*drawn, line(places, "ends", "markers+text", BLACK, **ends, **named)]
 
 
 def scale_of(flights, points):
@@ -121,23 +127,34 @@ def some_of(number, most):
     return np.linspace(0, number - 1, min(number, most)).astype(int)
 
 
-def write_page(flights, file, path, count=100, title="Tether along a flight", ground=None):
+def curves_of(paths):
+    """Grey curves of the paths, arrays (n, 3) [m] by name, of what moves."""
+    some = {name: np.asarray(path)[some_of(len(path), MOST)] for name, path in paths.items()}
+    return [line(path, f"path of {name}", "lines", GREY) for name, path in some.items() if np.ptp(path, axis=0).any()]
+
+
+def write_page(flights, file, path, count=100, title="Tether along a flight", ground=None, *, paths=None, note=NOTE):
     """Write a self-contained page with the tether at `count` times of the flight: a slider and a play button.
 
     flights : dict name -> `Flight` with the same times, or what else has `time` and `shape`; `kite_force` and `ground_force`
     are drawn as arrows where they are known.  path : array (n, 3), flown by the kite [m].  ground : its height
-    [m]; None: there is none.
+    [m]; None: there is none.  paths : of a system those of its points by name, a row for each time, in the place of `path`.
+    note : what the arrows are, in HTML.
     """
     first = next(iter(flights.values()))
     moments = some_of(len(first.time), count)
-    path = np.asarray(path)[some_of(len(path), MOST)]
-    points = np.concatenate([path, *(np.asarray(flight.shape)[moments].reshape(-1, 3) for flight in flights.values())])
+    still = curves_of(paths or {"the kite": path})
+    points = np.concatenate(
+        [
+            path if paths is None else paths[next(iter(paths))],
+            *(np.asarray(flight.shape)[moments].reshape(-1, 3) for flight in flights.values()),
+        ]
+    )
     scale = scale_of(flights, points)
-    frames = [go.Frame(name=f"{first.time[k]:.1f}", data=moment(flights, k, scale)) for k in moments]
-    axes, still = scene(points), [line(path, "path of the kite", "lines", GREY)]
-    station = np.asarray(first.shape)[moments, 0]
-    if np.ptp(station, axis=0).any():
-        still.append(line(station, "path of the ground station", "lines", GREY))
+    frames = [go.Frame(name=f"{first.time[k]:.1f}", data=moment(flights, k, scale, paths)) for k in moments]
+    axes = scene(points)
+    if not paths:
+        still += curves_of({"the ground station": np.asarray(first.shape)[moments, 0]})
     if ground is not None:
         still.append(plane(axes, ground))
     page = go.Figure([*frames[0].data, *still], frames=frames)
@@ -147,5 +164,5 @@ def write_page(flights, file, path, count=100, title="Tether along a flight", gr
     config = {"displaylogo": False, "responsive": True, "showSendToCloud": False}
     whole = {"include_plotlyjs": True, "auto_play": False, "post_script": STEP_BACK, "default_height": "100%"}
     drawn = page.to_html(config, full_html=False, **whole)
-    text = PAGE.format(title=escape(title), note=NOTE if scale else "", scene=drawn)
+    text = PAGE.format(title=escape(title), note=note if scale else "", scene=drawn)
     Path(file).write_text(text, encoding="utf-8")

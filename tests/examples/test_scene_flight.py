@@ -1,9 +1,14 @@
 """`tetherfmu fly SCENE`: an FMU flies the scene as the Python API does, bit for bit; what cannot be flown is named."""
 
+import re
+
+import numpy as np
 import pytest
 from running import EXAMPLES, assert_is_drawn, run_code
 
 from tetherfmu.__main__ import main as tetherfmu
+from tetherfmu.libraries.examples import example
+from tetherfmu.study.scenes.named import named_systems
 
 SAME = """
 import sys
@@ -42,11 +47,40 @@ def test_prints_and_draws_as_the_circle_does(fmu_folder, tmp_path):
     done = run_code(fly, "eight_on_a_winch", *options)
     assert done.returncode == 0, done.stderr
     first, *paths = done.stdout.splitlines()
-    assert first.startswith("TetherDynamic: |ground| 50")  # 5 kN
-    assert "; 30 steps; " in first
+    found = re.match(r"TetherDynamic: \|ground\| (\d+\.\d) N, \|kite\| (\d+\.\d) N at most; 30 steps; ", first)
+    assert [float(each) for each in found.groups()] == pytest.approx([5000.0, 5000.0], rel=0.01)
     assert paths == [str(tmp_path / f"{name}.png") for name in ("first_shape", "forces", "shapes")]
     for path in paths:
         assert_is_drawn(tmp_path / path)
+
+
+def test_a_system_is_flown_from_its_file(tmp_path, capsys):
+    """The load of the hoist hangs at rest: both ropes carry half of it, and no winch turns but that which is set."""
+    asked = ["fly", "hoist", "--duration", "0.6", "--out", str(tmp_path)]
+    assert tetherfmu(asked) == 0
+    left, right, beam, last, *paths = capsys.readouterr().out.splitlines()
+    vertical = 400.0 * 9.81 / 2.0
+    forces = [float(re.search(r"\|winch_\w+\| ([\d.]+) N, ", line)[1]) for line in (left, right)]
+    assert forces[0] == pytest.approx(forces[1], rel=1e-3)
+    assert vertical < forces[0] < 1.1 * vertical  # the ropes lean, and have weight
+    assert left.startswith("rope_left: |winch_left| ")
+    assert beam.startswith("beam: |left| ")
+    assert last.startswith("Hoist: 30 steps; ")
+    for path in paths:
+        assert_is_drawn(path)
+
+
+def test_a_system_moves_as_its_file_says():
+    """A driven point goes straight on with its velocity, and a line is paid out at its speed."""
+    flight = example("first_flight.system_flight")
+    settings = [("points.winch_left.velocity", [0.0, 0.5, 0.0]), ("lines.rope_right.reel_out_speed", 1.0)]
+    found, system = flight.read(named_systems()["hoist"], settings)
+    flights, places = flight.fly(found, system, duration=0.6)
+    assert places["winch_left"][-1] == pytest.approx([-6.0, 0.3, 30.0])
+    assert np.all(places["winch_right"] == places["winch_right"][0])
+    assert places["right"][0, 2] - places["right"][-1, 2] > 0.3
+    assert np.array_equal(flights["rope_left"].shape[:, 0], places["winch_left"])
+    assert np.allclose(flights["rope_left"].shape[:, -1], flights["beam"].shape[:, 0], rtol=0, atol=1e-9)
 
 
 def test_the_list_has_the_scenes(capsys):
@@ -54,7 +88,8 @@ def test_the_list_has_the_scenes(capsys):
     lines = capsys.readouterr().out.splitlines()
     assert any(line.startswith("eight_on_a_winch ") and "winch holds 3 kN; 40 s" in line for line in lines)
     assert any(line.startswith("slewing_crane ") for line in lines)
-    assert len(lines) == len([*EXAMPLES.glob("scenes/*.toml")]) + 3
+    assert any(line.startswith("hoist ") and "a system" in line for line in lines)
+    assert len(lines) == len([*EXAMPLES.glob("*/*.toml")])
 
 
 WRONG = {
@@ -67,6 +102,10 @@ WRONG = {
     "parked --set end_velocities=1": "--set: end_velocities follows from the scene",
     "parked --step 30": "the flight of 24 s is shorter than a communication step of 30 s",
     "slewing_crane --tether straight": "the free end of slewing_crane is moved by TetherDynamicFree only",
+    "hoist --tether straight": "--tether is straight; the lines of a system are dynamic",
+    "hoist --length 3": "--length is not for a system: --set lines.NAME.initial_length=L",
+    "hoist --set lines.beam.diametre=3": "unknown key lines.beam.diametre; did you mean diameter?",
+    "hoist --set lines.rope_left.winch_control=force": "lines.rope_left.winch_control is force, and nothing gives that",
     "logged --duration 30": "duration is 30.0; it must be at most 20 s",
 }
 

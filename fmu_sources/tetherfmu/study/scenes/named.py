@@ -14,12 +14,19 @@ def named_scenes():
     return {path.stem: path for folder in FOLDERS for path in sorted((EXAMPLES / folder).glob("*.toml"))}
 
 
-def path_of(given):
-    """Path of a scene file from a path, or from the name of one of `named_scenes`; ValueError if it is no such name."""
-    path = Path(given)
+def named_systems():
+    """Paths of the files of systems that come with TetherFMU, by name."""
+    return {path.stem: path for path in sorted((EXAMPLES / "systems").glob("*.toml"))}
+
+
+def path_of(given, known=None):
+    """Path of a scene file from a path, or from a name; ValueError if it is no such name.
+
+    known : paths by name; None: those of `named_scenes`.
+    """
+    path, known = Path(given), named_scenes() if known is None else known
     if path.suffix or path.exists():
         return path
-    known = named_scenes()
     if str(given) not in known:
         raise ValueError(f"there is no file and no scene {str(given)!r}{meant_or_all(str(given), known, 'scenes are {}')}")
     return known[str(given)]
@@ -33,7 +40,8 @@ def about(path):
 
 
 def listed():
-    """The named scenes in lines for people: name, what it is, how long it takes."""
-    known = named_scenes()
-    width = max(map(len, known)) + 2
-    return [f"{name:<{width}}{about(path)}; {tables_of(path)['duration']}" for name, path in known.items()]
+    """The named scenes and systems in lines for people: name, what it is, of a scene how long it takes."""
+    scenes, systems = named_scenes(), named_systems()
+    width = max(map(len, (*scenes, *systems))) + 2
+    found = [f"{name:<{width}}{about(path)}; {tables_of(path)['duration']}" for name, path in scenes.items()]
+    return found + [f"{name:<{width}}{about(path)}; a system, whose driven points rest" for name, path in systems.items()]
