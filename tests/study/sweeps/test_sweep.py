@@ -1,6 +1,7 @@
 """A sweep gives the same table whoever does its work, keeps what is finished, and a flight that is refused is a row."""
 
 import os
+import re
 import signal
 import sys
 from concurrent.futures import ThreadPoolExecutor
@@ -150,6 +151,14 @@ def test_the_command_writes_tables_figures_and_a_page(tmp_path, capsys):
     pytest.importorskip("pyarrow")
     stored = pd.read_parquet(tmp_path / "flights.parquet")
     assert stored.sag_max.tolist()[:2] == written.sag_max.tolist()[:2]
+
+
+def test_the_example_of_the_manual_runs(capsys):
+    page = (Path(__file__).parents[3] / "docs" / "use" / "sweeps.md").read_text(encoding="utf-8")
+    (code,) = re.findall(r"^```python\n(.*?)^```", page, re.MULTILINE | re.DOTALL)
+    exec(code, found := {})
+    assert len(found["table"]) == 16
+    assert "peak_tension" in capsys.readouterr().out
 
 
 WRONG = {
