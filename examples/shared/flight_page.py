@@ -11,6 +11,7 @@ from tetherfmu.console.colours import BLACK, GREY, GROUND, coloured
 ARROW = 0.2  # length of the largest force, part of the diagonal of the scene
 EYE = {"x": 1.8, "y": 1.08, "z": 0.8}  # from where the scene is seen: all of it, with the names of its axes
 LONGEST = 1.7, 1.7, 1.4  # sides x, y, z of a scene as it is drawn: of longer ones not all is seen from there
+DIGITS = 6  # of a place [m]: of a plane flight plotly magnifies rounding errors
 HEAD = 0.18  # of an arrow, part of its length
 MOST = 10_000  # points of the path of the kite
 PAGE = """<!DOCTYPE html>
@@ -49,13 +50,13 @@ if (way > 1) Plotly.relayout(plot, {"scene.camera.eye": {x: way * eye.x, y: way 
 def line(points, name, mode, colour, **options):
     """A curve in space; points : array (n, 3) [m]."""
     looks = {"line": {"width": 4, "color": colour}, "marker": {"size": 2, "color": colour}, **options}
+    points = np.round(points, DIGITS)
     return go.Scatter3d(dict(zip("xyz", np.transpose(points), strict=True)), name=name, mode=mode, **looks)
 
 
 def arrow(start, force, scale, colour):
     """Shaft and head of the arrow of a force [N] on a point [m]; scale [m/N]."""
-    end = start + scale * force
-    head = HEAD * scale * force
+    end, head = np.round((start + scale * force, HEAD * scale * force), DIGITS)
     place = dict(zip("xyz", end[:, None], strict=True)) | dict(zip("uvw", head[:, None], strict=True))
     looks = {"colorscale": [[0, colour], [1, colour]], "showscale": False, "anchor": "tip", "hoverinfo": "skip"}
     text = f"{np.linalg.norm(force):.1f} N"
@@ -70,7 +71,13 @@ def scene(points):
     sides = (high - low) / np.cbrt(np.prod(high - low))  # as they are drawn: the volume is that of a cube
     way = max(1.0, (sides / LONGEST).max())
     eye = {axis: way * place for axis, place in EYE.items()}
-    return {"aspectmode": "data", "camera": {"eye": eye, "center": {"x": 0.0, "y": 0.0, "z": -0.15}}, **axes}
+    ratio = dict(zip("xyz", sides.tolist(), strict=True))
+    return {
+        "aspectmode": "manual",
+        "aspectratio": ratio,
+        "camera": {"eye": eye, "center": {"x": 0.0, "y": 0.0, "z": -0.15}},
+        **axes,
+    }
 
 
 def plane(axes, height):

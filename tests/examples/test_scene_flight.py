@@ -120,3 +120,16 @@ def test_wrong_use_is_named_in_one_line(options, tmp_path, monkeypatch, capsys):
     assert status == 2
     (line,) = capsys.readouterr().err.splitlines()
     assert WRONG[options] in line
+
+
+def test_the_page_shows_a_plane_flight_to_scale():
+    """Its axes are as long as what they show, and rounding errors across it are none."""
+    pytest.importorskip("plotly")
+    page = example("shared.flight_page")
+    points = np.array([[-6.0, 1e-15, 10.0], [6.0, -1e-14, 30.0]])
+    axes = page.scene(points)
+    ratio, lengths = axes["aspectratio"], {name: np.ptp(axes[f"{name}axis"]["range"]) for name in "xyz"}
+    assert [ratio[name] / lengths[name] for name in "xyz"] == pytest.approx([ratio["x"] / lengths["x"]] * 3)
+    assert np.all(page.line(points, "", "lines", "black").y == 0.0)
+    _, head = page.arrow(points[0], points[1], 0.1, "black")
+    assert np.all(np.array([head.y, head.v]) == 0.0)

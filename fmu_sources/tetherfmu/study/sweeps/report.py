@@ -138,6 +138,8 @@ def write(table, scene, config, folder):
 def run(options):
     """Sweep, write and print what came out."""
     scene = load(options.scene, options.settings)
+    if options.method == "sobol" and options.samples & (options.samples - 1):
+        print(f"--samples is {options.samples}: the points of Sobol are balanced for powers of 2 only", file=sys.stderr)
     folder = options.out or Path("study") / f"{scene.name}_sweep"
     names = ("samples", "method", "seed", "settings", "outputs", "percentiles", "cycles_of", "start", "tether", "segments")
     given = {name: getattr(options, name) for name in (*names, "step", "processes", "dask")}

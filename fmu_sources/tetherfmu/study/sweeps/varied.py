@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
 from typing import Any
+from warnings import catch_warnings
 
 import numpy as np
 
@@ -205,7 +206,8 @@ def draws(quantities, samples, method, seed):
 
     check_names("sweep", [method], METHODS, "method")
     engine = {"latin_hypercube": qmc.LatinHypercube, "sobol": qmc.Sobol}[method]
-    places = engine(len(drawn), seed=np.random.default_rng(seed)).random(samples)
+    with catch_warnings(action="ignore", category=UserWarning):  # Sobol with another number than a power of 2
+        places = engine(len(drawn), seed=np.random.default_rng(seed)).random(samples)
     places = np.clip(places, 0.5**53, 1.0 - 0.5**53)  # a scrambled point of Sobol may be 0
     return [
         *zip(*(each.distribution.ppf(column).tolist() for each, column in zip(drawn, places.T, strict=True)), strict=True)
