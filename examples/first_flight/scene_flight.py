@@ -82,7 +82,8 @@ def fmu_of(name, place, wind_points):
 def fly(fmu_file, scene, others=()):
     """Fly a scene of `scene_of` with a tether FMU; returns the `Flight`.
 
-    others : dict of parameters that no scene has.
+    others : dict of parameters that no scene has.  An FMU that lacks parameters, or inputs that stay as they are, keeps the
+    values with which it was built, as those of `tetherfmu build --scene` do; it says so on stderr.
     """
     from tetherfmu.study.measuring.runs import Config, parameters_of
     from tetherfmu.study.measuring.through_fmpy import inputs_of
@@ -94,28 +95,35 @@ def fly(fmu_file, scene, others=()):
         without |= {"kite_velocity", "ground_velocity"}
     table = inputs_of(scene, step)
     vectors = {name: name.partition("[")[0] for name in table}
+    moving = {vectors[name] for name in table if table[name].nunique() > 1}
+    built_in = {each for each in vectors.values() if each not in moving and not variables.those_of(each)}
+    without |= built_in
     rows = table[[name for name, vector in vectors.items() if vector not in without]].to_numpy().tolist()
     moved = variables.of(*(each for each in dict.fromkeys(vectors.values()) if each not in without))
     outputs = outputs_of(variables)
     references = [each for vector in outputs.values() for each in vector]
     with running(fmu_file, variables.description) as (fmu, stop_if_pressed):
         fmu.setupExperiment(startTime=0.0)
-        set_parameters(variables, fmu, parameters | ({"wind_profile": at.UNIFORM} if scene.wind_points else {}))
+        parameters |= {"wind_profile": at.UNIFORM} if scene.wind_points else {}
+        built_in |= set_parameters(variables, fmu, parameters)
         fmu.enterInitializationMode()
         found, wall_time = co_simulate(fmu, moved, references, rows.__getitem__, step, len(rows), stop_if_pressed)
         fmu.terminate()
+    if built_in:
+        print(f"{fmu_file} keeps the values it was built with: {', '.join(sorted(built_in))}", file=sys.stderr)
     return flight_of(step * np.arange(len(rows) + 1), found, outputs, wall_time)
 
 
 def set_parameters(variables, fmu, parameters):
-    """Set parameters of an FMU (modified), dict by name; WrongUse names one that it does not have."""
+    """Set parameters of an FMU (modified), dict by name; names of those that it does not have, a set."""
     kinds = {each.name: each.type for each in variables.description.modelVariables}
     for name, value in parameters.items():
         if name not in kinds:
-            raise WrongUse(f"{variables.file} has no parameter {name}; take one of tetherfmu build without --scene")
+            continue
         is_real = kinds[name] in ("Real", "Float64")
         put = fmu.setReal if is_real else fmu.setInteger
         put([variables.reference[name]], [float(value) if is_real else int(value)])
+    return {name for name in parameters if name not in kinds}
 
 
 def names_of(scene, tether):

@@ -34,6 +34,18 @@ def test_the_forces_are_those_of_python(fmu_folder):
     assert done.returncode == 0, done.stderr
 
 
+def test_an_fmu_of_the_scene_has_what_it_lacks_built_in(tmp_path):
+    """`build --scene` leaves out what is 0, as the position of the ground station is."""
+    build = "import sys; from tetherfmu.__main__ import main; sys.exit(main(sys.argv[1:]))"
+    done = run_code(build, "build", "--scene", EXAMPLES / "first_flight" / "eight_on_a_winch.toml", "--out", tmp_path)
+    assert done.returncode == 0, done.stderr
+    (fmu,) = tmp_path.glob("*.fmu")
+    done = run_code(build, "fly", "eight_on_a_winch", "--fmu", fmu, "--duration", 2, "--out", tmp_path / "plots")
+    assert done.returncode == 0, done.stderr
+    assert re.search(r"keeps the values it was built with: .*ground_position", done.stderr)
+    assert re.match(rf"{fmu.stem}: \|ground\| 3\d\d\d\.\d N, ", done.stdout)
+
+
 def test_turbulence_is_that_of_python(tmp_path):
     """Its FMU has wind points; it is built."""
     done = run_code(SAME, tmp_path, "parked_in_turbulence")
