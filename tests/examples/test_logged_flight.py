@@ -233,7 +233,7 @@ WRONG = [  # what is typed behind `tetherfmu fly`, what must be said
     ("head.csv --length 505", ("head.csv", "has 1 lines", "4 rows at least")),
     ("twice.csv --length 505", ("twice.csv", "column kite_position[1] is there twice")),
     ("far.csv --length 505", ("far.csv", "row 2, column kite_position[1]", "at most 1e+09")),
-    ("--set diameter=0.01", ("tetherfmu fly", "--set", "FLIGHT.csv")),
+    ("--set initial_length=510", ("tetherfmu fly", "--set", "initial_length follows from --length")),
 ]
 
 
@@ -278,6 +278,6 @@ def test_help_has_both_flights(capsys):
     with pytest.raises(SystemExit):
         tetherfmu(["fly", "--help"])
     said = " ".join(capsys.readouterr().out.split())
-    assert "along a circle, or the flight of a CSV file" in said
+    assert "along a circle, a scene, or the flight of a CSV file" in said
     assert "kite_position[3]" in said
     assert "--rate" in said

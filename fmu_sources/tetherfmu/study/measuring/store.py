@@ -61,8 +61,12 @@ class Store:
 
     def add(self, key, point):
         """Keep a point, a dict of numbers and texts; it is on disk when this returns."""
-        self.points[key] = point
-        self._append(json.dumps({"key": key, **point}) + "\n")
+        self.add_all({key: point})
+
+    def add_all(self, points):
+        """Keep several points by key likewise, at the cost of one."""
+        self.points |= points
+        self._append("".join(json.dumps({"key": key, **point}) + "\n" for key, point in points.items()))
 
     def _append(self, text):
         with open(self._file, "a", encoding="utf-8") as file:
