@@ -9,6 +9,7 @@ from fnmatch import fnmatchcase
 
 from tetherfmu.fmi.selection import GROUPS, own_name
 from tetherfmu.input_files import in_si, require
+from tetherfmu.materials import SCALED
 from tetherfmu.runtime.naming import meant_or_all
 from tetherfmu.runtime.quantities import NOT_WHOLE, checked
 from tetherfmu.runtime.variables import CALCULATED, INPUT, PARAMETER
@@ -16,7 +17,6 @@ from tetherfmu.runtime.variables import CALCULATED, INPUT, PARAMETER
 LISTS = {"inputs": (INPUT,), "outputs": CALCULATED, "parameters": (PARAMETER,)}
 KEYS = ("preset", *LISTS, "set")  # of a table [build] of a file
 NONE = "none"
-SCALED = ("axial_stiffness", "axial_damping")  # with the square of the diameter, where they are not set themselves
 ROPE = ("initial_length", "diameter", "density", "axial_stiffness", "axial_damping", "segments")
 
 

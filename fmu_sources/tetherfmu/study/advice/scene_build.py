@@ -57,11 +57,11 @@ def vectors_in_words(names):
 def advised(path, shape_points, platforms, given=Lean()):  # noqa: B008 (a constant)
     """The advice for a scene file as text, whether it meets what is asked, the name of the FMU and its `BuildOptions`.
 
-    shape_points : of the output `shape`, if the scene asks for it.  platforms : as in `BuildOptions`.  given : `Lean`, what
-    it has counts before what the file says, and that before what the scene needs.
+    shape_points : of the output `shape`, if the scene asks for it.  platforms : as in `BuildOptions`.  given : `Lean`, whose
+    lists count before those of the file, and these before what the scene needs; its start values are settings of the scene.
     SceneError says in one line what is wrong with the file, or why its scene cannot be flown.
     """
-    scene = load(path)
+    scene = load(path, given.starts)
     with flown_from(path):
         advice, text = advise_in_words(scene)
     config = advice.point.config
@@ -74,13 +74,13 @@ def advised(path, shape_points, platforms, given=Lean()):  # noqa: B008 (a const
     fixed = {"fixed_step": config.fixed_step} if scene.wanted.fixed else {}
     found = inputs.iloc[0].to_dict() | parameters_of(scene, config) | fixed
     starts = tuple((name, rounded(value)) for name, value in found.items())
-    lean = given.over(scene.build.over(Lean(moving, asked, None, starts)))
+    lean = replace(given, starts=()).over(scene.build.over(Lean(moving, asked, None, starts)))
     options = BuildOptions(config.segments or 1, points, platforms, lean, None, scene.wind_points)
     missing = lean.left_out(table)
     about = (
         f"For the scene {scene.name}: expected error of {', '.join(scene.wanted.outputs)} at most "
-        f"{percent(advice.expected)} at a communication step of {1e3 * config.step:g} ms. Left out, because it is 0 in the "
-        f"scene or not asked for: {vectors_in_words(missing)}."
+        f"{percent(advice.expected)} at a communication step of {1e3 * config.step:g} ms. Left out, and constant where it "
+        f"is an input: {vectors_in_words(missing)}."
     )
     page = body(f"# {scene.name}\n\n{about}\n\n```text\n{text}\n```")
     purpose = Purpose(scene.name, about, config.step, rounded(scene.duration), page)

@@ -13,6 +13,7 @@ from tetherfmu import lean
 from tetherfmu.console.ending import WrongUse
 from tetherfmu.input_files import TABLE_OF_GROUND, ground_of, name_in, record, require, tables_of, value_of, without
 from tetherfmu.lean import Lean
+from tetherfmu.materials import of_its_diameter
 from tetherfmu.results import StepRefused
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.inputs import COUNT, by_name
@@ -23,7 +24,7 @@ from tetherfmu.runtime.quantities import check, doubts_of, quantities, quantity
 
 from .flights import KINDS
 from .named import path_of
-from .settings import with_settings
+from .settings import keys_of_parameters, with_settings
 from .winds import BoxedWind, Wind, read_wind
 
 OUTPUTS = ("kite_force", "kite_direction", "ground_force", "ground_direction", "peak_force", "power", "shape")
@@ -246,6 +247,7 @@ def read(table, folder, name):
         for key, kind in RECORDS.items()
         if key != "wind"
     }
+    records["tether"] = of_its_diameter(records["tether"], table["tether"])
     records["ground"] = ground_of(records["ground"], records["environment"])
     force = records["winch"].force
     records["winch"] = winch_of(records["winch"], flight)
@@ -275,7 +277,7 @@ def read(table, folder, name):
         digest=digest.hexdigest()[:16],
         every=every,
         kite_is_free=flight.kite_is_free,
-        build=lean.read(table.get("build", {})),
+        build=build_of(table),
     )
     scene.wind_at(every)  # refused here rather than in a flight
     return scene
@@ -286,6 +288,15 @@ def finds_length(table, flight):
     tether, winch = table["tether"], table.get("winch", {})
     has_force = flight.has_force or (not flight.kite_is_free and isinstance(winch, dict) and "force" in winch)
     return has_force and isinstance(tether, dict) and "initial_length" not in tether
+
+
+def build_of(table):
+    """`Lean` of the table of a file; ValueError for a start value that the scene has elsewhere."""
+    found, keys = lean.read(table.get("build", {})), keys_of_parameters()
+    for name, _ in found.starts:
+        if name in keys:
+            raise ValueError(f"build.set has {name}, which is {keys[name]} in a scene: set it there")
+    return found
 
 
 def in_balance(table, flight):
