@@ -98,13 +98,9 @@ def end_of(folder, command, address, event, patience=TIMEOUT):
     return process.returncode, said.splitlines()
 
 
-EACH_COMMAND = pytest.mark.parametrize("command", ["tradeoff", "make_stability"])
-
-
-@EACH_COMMAND
-def test_one_line_says_that_it_is_stopped_and_that_points_are_kept(tmp_path, command, cluster):
+def test_one_line_says_that_it_is_stopped_and_that_points_are_kept(tmp_path, cluster):
     interrupt = methodcaller("send_signal", signal.SIGINT)
-    assert end_of(tmp_path, command, cluster, interrupt) == (130, [f"stopped; {KEPT}"])
+    assert end_of(tmp_path, "tradeoff", cluster, interrupt) == (130, [f"stopped; {KEPT}"])
 
 
 @pytest.mark.parametrize(
