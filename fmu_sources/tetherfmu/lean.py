@@ -17,7 +17,6 @@ from tetherfmu.runtime.variables import CALCULATED, INPUT, PARAMETER
 LISTS = {"inputs": (INPUT,), "outputs": CALCULATED, "parameters": (PARAMETER,)}
 KEYS = ("preset", *LISTS, "set")  # of a table [build] of a file
 NONE = "none"
-ROPE = ("initial_length", "diameter", "density", "axial_stiffness", "axial_damping", "segments")
 
 
 @dataclass(frozen=True)
