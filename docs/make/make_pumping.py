@@ -28,7 +28,7 @@ LIMITS = {"x": (0.0, 330.0), "y": (-110.0, 110.0), "z": (0.0, 265.0)}  # of the 
 
 
 def cycle():
-    """Times from the begin of a cycle [s], shapes (frames, points, 3), forces at the ground [kN], whether it is depowered."""
+    """Times in a cycle [s], shapes (frames, points, 3), tension at the ground station [kN], whether it is depowered."""
     from power_system.pumping_cycle import fly
 
     flight = fly(cycles=1, frames=True)
