@@ -8,7 +8,7 @@ from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
 
-from tetherfmu.console.ending import WorkersLost
+from tetherfmu.console.ending import WorkersLost, is_stop
 from tetherfmu.libraries.sources import PACKAGE
 
 POINTS = "points.jsonl"  # file of the points of a trade-off study
@@ -37,6 +37,10 @@ def keeping():
         yield
     except (KeyboardInterrupt, WorkersLost) as end:
         end.args = ("; ".join([*end.args, KEPT]),)
+        raise
+    except RuntimeError as error:
+        if is_stop(error):
+            raise KeyboardInterrupt(KEPT) from None
         raise
 
 
