@@ -3,7 +3,7 @@
 What an FMU goes without is constant. `fmi/selection.py` has what the FMU itself does with it.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 
@@ -49,7 +49,7 @@ class Lean:
         mine = {key: getattr(self, key) for key in (*LISTS, "preset") if getattr(self, key) is not None}
         return replace(other, starts=(*other.starts, *self.starts), **mine)
 
-    def left_out(self, table: Iterable) -> tuple:
+    def left_out(self, table: Sequence) -> tuple:
         """Names of the variables of a table that the FMU goes without; ValueError names what is no variable."""
         found = []
         for key, causalities in LISTS.items():
@@ -61,6 +61,8 @@ class Lean:
             else:
                 kept = {name for text in wanted for name in matches(key, text, listed)}
             found += [each.name for each in listed if each.name not in kept]
+        if len(found) == len(table):
+            raise ValueError("an FMU without inputs, outputs and parameters is none: name at least one of them")
         return tuple(found)
 
     def start_values(self, table: Iterable) -> tuple:

@@ -160,9 +160,7 @@ def _variable(variable, reference):
 
 def structure(table):
     """ModelStructure of a table of variables: its outputs, and what they depend on when initialization ends."""
-    element = Element("ModelStructure")
-    outputs = SubElement(element, "Outputs")
-    unknowns = SubElement(element, "InitialUnknowns")
+    element, outputs, unknowns = Element("ModelStructure"), Element("Outputs"), Element("InitialUnknowns")
     positions = {variable.name: k for k, variable in enumerate(table, start=1)}
     for variable in table:
         if variable.causality == OUTPUT:
@@ -171,4 +169,5 @@ def structure(table):
             unknown = SubElement(unknowns, "Unknown", index=index)
             if variable.depends_on is not None:  # without the attribute it depends on anything
                 unknown.set("dependencies", " ".join(map(str, sorted(positions[name] for name in variable.depends_on))))
+    element.extend(each for each in (outputs, unknowns) if len(each))  # empty ones are not allowed
     return element
