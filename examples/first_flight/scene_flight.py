@@ -22,7 +22,7 @@ from tetherfmu.runtime.variants import DYNAMIC_FREE, class_name, variant_of
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # the folder of the rooms
 from first_flight.circular_flight import add_options, co_simulate, flight_of, fly_each, outputs_of, show
 from shared import cache
-from shared.fmu_tools import find_fmu, running, variables_of
+from shared.fmu_tools import constants_of, find_fmu, running, variables_of
 from shared.settings import RECORD_OF, checked_value
 
 STEP = 0.02  # communication step, where the scene does not say it [s]
@@ -82,8 +82,8 @@ def fmu_of(name, place, wind_points):
 def fly(fmu_file, scene, others=()):
     """Fly a scene of `scene_of` with a tether FMU; returns the `Flight`.
 
-    others : dict of parameters that no scene has.  An FMU that lacks parameters, or inputs that stay as they are, keeps the
-    values with which it was built, as those of `tetherfmu build --scene` do; it says so on stderr.
+    others : dict of parameters that no scene has.  An FMU may lack parameters, and inputs that stay as they are, as those of
+    `tetherfmu build --scene` do; WrongUse if it has other values for them, and if it does not say which, a line on stderr.
     """
     from tetherfmu.study.measuring.runs import Config, parameters_of
     from tetherfmu.study.measuring.through_fmpy import inputs_of
@@ -98,6 +98,7 @@ def fly(fmu_file, scene, others=()):
     moving = {vectors[name] for name in table if table[name].nunique() > 1}
     built_in = {each for each in vectors.values() if each not in moving and not variables.those_of(each)}
     without |= built_in
+    check_constants(fmu_file, parameters | table.iloc[0].to_dict())
     rows = table[[name for name, vector in vectors.items() if vector not in without]].to_numpy().tolist()
     moved = variables.of(*(each for each in dict.fromkeys(vectors.values()) if each not in without))
     outputs = outputs_of(variables)
@@ -109,9 +110,21 @@ def fly(fmu_file, scene, others=()):
         fmu.enterInitializationMode()
         found, wall_time = co_simulate(fmu, moved, references, rows.__getitem__, step, len(rows), stop_if_pressed)
         fmu.terminate()
-    if built_in:
+    if built_in and not constants_of(fmu_file):
         print(f"{fmu_file} keeps the values it was built with: {', '.join(sorted(built_in))}", file=sys.stderr)
     return flight_of(step * np.arange(len(rows) + 1), found, outputs, wall_time)
+
+
+def check_constants(fmu_file, values):
+    """WrongUse if an FMU has another constant for one of these values, dict by name."""
+    for name, constant in constants_of(fmu_file).items():
+        if name == "relative_tolerance":
+            constant = constant or DEFAULT_TOLERANCE  # which 0 stands for
+        if name in values and not np.isclose(values[name], constant, rtol=1e-9, atol=0.0):  # 12 digits of `build --scene`
+            raise WrongUse(
+                f"{fmu_file} has {name} = {constant:g} and no variable for it; it is {values[name]:g} in this scene: build "
+                f"an FMU with it (--set {name}={values[name]:g}), or one that has the variable"
+            )
 
 
 def set_parameters(variables, fmu, parameters):

@@ -35,15 +35,27 @@ def test_the_forces_are_those_of_python(fmu_folder):
 
 
 def test_an_fmu_of_the_scene_has_what_it_lacks_built_in(tmp_path):
-    """`build --scene` leaves out what is 0, as the position of the ground station is."""
+    """`build --scene` leaves out what is 0, as the position of the ground station is; another constant is refused."""
     build = "import sys; from tetherfmu.__main__ import main; sys.exit(main(sys.argv[1:]))"
     done = run_code(build, "build", "--scene", EXAMPLES / "first_flight" / "eight_on_a_winch.toml", "--out", tmp_path)
     assert done.returncode == 0, done.stderr
     (fmu,) = tmp_path.glob("*.fmu")
     done = run_code(build, "fly", "eight_on_a_winch", "--fmu", fmu, "--duration", 2, "--out", tmp_path / "plots")
     assert done.returncode == 0, done.stderr
-    assert re.search(r"keeps the values it was built with: .*ground_position", done.stderr)
+    assert "no variable" not in done.stderr
     assert re.match(rf"{fmu.stem}: \|ground\| 3\d\d\d\.\d N, ", done.stdout)
+    lean = ("--preset", "kite", "--set", "winch_control=force")
+    whole = (*lean, "--set", "winch_force=3000", "--set", "winch_start=equilibrium", "--set", "gravity=1.6")
+    for chosen, words in (
+        (lean, "has winch_force = 0 and no variable for it; it is 3000 in this scene"),
+        (whole, "has gravity = 1.6 and no variable for it; it is 9.81"),
+    ):
+        done = run_code(build, "build", "dynamic", *chosen, "--out", tmp_path / "lean")
+        assert done.returncode == 0, done.stderr
+        fmu = tmp_path / "lean" / "TetherDynamic.fmu"
+        done = run_code(build, "fly", "eight_on_a_winch", "--fmu", fmu, "--duration", 2, "--out", tmp_path / "plots")
+        assert done.returncode == 2
+        assert words in done.stderr
 
 
 def test_turbulence_is_that_of_python(tmp_path):

@@ -89,6 +89,8 @@ def test_it_passes_its_check(folder, flavour, capsys):
     with zipfile.ZipFile(path) as opened:
         page = opened.read("documentation/index.html").decode("utf-8")
         assert "documentation/evidence/TetherDynamic_ref.csv" in opened.namelist()
+        description = opened.read("modelDescription.xml").decode("utf-8")
+    assert '<Constant name="wind_velocity[1]" value="8"' in description  # for whoever flies it
     assert "<h2>Constants</h2>" in page
     assert "<td><code>wind_velocity[1..3]</code></td><td>m/s</td><td>8, 1, 0</td>" in page
 

@@ -37,7 +37,7 @@ class Wiring(NamedTuple):
     references: list  # of the table
     shown: tuple  # the variables that this FMU has, in the order of its description
     shown_at: list  # their references
-    constants: list  # (reference, value) of inputs and parameters that it goes without
+    constants: list  # (name, reference, value) of inputs and parameters that it goes without
     ends: tuple  # number of inputs, of inputs and outputs, and of all values
     lines: tuple  # `instance.Line` of each
     quantities: list  # of each line: (name, reference, default) in the order of the kernel `pack`
@@ -133,7 +133,7 @@ def _selection(table, references, left_out):
     return {
         "shown": listed,
         "shown_at": [found[each.name] for each in listed],
-        "constants": [(found[each.name], float(each.start)) for each in fixed],
+        "constants": [(each.name, found[each.name], float(each.start)) for each in fixed],
     }
 
 
