@@ -98,7 +98,8 @@ def fly(fmu_file, scene, others=()):
     moving = {vectors[name] for name in table if table[name].nunique() > 1}
     built_in = {each for each in vectors.values() if each not in moving and not variables.those_of(each)}
     without |= built_in
-    check_constants(fmu_file, parameters | table.iloc[0].to_dict())
+    constants = constants_of(fmu_file)
+    check_constants(fmu_file, constants, parameters | table.iloc[0].to_dict())
     rows = table[[name for name, vector in vectors.items() if vector not in without]].to_numpy().tolist()
     moved = variables.of(*(each for each in dict.fromkeys(vectors.values()) if each not in without))
     outputs = outputs_of(variables)
@@ -110,14 +111,14 @@ def fly(fmu_file, scene, others=()):
         fmu.enterInitializationMode()
         found, wall_time = co_simulate(fmu, moved, references, rows.__getitem__, step, len(rows), stop_if_pressed)
         fmu.terminate()
-    if built_in and not constants_of(fmu_file):
+    if built_in and not constants:
         print(f"{fmu_file} keeps the values it was built with: {', '.join(sorted(built_in))}", file=sys.stderr)
     return flight_of(step * np.arange(len(rows) + 1), found, outputs, wall_time)
 
 
-def check_constants(fmu_file, values):
-    """WrongUse if an FMU has another constant for one of these values, dict by name."""
-    for name, constant in constants_of(fmu_file).items():
+def check_constants(fmu_file, constants, values):
+    """WrongUse if an FMU has another one of its constants for one of these values; both dicts by name."""
+    for name, constant in constants.items():
         if name == "relative_tolerance":
             constant = constant or DEFAULT_TOLERANCE  # which 0 stands for
         if name in values and not np.isclose(values[name], constant, rtol=1e-9, atol=0.0):  # 12 digits of `build --scene`

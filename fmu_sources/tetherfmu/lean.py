@@ -176,11 +176,3 @@ def read(table):
         return Lean(**lists, starts=tuple(starts.items()), preset=table.get("preset"))
     except ValueError as error:
         raise ValueError(f"build.{error}") from None
-
-
-def setting(text):
-    """Pair (name, value) of a text NAME=VALUE; ValueError if it is none."""
-    name, equals, value = text.partition("=")
-    if not (name and equals and value):
-        raise ValueError(f"{text!r} is not possible; it must be NAME=VALUE")
-    return name.strip(), value.strip()

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from running import EXAMPLES, assert_is_drawn, run_code
 
+from ended import status_of
 from tetherfmu.__main__ import main as tetherfmu
 
 LOG = EXAMPLES / "scenes" / "logged_flight.csv"  # 20 s at 4 Hz, with reel-out speed and wind
@@ -263,11 +264,7 @@ def place(logs, tmp_path_factory):
 def test_wrong_use_is_told_in_one_line(place, monkeypatch, capsys, line, says):
     monkeypatch.chdir(place)
     before = sorted(place.rglob("*"))
-    try:
-        status = tetherfmu(["fly", *line.split(" ")])
-    except SystemExit as end:
-        status = end.code
-    assert status == 2
+    assert status_of("fly", *line.split(" ")) == 2
     said = capsys.readouterr().err
     assert len(said.splitlines()) == 1, said
     assert all(each in said for each in says), said

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from running import EXAMPLES, assert_is_drawn, run_code
 
+from ended import status_of
 from tetherfmu.__main__ import main as tetherfmu
 from tetherfmu.libraries.examples import example
 from tetherfmu.study.scenes.named import named_systems
@@ -137,11 +138,7 @@ WRONG = {
 @pytest.mark.parametrize("options", WRONG)
 def test_wrong_use_is_named_in_one_line(options, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    try:
-        status = tetherfmu(["fly", *options.split()])
-    except SystemExit as end:
-        status = end.code
-    assert status == 2
+    assert status_of("fly", *options.split()) == 2
     (line,) = capsys.readouterr().err.splitlines()
     assert WRONG[options] in line
 

@@ -3,15 +3,10 @@
 from importlib import import_module
 
 from tetherfmu.console.ending import command
-from tetherfmu.console.options import Parser, folder, number
+from tetherfmu.console.options import Parser, folder, names, number
 from tetherfmu.runtime.limits import MAX_SEGMENTS
 from tetherfmu.runtime.parameters import Tether
 from tetherfmu.runtime.variants import VARIANTS
-
-
-def names(text):
-    """Type of a list of names, separated by commas."""
-    return tuple(each.strip() for each in text.split(","))
 
 
 def numbers(text):

@@ -127,13 +127,22 @@ def folder(text):
     return path
 
 
-def setting(text):
-    """Type of an option NAME=VALUE: the name, and the value as in a TOML file, a text if it is none."""
+def names(text):
+    """Type of a list of names, separated by commas."""
+    return tuple(each.strip() for each in text.split(","))
+
+
+def named_value(text, form="NAME=VALUE"):
+    """Type of an option NAME=VALUE: both as texts; form : of such a text, for people."""
     name, equals, value = (each.strip() for each in text.partition("="))
     if not (name and equals and value):
-        raise argparse.ArgumentTypeError(
-            f"{text!r} is not possible; it must be SECTION.NAME=VALUE, as in tether.diameter='14 mm'"
-        )
+        raise argparse.ArgumentTypeError(f"{text!r} is not possible; it must be {form}")
+    return name, value
+
+
+def setting(text):
+    """Type of an option NAME=VALUE: the name, and the value as in a TOML file, a text if it is none."""
+    name, value = named_value(text, "SECTION.NAME=VALUE, as in tether.diameter='14 mm'")
     try:
         return name, tomllib.loads(f"value = {value}")["value"]
     except tomllib.TOMLDecodeError:

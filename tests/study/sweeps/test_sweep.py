@@ -13,6 +13,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from ended import status_of
 from tetherfmu.__main__ import main
 from tetherfmu.console.ending import WorkersLost
 from tetherfmu.study import sweep
@@ -174,10 +175,6 @@ WRONG = {
 @pytest.mark.parametrize("options", WRONG)
 def test_wrong_use_is_named_in_one_line(options, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    try:
-        status = main(["sweep", "circle", "--vary", "wind.speed=5,6", *options.split()])
-    except SystemExit as end:
-        status = end.code
-    assert status == 2
+    assert status_of("sweep", "circle", "--vary", "wind.speed=5,6", *options.split()) == 2
     (line,) = capsys.readouterr().err.splitlines()
     assert WRONG[options] in line
