@@ -32,6 +32,7 @@ extensions = [
     "sphinx.ext.viewcode",
     "sphinx_design",
     "links_to_functions",
+    "words_of_search",
 ]
 exclude_patterns = ["data", "make", "publishing", "site_files"]
 
@@ -63,6 +64,7 @@ if KERNELS.exists():
 else:
     print("the site goes without the page of tetherfmu web: its kernels are not compiled; tetherfmu web compiles them, once")
 html_copy_source = False
+html_domain_indices = False  # modules are those of the kernels
 pygments_style, pygments_dark_style = "default", "monokai"
 
 

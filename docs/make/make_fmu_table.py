@@ -15,11 +15,11 @@ MEASURED, COSTS = DATA / "fmus.csv", DATA / "benchmarks.csv"
 SCENES = {"reel": "taut, reeling", "figure_of_eight": "figure of eight", "circle": "slack circle"}
 SEGMENTS, STEP, TOLERANCE, OWN_ERROR, NAMES = 20, 0.02, 1e-4, 1e-3, ("kite_force",)
 NEEDED_FOR = {
-    "TetherStraight": "direction and tension of a taut tether",
-    "TetherCatenary": "sag and end forces at rest or in slow flight",
-    "TetherQuasiSteady": "shape and forces of a flying kite, without waves",
-    "TetherDynamic": "all of these, and snap loads, slack, waves, swinging",
-    "TetherDynamicFree": "the same, where the FMU moves the kite under the force that you compute",
+    "TetherStraight": "tension of a taut tether",
+    "TetherCatenary": "sag, rest, slow flight",
+    "TetherQuasiSteady": "a flying kite, without waves",
+    "TetherDynamic": "also waves, snap loads, slack",
+    "TetherDynamicFree": "the same with the kite inside",
 }
 
 
@@ -65,16 +65,15 @@ def table():
         cost = f"{spent[name]:.0f} µs" if name in spent else "-"
         found = [f"{100.0 * float(error):.2g} %" for error in errors.get(name, ())] or ["-"] * len(SCENES)
         lines.append(f"| `{name}.fmu` | {purpose} | {cost} | " + " | ".join(found) + " |")
-    scenes = ", ".join(f"`{name}`" for name in SCENES)
     return "\n".join(lines) + (
-        f"\n\nTimes: {circumstances()}.\nErrors: {SEGMENTS} segments, scenes {scenes} of `examples/scenes`,\n"
-        "against a refined `TetherDynamic`; `python docs/make/make_fmu_table.py` measures them."
+        f"\n\nTime: a step of 20 ms in FMPy ({circumstances()}). Error: force on the kite, {SEGMENTS} segments\n"
+        "(`python docs/make/make_fmu_table.py`)."
     )
 
 
 def with_table(text):
     """The README with the present table."""
-    return re.sub(r"\| file \|.*?\n\nTimes: .*?(?=\n\n)", lambda _: table(), text, flags=re.DOTALL)
+    return re.sub(r"\| file \|.*?\n\nTime: .*?(?=\n\n)", lambda _: table(), text, flags=re.DOTALL)
 
 
 if __name__ == "__main__":

@@ -18,7 +18,7 @@ SHIPPED = ("fmi", "runtime")  # rooms that every FMU has
 ROOMS_OF_FILES = {  # modules that stand beside the folders
     "commands": ("__main__", "commands"),
     "Python API": (
-        *("models", "tether_model", "given_inputs", "running", "compiled_flight", "arguments"),
+        *("models", "tether_model", "given_inputs", "running", "compiled_flight", "arguments", "lean"),
         *("energy", "input_files", "materials", "paths", "results", "states"),
     ),
     "kernels.entry_points": ("kernels.entry_points",),

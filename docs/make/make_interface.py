@@ -180,10 +180,12 @@ tetherfmu build TetherDynamic --inputs motion,reel_out_speed --outputs forces --
 patterns with * and ?; `none` is none, and what is not given has all. In a system a name without its point or line stands
 for those of all. What is left out is constant: it keeps its start value, or that of `--set NAME=VALUE`, which takes any
 input or parameter, with a unit if you like ("6 mm"). A diameter alone scales stiffness and damping. The builder checks the
-start values as the FMU does at its start. Value references and numbers are those of the full FMU. Saved states go from one to
-the other where the constants are equal, and are refused where they are not. Files of scenes and systems have the
+start values as the FMU does at its start. Value references and numbers are those of the full FMU. Saved states go from one
+to the other where the constants are equal, and are refused where they are not. Files of scenes and systems have the
 same keys in a table `[build]` (`inputs`, `outputs`, `parameters`, `preset`, and a table `set`); in Python it is the argument
-`lean` of `BuildOptions`. The documentation page in the FMU lists its constants. With the usual start values an evidence set
+`lean` of `BuildOptions`. The documentation page in the FMU lists its constants, and
+annotations of the model description have them for tools: `tetherfmu fly --fmu` refuses an FMU whose constants are not
+those of the scene. With the usual start values an evidence set
 goes with it, of the variables that it has; with others where the scene of the set can still be flown.
 
 {presets}

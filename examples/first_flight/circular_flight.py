@@ -32,12 +32,23 @@ from tetherfmu.runtime.variants import VARIANTS, class_name, variant_of
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # the folder of the rooms
 from shared.fmu_tools import find_fmu, running, variables_of
+from shared.named_fmu import NamedFmu
+from shared.settings import add_settings
 
 TETHERS = {variant: class_name(variant) for variant in reversed(VARIANTS)}  # those with driven ends
 SHOWN = ("ground_force", "kite_force", "shape")  # outputs
 FLAT, STATION = 2, 0.0  # `ground_contact`, height of the ground with it [m]
 STARTS = {"static_equilibrium": 1, "quasi_steady": 2, "straight": 3}
 GROUND = -50.0  # its height [m]: the station stands on a hill, and the tether hangs down to 34 m below it
+DECIDED = {  # parameters that nobody can --set: what they follow from
+    "initial_length": "--length",
+    "initial_shape": "--start",
+    "ground_contact": "--ground",
+    "ground_height": "--ground",
+    "winch_control": "the circle: its winch stands still",
+    "winch_start": "the circle: its winch stands still",
+    "end_velocities": "the circle, which gives them",
+}
 DISTANCE, HALF_ANGLE, TILT = 500.0, np.radians(10.0), np.radians(70.0)
 TURN = np.array([[1, 0, 0], [0, np.cos(TILT), -np.sin(TILT)], [0, np.sin(TILT), np.cos(TILT)]])
 
@@ -85,13 +96,23 @@ def co_simulate(fmu, inputs, outputs, motion, step, count, stop_if_pressed):
 
 
 def fly(
-    fmu_file, length=525.0, rate=0.05, wind=(0.0, 0.0, 0.0), step=0.02, duration=None, start="quasi_steady", *, ground=False
+    fmu_file,
+    length=525.0,
+    rate=0.05,
+    wind=(0.0, 0.0, 0.0),
+    step=0.02,
+    duration=None,
+    start="quasi_steady",
+    *,
+    ground=False,
+    parameters=(),
 ):
     """Fly the circle with a tether FMU; returns the `Flight`.
 
     length [m] : of the tether, unstretched.  rate [rad/s] : of the turn.  wind [m/s].  step [s] : communication step.
     duration [s] : None for one turn.  start : a key of `STARTS`, how the tether is at the start.
     ground : whether a flat ground at the height of the ground station carries the tether.
+    parameters : pairs (name, value) of others of the FMU.
     """
     duration = duration or 2.0 * np.pi / rate
     count = round(duration / step)
@@ -110,6 +131,7 @@ def fly(
         fmu.setInteger(variables.of("initial_shape"), [STARTS[start]])
         if ground:
             fmu.setInteger(variables.of("ground_contact"), [FLAT])
+        NamedFmu(variables, fmu).set(**dict(parameters))
         fmu.enterInitializationMode()
         if any(wind):
             fmu.setReal(variables.of("wind_velocity"), wind)  # an input that is set once stays
@@ -156,13 +178,26 @@ def parse(arguments, prog):
     """Command line options."""
     parser = Parser(prog=prog, description="fly a kite on a circle and plot its tether")
     add_options(parser)
+    add_settings(parser, DECIDED, "start value of a parameter of the FMU; may be repeated (default: those of the FMU)")
     return parser.parse_args(arguments)
 
 
-def add_options(parser, rate=True, length="default: 525", wind="default: none", duration="default: one turn"):
+def about(length, rate, wind):
+    """What the circle is, and what its forces are, in one line; arguments as of `fly`."""
+    speed = rate * DISTANCE * np.sin(HALF_ANGLE)
+    air = f"wind of {np.linalg.norm(wind):g} m/s" if any(wind) else "still air"
+    line = f"circle: {DISTANCE:g} m away at {speed:.3g} m/s in {air}, on a tether of {length:g} m"
+    sags = " that sags: it pulls with its weight and drag only" if length > DISTANCE else ""
+    return f"{line}{sags}. Taut flights: tetherfmu fly --list"
+
+
+def add_options(
+    parser, rate=True, length="default: 525", wind="default: none", duration="default: one turn", *, of_a_circle=True
+):
     """Add what can be chosen for a flight.
 
     rate : whether that of the turn can be, too.  length, wind, duration : what holds of them unless they are given.
+    of_a_circle : whether length, wind, start and ground can be chosen; a scene has its own.
     """
     option = parser.add_argument
     allowed = ", ".join(TETHERS)
@@ -172,6 +207,17 @@ def add_options(parser, rate=True, length="default: 525", wind="default: none", 
     option("--fmu", type=file, metavar="FILE", help="a tether FMU of your own instead, for FMI 2 or 3")
     about = "folder of the tether FMUs, built there if missing (default: those in dist/, or else in a cache of yours)"
     option("--fmus", type=folder, metavar="DIR", help=about)
+    option("--step", type=number(1e-6, 1e3, "s"), default=0.02, metavar="H", help="communication step [s] (default: 0.02)")
+    option("--duration", type=number(1e-6, 1e6, "s"), metavar="T", help=f"duration of the flight [s] ({duration})")
+    if of_a_circle:
+        add_circle(parser, rate, length, wind)
+    parser.add_out("the figures")
+    option("--html", action="store_true", help="also write an interactive page (needs plotly)")
+
+
+def add_circle(parser, rate, length, wind):
+    """Add what can be chosen for a circle or a log; arguments as of `add_options`."""
+    option = parser.add_argument
     option(
         "--length",
         type=number(1e-3, 1e5, "m"),
@@ -190,13 +236,9 @@ def add_options(parser, rate=True, length="default: 525", wind="default: none", 
         metavar=("WX", "WY", "WZ"),
         help=f"wind at the reference height [m/s] ({wind})",
     )
-    option("--step", type=number(1e-6, 1e3, "s"), default=0.02, metavar="H", help="communication step [s] (default: 0.02)")
-    option("--duration", type=number(1e-6, 1e6, "s"), metavar="T", help=f"duration of the flight [s] ({duration})")
     about = "shape of the tether at the start (default: quasi_steady)"
     parser.add_choice("--start", STARTS, default="quasi_steady", help=about)
     option("--ground", action="store_true", help="a flat ground at the height of the ground station carries the tether")
-    parser.add_out("the figures")
-    option("--html", action="store_true", help="also write an interactive page (needs plotly)")
 
 
 def report_missing(fmu_file, flight, html):
@@ -233,18 +275,19 @@ def write_figures(flights, folder, ground=None):
     return paths
 
 
-def fly_each(given, fly):
+def fly_each(given, fly, names=None, find=find_fmu):
     """Fly each FMU that the options `given` ask for, and print a line on each; returns a dict name -> `Flight`.
 
-    fly : function of the path of an FMU, its `Flight`.
+    fly : function of the path of an FMU, its `Flight`.  names : of the FMUs; None: those of --tether.  find : function of a
+    name and the folder of --fmus, path of an FMU.
     """
     if given.fmu and given.fmus:
         raise WrongUse("--fmu is the one FMU that is flown; it goes without --fmus")
     if given.html:
         import shared.flight_page  # noqa: F401 - before the flight, which would be in vain without plotly
-    names = TETHERS.values() if given.tether == "all" else [TETHERS[given.tether]]
+    names = names or (TETHERS.values() if given.tether == "all" else [TETHERS[given.tether]])
     flights = {}
-    for fmu_file in [given.fmu] if given.fmu else [find_fmu(name, given.fmus) for name in names]:
+    for fmu_file in [given.fmu] if given.fmu else [find(name, given.fmus) for name in names]:
         now(f"flying {fmu_file}")
         flight = fly(fmu_file)
         report_missing(fmu_file, flight, given.html)
@@ -276,7 +319,9 @@ def main(arguments=None, prog=None):
     """Fly, print a line on each flight, write the figures, print where they are."""
     given = parse(arguments, prog)
     scene = given.length, given.rate, given.wind, given.step, given.duration, given.start
-    flights = fly_each(given, lambda fmu_file: fly(fmu_file, *scene, ground=given.ground))
+    print(about(*scene[:3]))
+    more = {"ground": given.ground, "parameters": given.settings}
+    flights = fly_each(given, lambda fmu_file: fly(fmu_file, *scene, **more))
     title = "Tether of a kite that flies a circle"
     show(flights, given, "circular_flight", title, STATION if given.ground else None)
 

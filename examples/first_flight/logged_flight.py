@@ -17,7 +17,6 @@ for your tether (`tetherfmu build TetherDynamic --diameter 0.008`), or set param
 (`--set drag_coefficient=1.1`).
 """
 
-import argparse
 import sys
 from pathlib import Path
 
@@ -27,10 +26,7 @@ from tetherfmu.console.ending import WrongUse, command
 from tetherfmu.console.options import Parser
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.inputs import by_name
-from tetherfmu.runtime.naming import meant_or_all
 from tetherfmu.runtime.parameters import Tether, Winch
-from tetherfmu.runtime.quantities import quantities
-from tetherfmu.runtime.variables import RECORDS
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # the folder of the rooms
 from first_flight.circular_flight import (
@@ -45,10 +41,10 @@ from first_flight.circular_flight import (
 )
 from shared.fmu_tools import running, variables_of
 from shared.named_fmu import NamedFmu
+from shared.settings import add_settings, setting_but
 
 LOG = "FLIGHT.csv"
 ROUNDING = 1e-6  # of a duration [s], from a log in Unix time
-RECORD_OF = {name: record for record in RECORDS for name, _ in quantities(record)}  # of each parameter
 DECIDED = {  # parameters that nobody can --set: what they follow from
     "winch_start": f"--length or the columns of {LOG}",
     "initial_length": f"--length or the columns of {LOG}",
@@ -57,6 +53,7 @@ DECIDED = {  # parameters that nobody can --set: what they follow from
     "winch_control": f"the columns of {LOG}",
     "end_velocities": f"{LOG}: its curves have velocities",
 }
+setting = setting_but(DECIDED)  # of the option --set
 COLUMNS = (
     "CSV file with the columns time, kite_position[1], kite_position[2] and kite_position[3]; it may also have those of "
     "kite_velocity, ground_position, ground_velocity and wind_velocity, and one of reel_out_speed, winch_length, winch_force"
@@ -161,40 +158,27 @@ def fly(fmu_file, scene, inputs, parameters):
     return flight_of(step * np.arange(len(rows) + 1), given, outputs, wall_time)
 
 
-def setting(text):
-    """Type of the option --set: a pair (name, value) of a parameter, of an enumeration by its name or number."""
-    name, _, value = text.partition("=")
-    if name in DECIDED:
-        raise argparse.ArgumentTypeError(f"{name} follows from {DECIDED[name]}")
-    if name not in RECORD_OF:
-        allowed = [each for each in RECORD_OF if each not in DECIDED]
-        hint = meant_or_all(name, allowed, "it must be NAME=VALUE with one of the names {}")
-        raise argparse.ArgumentTypeError(f"{text!r} is not possible{hint}")
-    try:
-        number = float(value)
-    except ValueError:
-        number = value  # perhaps the name of a choice
-    try:
-        found = getattr(RECORD_OF[name](**{name: number}), name)
-    except ValueError as error:
-        raise argparse.ArgumentTypeError(str(error)) from None
-    return name, int(found) if isinstance(RECORD_OF[name].__dataclass_fields__[name].default, int) else found
-
-
 def parser_of(prog, circle=False):
-    """Parser of the command line; circle : whether the file may be left out, to fly the circle instead."""
-    what = "a circle, or the flight of a CSV file," if circle else "the flight of a CSV file"
+    """Parser of the command line.
+
+    circle : whether it is that of `tetherfmu fly`, where the file may be left out, or be a scene.
+    """
+    what = "a circle, a scene, or the flight of a CSV file," if circle else "the flight of a CSV file"
     parser = Parser(prog=prog, description=f"fly a kite along {what} and plot its tether")
     option = parser.add_argument
-    about = f"{COLUMNS} (default: fly the circle)" if circle else COLUMNS
-    option("log", nargs="?" if circle else None, metavar=LOG, help=about)
     length, duration = f"needed where {LOG} has no column of it", f"default: all of {LOG}"
+    about = "start value of a parameter of the FMU; may be repeated (default: those of the FMU)"
     if circle:
-        length, duration = f"{length}; default on the circle: 525", f"{duration}, one turn on the circle"
+        scene = "a scene, by the name of its file (TOML) or one of --list; or a"
+        option("log", nargs="?", metavar="FLIGHT", help=f"{scene} {COLUMNS} (default: fly the circle)")
+        option("--list", action="store_true", help="list the scenes that come with it, and end")
+        length, duration = f"{length}; default on the circle: 525", "default: all of FLIGHT, one turn on the circle"
+        about = f"{about}; with a scene also any value of its file, such as tether.diameter='5 mm'"
+    else:
+        option("log", metavar=LOG, help=COLUMNS)
     add_options(parser, rate=circle, length=length, wind=f"default: that of {LOG}, or none", duration=duration)
-    about = f"start value of a parameter of the FMU, with {LOG}; may be repeated (default: those of the FMU)"
-    option("--set", dest="settings", type=setting, action="append", default=[], metavar="NAME=VALUE", help=about)
-    parser.set_defaults(length=None, rate=None, wind=None)
+    add_settings(parser, None if circle else DECIDED, about)
+    parser.set_defaults(length=None, rate=None, wind=None, **({"start": None, "step": None} if circle else {}))
     return parser
 
 

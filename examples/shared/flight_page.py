@@ -11,6 +11,7 @@ from tetherfmu.console.colours import BLACK, GREY, GROUND, coloured
 ARROW = 0.2  # length of the largest force, part of the diagonal of the scene
 EYE = {"x": 1.8, "y": 1.08, "z": 0.8}  # from where the scene is seen: all of it, with the names of its axes
 LONGEST = 1.7, 1.7, 1.4  # sides x, y, z of a scene as it is drawn: of longer ones not all is seen from there
+DIGITS = 6  # of a place [m]: of a plane flight plotly magnifies rounding errors
 HEAD = 0.18  # of an arrow, part of its length
 MOST = 10_000  # points of the path of the kite
 PAGE = """<!DOCTYPE html>
@@ -49,13 +50,13 @@ if (way > 1) Plotly.relayout(plot, {"scene.camera.eye": {x: way * eye.x, y: way 
 def line(points, name, mode, colour, **options):
     """A curve in space; points : array (n, 3) [m]."""
     looks = {"line": {"width": 4, "color": colour}, "marker": {"size": 2, "color": colour}, **options}
+    points = np.round(points, DIGITS)
     return go.Scatter3d(dict(zip("xyz", np.transpose(points), strict=True)), name=name, mode=mode, **looks)
 
 
 def arrow(start, force, scale, colour):
     """Shaft and head of the arrow of a force [N] on a point [m]; scale [m/N]."""
-    end = start + scale * force
-    head = HEAD * scale * force
+    end, head = np.round((start + scale * force, HEAD * scale * force), DIGITS)
     place = dict(zip("xyz", end[:, None], strict=True)) | dict(zip("uvw", head[:, None], strict=True))
     looks = {"colorscale": [[0, colour], [1, colour]], "showscale": False, "anchor": "tip", "hoverinfo": "skip"}
     text = f"{np.linalg.norm(force):.1f} N"
@@ -70,7 +71,13 @@ def scene(points):
     sides = (high - low) / np.cbrt(np.prod(high - low))  # as they are drawn: the volume is that of a cube
     way = max(1.0, (sides / LONGEST).max())
     eye = {axis: way * place for axis, place in EYE.items()}
-    return {"aspectmode": "data", "camera": {"eye": eye, "center": {"x": 0.0, "y": 0.0, "z": -0.15}}, **axes}
+    ratio = dict(zip("xyz", sides.tolist(), strict=True))
+    return {
+        "aspectmode": "manual",
+        "aspectratio": ratio,
+        "camera": {"eye": eye, "center": {"x": 0.0, "y": 0.0, "z": -0.15}},
+        **axes,
+    }
 
 
 def plane(axes, height):
@@ -81,8 +88,11 @@ def plane(axes, height):
     return go.Mesh3d(**corners, i=[0, 0], j=[1, 2], k=[2, 3], name="ground", **looks)
 
 
-def moment(flights, k, scale):
-    """Curves of one time: of each flight the tether, its ends, and the forces that it knows, as arrows."""
+def moment(flights, k, scale, paths=None):
+    """Curves of one time: of each flight the tether, its ends, and the forces that it knows, as arrows.
+
+    paths : of points by name, arrays (rows, 3) [m], which are shown in the place of the ends.
+    """
     drawn = []
     for name, flight, colour in coloured(flights):
         shape = np.asarray(flight.shape[k])
@@ -90,9 +100,12 @@ def moment(flights, k, scale):
         for field, end in (("kite_force", -1), ("ground_force", 0)):
             if getattr(flight, field, None) is not None:
                 drawn += arrow(shape[end], np.asarray(getattr(flight, field)[k]), scale, colour)
-    ends = {"marker": {"size": 6, "color": BLACK, "symbol": ["square", "diamond"]}}
-    named = {"text": ["ground station", "kite"], "textposition": "top center", "showlegend": False}
-    return [*drawn, line(shape[[0, -1]], "ends", "markers+text", BLACK, **ends, **named)]
+    names, symbols, places = ["ground station", "kite"], ["square", "diamond"], shape[[0, -1]]
+    if paths:
+        names, symbols, places = list(paths), ["diamond"] * len(paths), np.array([path[k] for path in paths.values()])
+    ends = {"marker": {"size": 6, "color": BLACK, "symbol": symbols}}
+    named = {"text": names, "textposition": "top center", "showlegend": False}
+    return [*drawn, line(places, "ends", "markers+text", BLACK, **ends, **named)]
 
 
 def scale_of(flights, points):
@@ -121,23 +134,34 @@ def some_of(number, most):
     return np.linspace(0, number - 1, min(number, most)).astype(int)
 
 
-def write_page(flights, file, path, count=100, title="Tether along a flight", ground=None):
+def curves_of(paths):
+    """Grey curves of the paths, arrays (n, 3) [m] by name, of what moves."""
+    some = {name: np.asarray(path)[some_of(len(path), MOST)] for name, path in paths.items()}
+    return [line(path, f"path of {name}", "lines", GREY) for name, path in some.items() if np.ptp(path, axis=0).any()]
+
+
+def write_page(flights, file, path, count=100, title="Tether along a flight", ground=None, *, paths=None, note=NOTE):
     """Write a self-contained page with the tether at `count` times of the flight: a slider and a play button.
 
     flights : dict name -> `Flight` with the same times, or what else has `time` and `shape`; `kite_force` and `ground_force`
     are drawn as arrows where they are known.  path : array (n, 3), flown by the kite [m].  ground : its height
-    [m]; None: there is none.
+    [m]; None: there is none.  paths : of a system those of its points by name, a row for each time, in the place of `path`.
+    note : what the arrows are, in HTML.
     """
     first = next(iter(flights.values()))
     moments = some_of(len(first.time), count)
-    path = np.asarray(path)[some_of(len(path), MOST)]
-    points = np.concatenate([path, *(np.asarray(flight.shape)[moments].reshape(-1, 3) for flight in flights.values())])
+    still = curves_of(paths or {"the kite": path})
+    points = np.concatenate(
+        [
+            path if paths is None else paths[next(iter(paths))],
+            *(np.asarray(flight.shape)[moments].reshape(-1, 3) for flight in flights.values()),
+        ]
+    )
     scale = scale_of(flights, points)
-    frames = [go.Frame(name=f"{first.time[k]:.1f}", data=moment(flights, k, scale)) for k in moments]
-    axes, still = scene(points), [line(path, "path of the kite", "lines", GREY)]
-    station = np.asarray(first.shape)[moments, 0]
-    if np.ptp(station, axis=0).any():
-        still.append(line(station, "path of the ground station", "lines", GREY))
+    frames = [go.Frame(name=f"{first.time[k]:.1f}", data=moment(flights, k, scale, paths)) for k in moments]
+    axes = scene(points)
+    if not paths:
+        still += curves_of({"the ground station": np.asarray(first.shape)[moments, 0]})
     if ground is not None:
         still.append(plane(axes, ground))
     page = go.Figure([*frames[0].data, *still], frames=frames)
@@ -147,5 +171,5 @@ def write_page(flights, file, path, count=100, title="Tether along a flight", gr
     config = {"displaylogo": False, "responsive": True, "showSendToCloud": False}
     whole = {"include_plotlyjs": True, "auto_play": False, "post_script": STEP_BACK, "default_height": "100%"}
     drawn = page.to_html(config, full_html=False, **whole)
-    text = PAGE.format(title=escape(title), note=NOTE if scale else "", scene=drawn)
+    text = PAGE.format(title=escape(title), note=note if scale else "", scene=drawn)
     Path(file).write_text(text, encoding="utf-8")

@@ -6,6 +6,7 @@ import zipfile
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
+from xml.etree import ElementTree
 
 from fmpy import extract, read_model_description
 from fmpy.fmi1 import FMICallException
@@ -62,7 +63,9 @@ class Variables(NamedTuple):
         for name in names:
             if name not in found:
                 points = "with --shape-points 21 and " if name == "shape" else ""
-                raise WrongUse(f"{self.file} has no variable {name}; take one of tetherfmu build {points}without --scene")
+                raise WrongUse(
+                    f"{self.file} has no variable {name}; take one of tetherfmu build {points}that has all variables"
+                )
         return [reference for references in found.values() for reference in references]
 
     def those_of(self, *names):
@@ -88,6 +91,13 @@ def variables_of(fmu_file, free=False):
     if not free and "kite_load[1]" in variables.reference:
         raise WrongUse(f"{fmu_file} has a free kite end, whose motion cannot be prescribed; take one with driven ends")
     return variables
+
+
+def constants_of(fmu_file):
+    """Values of what a tether FMU has no variables for, a dict by name; empty of a full one, and of one of another maker."""
+    with zipfile.ZipFile(fmu_file) as opened:
+        root = ElementTree.fromstring(opened.read("modelDescription.xml"))
+    return {each.get("name"): float(each.get("value")) for each in root.iter("Constant")}
 
 
 def add_fmu(parser, default="those in dist/, or else in a cache of yours"):

@@ -21,7 +21,9 @@ from tetherfmu.export.build_options import BuildOptions, Purpose
 from tetherfmu.export.documents import OSP_FOLDER
 from tetherfmu.export.texts import xml_text
 from tetherfmu.fmi.model_description import base_units, number_text
+from tetherfmu.lean import Lean
 from tetherfmu.runtime import __version__
+from tetherfmu.runtime.variables import variables
 from wind import turbulence_systems as turbulent
 
 NAMESPACE = "http://ssp-standard.org/SSP1/SystemStructure"
@@ -171,14 +173,16 @@ def _set(instance, fidelity):
 
 def _built(fmu, start, system, folder, options, files):
     """Path of an FMU with start values of a system."""
-    if fmu in example_fmus.SLAVES:
-        known = {variable.name for variable in example_fmus.table_of(fmu) if variable.causality != "output"}
-        known |= {"file"} if fmu in files else set()
-        starts = [(name, value) for name, value in start.items() if name in known]
+    is_example = fmu in example_fmus.SLAVES
+    table = example_fmus.table_of(fmu) if is_example else variables(archive.SLAVES[fmu], 0, wind_points=options.wind_points)
+    known = {variable.name for variable in table if variable.causality != "output"}
+    known |= {"file"} if fmu in files else set()
+    starts = tuple((name, value) for name, value in start.items() if name in known)
+    if is_example:
         return example_fmus.build(fmu, folder, starts, files.get(fmu, ()))
     about = f"With the start values of the system {system}."
-    purpose = Purpose(system, (), about, STEP, STOP, PAGE.format(name=fmu, version=__version__, about=about))
-    return archive.build(fmu, folder, replace(options, starts=tuple(start.items()), purpose=purpose))
+    purpose = Purpose(system, about, STEP, STOP, PAGE.format(name=fmu, version=__version__, about=about))
+    return archive.build(fmu, folder, replace(options, lean=Lean(starts=starts), purpose=purpose))
 
 
 def _connectors(component, inputs, outputs, units):

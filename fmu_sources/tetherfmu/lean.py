@@ -3,12 +3,13 @@
 What an FMU goes without is constant. `fmi/selection.py` has what the FMU itself does with it.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 
 from tetherfmu.fmi.selection import GROUPS, own_name
 from tetherfmu.input_files import in_si, require
+from tetherfmu.materials import SCALED
 from tetherfmu.runtime.naming import meant_or_all
 from tetherfmu.runtime.quantities import NOT_WHOLE, checked
 from tetherfmu.runtime.variables import CALCULATED, INPUT, PARAMETER
@@ -16,8 +17,6 @@ from tetherfmu.runtime.variables import CALCULATED, INPUT, PARAMETER
 LISTS = {"inputs": (INPUT,), "outputs": CALCULATED, "parameters": (PARAMETER,)}
 KEYS = ("preset", *LISTS, "set")  # of a table [build] of a file
 NONE = "none"
-SCALED = ("axial_stiffness", "axial_damping")  # with the square of the diameter, where they are not set themselves
-ROPE = ("initial_length", "diameter", "density", "axial_stiffness", "axial_damping", "segments")
 
 
 @dataclass(frozen=True)
@@ -50,7 +49,7 @@ class Lean:
         mine = {key: getattr(self, key) for key in (*LISTS, "preset") if getattr(self, key) is not None}
         return replace(other, starts=(*other.starts, *self.starts), **mine)
 
-    def left_out(self, table: Iterable) -> tuple:
+    def left_out(self, table: Sequence) -> tuple:
         """Names of the variables of a table that the FMU goes without; ValueError names what is no variable."""
         found = []
         for key, causalities in LISTS.items():
@@ -62,6 +61,8 @@ class Lean:
             else:
                 kept = {name for text in wanted for name in matches(key, text, listed)}
             found += [each.name for each in listed if each.name not in kept]
+        if len(found) == len(table):
+            raise ValueError("an FMU without inputs, outputs and parameters is none: name at least one of them")
         return tuple(found)
 
     def start_values(self, table: Iterable) -> tuple:
@@ -175,11 +176,3 @@ def read(table):
         return Lean(**lists, starts=tuple(starts.items()), preset=table.get("preset"))
     except ValueError as error:
         raise ValueError(f"build.{error}") from None
-
-
-def setting(text):
-    """Pair (name, value) of a text NAME=VALUE; ValueError if it is none."""
-    name, equals, value = text.partition("=")
-    if not (name and equals and value):
-        raise ValueError(f"{text!r} is not possible; it must be NAME=VALUE")
-    return name.strip(), value.strip()

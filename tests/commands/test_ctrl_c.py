@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import nullcontext
 from pathlib import Path
 
 import pytest
@@ -164,3 +165,19 @@ def test_while_the_advisor_flies(tmp_path):
     scene.write_text(text.replace('duration = "20 s"', 'duration = "1000 s"'), encoding="utf-8")
     loaded = lambda leader: f"/{file_name('dynamic', this_platform())}" in Path(f"/proc/{leader}/maps").read_text()  # noqa: E731
     assert stopped(os.killpg, COMMAND, "advise", scene, begun=loaded, cwd=tmp_path) == ["stopped"]
+
+
+def test_a_lock_that_is_interrupted_is_no_failure(capsys):
+    """Python then says that a lock is released that nobody holds; with points that are kept, too."""
+    from tetherfmu.console.ending import command
+    from tetherfmu.study.measuring.store import KEPT, keeping
+
+    def interrupted(kept):
+        with keeping() if kept else nullcontext():
+            try:
+                raise KeyboardInterrupt
+            finally:
+                raise RuntimeError("release unlocked lock")
+
+    assert [command(interrupted)(kept) for kept in (False, True)] == [130, 130]
+    assert capsys.readouterr().err.splitlines() == ["stopped", f"stopped; {KEPT}"]

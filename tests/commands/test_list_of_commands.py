@@ -18,7 +18,18 @@ class Understood(Exception):
 
 
 def test_the_list_has_what_a_user_types():
-    assert list(SUBCOMMANDS) == ["build", "fly", "check", "replay", "advise", "tradeoff", "import", "tutorial", "web"]
+    assert list(SUBCOMMANDS) == [
+        "build",
+        "fly",
+        "check",
+        "replay",
+        "advise",
+        "tradeoff",
+        "sweep",
+        "import",
+        "tutorial",
+        "web",
+    ]
 
 
 def test_the_list_fits_a_terminal():

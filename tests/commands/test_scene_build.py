@@ -95,3 +95,16 @@ def test_it_flies_as_the_python_api_does(folder, fmu):
 def test_a_wrong_scene_is_told(tmp_path, capsys):
     assert main(["--scene", str(written(tmp_path, SCENE.replace("505 m", "5 kg")))]) == 2
     assert "tether.initial_length is '5 kg'" in capsys.readouterr().err
+
+
+def test_a_setting_is_one_of_the_scene(tmp_path, capsys):
+    """A diameter scales the stiffness of the tether that is advised; what a scene has is not set behind its back."""
+    scene = written(tmp_path)
+    assert main(["--scene", str(scene), "--set", "diameter=5 mm", "--inputs", "motion", "--out", str(tmp_path)]) == 0
+    (path,) = tmp_path.glob("*_short.fmu")
+    start = {each.name: each.start for each in read_model_description(path).modelVariables}
+    assert float(start["axial_stiffness"]) == pytest.approx(614600.0 * (5.0 / 4.0) ** 2, rel=1e-9)
+    assert "wind_velocity[1]" not in start
+    scene.write_text(scene.read_text() + "\n[build.set]\ndiameter = 0.005\n")
+    assert main(["--scene", str(scene), "--out", str(tmp_path)]) == 2
+    assert "build.set has diameter, which is tether.diameter in a scene: set it there" in capsys.readouterr().err

@@ -1,15 +1,18 @@
 """The manual agrees with the sources: generated page, cited sections, named functions, snippets, numbers."""
 
+import csv
 import importlib
 import os
 import re
 import shutil
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import numpy as np
 import pytest
+from PIL import Image
 
 import make_fmu_table
 import tetherfmu
@@ -80,6 +83,41 @@ def test_all_public_names_are_on_the_page_of_the_python_api():
 
 def test_table_of_the_readme_has_the_measured_numbers():
     assert make_fmu_table.with_table(README) == README
+
+
+def test_readme_begins_with_an_animation_that_loads_fast():
+    first, still = re.findall(r"\]\((docs/figures/[^)]+)\)", README)[:2]
+    with Image.open(ROOT / first) as animation, Image.open(ROOT / still) as picture:
+        assert animation.n_frames > 100
+        assert animation.info["loop"] == 0  # for ever
+        assert picture.width > 2 * animation.width  # for print
+    assert (ROOT / first).stat().st_size < 1e6
+
+
+@pytest.mark.parametrize("fact", ["18 µs", "1100 times real time", "5.76 to 6.12 times", "4.97 to 10.6 times"])
+def test_speeds_in_the_readme_were_measured(fact):
+    assert fact in " ".join(README.split())
+    assert fact in " ".join(page("benchmarks").split())
+
+
+def test_errors_in_the_readme_were_measured():
+    with make_fmu_table.MEASURED.open(encoding="utf-8", newline="") as file:
+        errors = next(row for row in csv.DictReader(file) if row["fmu"] == "TetherDynamic")
+    figures = [f"{100.0 * float(errors[scene]):.1g} %" for scene in ("figure_of_eight", "circle")]
+    assert re.search(r"within (\S+ %) on a figure of eight and (\S+ %) on a slack circle", README).groups() == tuple(figures)
+
+
+def test_address_of_the_project_stands_once():
+    """A maintainer fills it in at one place."""
+    address = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["urls"]["Repository"]
+    names = ("*.md", "*.toml", "*.cff", ".zenodo.json", "docs/**/*.md", "docs/**/*.yaml", "examples/**/*.md")
+    paths = {path for name in names for path in ROOT.glob(name)}
+    assert sum(path.read_text(encoding="utf-8").count(address.removeprefix("https://")) for path in paths) == 1
+
+
+def test_python_in_the_readme_prints_what_stands_below_it(tmp_path):
+    code, shown = re.search(r"```python\n(.*?)```\n\n```text\n(.*?)```", README, re.DOTALL).groups()
+    assert ran([sys.executable, "-c", code], tmp_path) == shown
 
 
 def test_readme_has_the_two_commands_of_the_ci():

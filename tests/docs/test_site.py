@@ -3,10 +3,12 @@
 Needs the extra `docs`, and Chromium with its driver (Debian's packages `chromium` and `chromium-driver`).
 """
 
+import re
 import subprocess
 import sys
 from pathlib import Path
 from types import SimpleNamespace
+from urllib.parse import quote
 
 import numpy as np
 import pytest
@@ -100,6 +102,31 @@ def test_the_manual_has_formulas(site, browser):
     )
     assert len(tall) > 100
     assert min(tall) > 2.0  # px
+
+
+@pytest.mark.parametrize(
+    ("word", "place"),
+    [
+        ("winch", "use/interface.html#the-winch"),
+        ("install", "use/start.html#start-here"),
+        ("reel in", "use/interface.html#the-winch"),
+        ("MATLAB", "use/importing.html#simulink-not-tested"),
+        ("Simulink", "use/importing.html#simulink-not-tested"),
+        ("notebook", "use/tutorial.html#tutorial"),
+        ("citation", "use/start.html#how-to-cite"),
+        ("elastic modulus", "use/interface.html#parameters"),
+        ("turbulence", "reference/api.html#turbulence"),
+        ("TetherDynamic", "reference/api.html#tetherfmu.TetherDynamic"),
+    ],
+)
+def test_search_leads_to_the_page(site, chromium_of_module, word, place):
+    browser = chromium_of_module
+    chromium.show_in(browser, DESK)
+    opened(browser, f"{site}/manual/search.html?q={quote(word)}")
+    chromium.wait_until(browser, "document.querySelector('ul.search li a')")
+    found = browser.execute_script("return [...document.querySelectorAll('ul.search li a')].map(each => each.href)")
+    assert re.sub(r"\?[^#]*", "", found[0]).endswith(f"/{place}")  # without the words that the page will highlight
+    assert not any("contributors/functions" in each for each in found)
 
 
 def test_the_menu_opens(site, browser):

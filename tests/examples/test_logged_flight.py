@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from running import EXAMPLES, assert_is_drawn, run_code
 
+from ended import status_of
 from tetherfmu.__main__ import main as tetherfmu
 
 LOG = EXAMPLES / "scenes" / "logged_flight.csv"  # 20 s at 4 Hz, with reel-out speed and wind
@@ -233,7 +234,7 @@ WRONG = [  # what is typed behind `tetherfmu fly`, what must be said
     ("head.csv --length 505", ("head.csv", "has 1 lines", "4 rows at least")),
     ("twice.csv --length 505", ("twice.csv", "column kite_position[1] is there twice")),
     ("far.csv --length 505", ("far.csv", "row 2, column kite_position[1]", "at most 1e+09")),
-    ("--set diameter=0.01", ("tetherfmu fly", "--set", "FLIGHT.csv")),
+    ("--set initial_length=510", ("tetherfmu fly", "--set", "initial_length follows from --length")),
 ]
 
 
@@ -263,11 +264,7 @@ def place(logs, tmp_path_factory):
 def test_wrong_use_is_told_in_one_line(place, monkeypatch, capsys, line, says):
     monkeypatch.chdir(place)
     before = sorted(place.rglob("*"))
-    try:
-        status = tetherfmu(["fly", *line.split(" ")])
-    except SystemExit as end:
-        status = end.code
-    assert status == 2
+    assert status_of("fly", *line.split(" ")) == 2
     said = capsys.readouterr().err
     assert len(said.splitlines()) == 1, said
     assert all(each in said for each in says), said
@@ -278,6 +275,6 @@ def test_help_has_both_flights(capsys):
     with pytest.raises(SystemExit):
         tetherfmu(["fly", "--help"])
     said = " ".join(capsys.readouterr().out.split())
-    assert "along a circle, or the flight of a CSV file" in said
+    assert "along a circle, a scene, or the flight of a CSV file" in said
     assert "kite_position[3]" in said
     assert "--rate" in said

@@ -89,6 +89,8 @@ def test_it_passes_its_check(folder, flavour, capsys):
     with zipfile.ZipFile(path) as opened:
         page = opened.read("documentation/index.html").decode("utf-8")
         assert "documentation/evidence/TetherDynamic_ref.csv" in opened.namelist()
+        description = opened.read("modelDescription.xml").decode("utf-8")
+    assert '<Constant name="wind_velocity[1]" value="8"' in description  # for whoever flies it
     assert "<h2>Constants</h2>" in page
     assert "<td><code>wind_velocity[1..3]</code></td><td>m/s</td><td>8, 1, 0</td>" in page
 
@@ -156,6 +158,7 @@ def test_c_sources_and_header(tmp_path):
 WRONG = {
     "--outputs kite_fors": "outputs: this FMU has no 'kite_fors' among its outputs; did you mean kite_force?",
     "--outputs kite_force[1]": "outputs: kite_force[1] is an element of kite_force; a vector is there as a whole, or not",
+    "--inputs none --outputs none --parameters none": "an FMU without inputs, outputs and parameters is none",
     "--inputs diameter": "inputs: this FMU has no 'diameter' among its inputs",
     "--set diametr=4": "there is no input or parameter 'diametr' to set; did you mean diameter?",
     "--set segments=2.5": "segments is 2.5; it must be a whole number",
@@ -174,6 +177,14 @@ def test_wrong_choices(options, tmp_path, capsys):
     assert WRONG[options] in told
     assert told.count("\n") == 1
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("flavour", FLAVOURS)
+@pytest.mark.parametrize("key", ["inputs", "outputs", "parameters"])
+def test_an_fmu_without_one_kind_is_valid(flavour, key, tmp_path):
+    path = FLAVOURS[flavour]("TetherStraight", tmp_path, BuildOptions(lean=Lean(**{key: ()})))
+    kind = {"outputs": ("output", "local")}.get(key, (key.removesuffix("s"),))
+    assert not any(each.causality in kind for each in read_model_description(str(path)).modelVariables)
 
 
 def test_wrong_tables_of_files():

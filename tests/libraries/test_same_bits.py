@@ -84,7 +84,7 @@ def circle_inputs(step):
 
 # numba needs a minute for the entry points of those with nodes
 EACH = [
-    ("catenary", by_numba, "adaptive"),
+    ("straight", by_numba, "adaptive"),
     *(("dynamic", for_this_processor, solver) for solver in SOLVERS),
     *((variant, for_any_processor, "adaptive") for variant in VARIANTS),
 ]

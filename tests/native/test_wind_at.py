@@ -226,6 +226,16 @@ def test_each_number_is_felt_at_the_start(fmus, name):
     assert host.get("ground_force") == before
 
 
+@pytest.mark.parametrize("flavour", ["pythonfmu", "native"])
+@in_shared_process
+def test_a_profile_without_effect_is_said_once(fmus, flavour):
+    host = Host(fmus / flavour / "TetherStraight.fmu").start(wind_at=WIND.ravel(), wind_profile=4)
+    host.step(0.02)
+    assert sum("wind_profile has no effect: the wind is that of wind_at" in each for each in host.messages) == 1
+    usual = Host(fmus / flavour / "TetherStraight.fmu").start(wind_at=WIND.ravel())
+    assert not any("wind_profile" in each for each in usual.messages)
+
+
 def test_without_points_all_is_as_before():
     for name in ("straight", "dynamic_free"):
         assert variables(name, 5) == variables(name, 5, wind_points=0)

@@ -25,9 +25,10 @@ every_flavour = pytest.mark.parametrize("fmu_folder", ["pythonfmu", "native"], i
 SHELLS = ("TetherCatenary", "TetherDynamicFree")  # native FMUs share their shell, but for nodes and a free kite
 
 
-def of_every_flavour(argument, names=tuple(SLAVES)):
-    """Parametrize a test by the folder and by the name of an FMU: all of PythonFMU's, and some of the native ones."""
-    pairs = [("pythonfmu", name) for name in names] + [("native", name) for name in names if name in SHELLS]
+def of_every_flavour(argument, names=tuple(SLAVES), native=None):
+    """Parametrize a test by the folder and by the name of an FMU: these of PythonFMU's, and these native ones (or some)."""
+    native = [name for name in names if name in SHELLS] if native is None else native
+    pairs = [("pythonfmu", name) for name in names] + [("native", name) for name in native]
     return pytest.mark.parametrize(("fmu_folder", argument), pairs, indirect=["fmu_folder"])
 
 

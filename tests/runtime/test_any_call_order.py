@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from hypothesis.stateful import Bundle, RuleBasedStateMachine, invariant, precondition, rule, run_state_machine_as_test
 
 from isolation import in_own_process
-from runtime.host import Host, description_of, of_every_flavour
+from runtime.host import SHELLS, Host, description_of, of_every_flavour
 from tetherfmu.export.archive import SLAVES
 
 BEFORE, INITIALIZING, STEPPING, TERMINATED, FATAL = "before", "initializing", "stepping", "terminated", "fatal"
@@ -255,12 +255,12 @@ def session(folder, others, good=GOOD_INPUTS, good_parameters=GOOD_PARAMETERS, b
     return Session
 
 
-@of_every_flavour("fmu")
+@of_every_flavour("fmu", ["TetherDynamicFree"], SHELLS)
 @in_own_process
 def test_random_sessions(fmu_folder, fmu):
     first = Host(fmu_folder / f"{fmu}.fmu")
     # the other FMUs of PythonFMU have the same shell, and `native/driver.c` does many more sessions of native ones
-    folder, sessions = first.folder, 200 if fmu == "TetherDynamicFree" and not first.native else 60
+    folder, sessions = first.folder, 60 if first.native else 160
     others = []
     for other in SLAVES:
         if other != fmu:

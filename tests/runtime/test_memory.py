@@ -30,10 +30,10 @@ def open_files():
 @LINUX
 @pytest.mark.parametrize("fmu", list(SLAVES))
 @in_own_process
-def test_2000_cycles(fmu_folder, fmu):
-    """Instantiate, step, free: below 5 MB (PythonFMU itself keeps about 1.2 kB per instance), no path, no file."""
+def test_1000_cycles(fmu_folder, fmu):
+    """Instantiate, step, free: below 2.5 MB (PythonFMU itself keeps about 1.2 kB per instance), no path, no file."""
     host = Host(fmu_folder / f"{fmu}.fmu")
-    for cycle in range(2050):
+    for cycle in range(1050):
         if cycle == 50:
             before = (open_files(), list(sys.path))
             memory = resident()
@@ -43,7 +43,7 @@ def test_2000_cycles(fmu_folder, fmu):
         host.free()
         host.fmu.instantiate()
         host.time = 0.0
-    assert resident() - memory < 5e6
+    assert resident() - memory < 2.5e6
     assert (open_files(), list(sys.path)) == before
 
 
@@ -53,9 +53,9 @@ def test_2000_cycles(fmu_folder, fmu):
 def test_many_steps(fmu_folder, fmu):
     """Steps of 1 to 50 ms on the circle, states taken and freed: no growth after the first 10000, all outputs finite.
 
-    400 000 steps of one FMU, 100 000 of the others, whose shell is the same. Allowed: a byte per step, at least 250 kB.
+    250 000 steps of one FMU, 30 000 of the others, whose shell is the same. Allowed: 250 kB, a byte per step of the one.
     """
-    laps = 400 if fmu == "TetherDynamicFree" else 100
+    laps = 250 if fmu == "TetherDynamicFree" else 30
     host = Host(fmu_folder / f"{fmu}.fmu").start(segments=3, fixed_step=0.025)
     moving = kite_inputs(fmu, *circle(0.0))
     kite = [host.reference[f"{name}[{i}]"] for name in moving for i in (1, 2, 3)]
@@ -76,7 +76,7 @@ def test_many_steps(fmu_folder, fmu):
             assert all(map(math.isfinite, host.fmu.getReal(outputs)))
             time += step
         time -= sum(steps)
-    assert resident() - memory < 1000 * max(laps, 250)
+    assert resident() - memory < 250e3
 
 
 @pytest.mark.parametrize("fmu", list(SLAVES))

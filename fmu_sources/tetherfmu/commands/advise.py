@@ -10,7 +10,8 @@ from tetherfmu.console.options import Parser
 def main(arguments=None, prog="tetherfmu advise"):
     """Print the advice for a scene; returns the exit status, 1 if nothing meets what it asks for."""
     parser = Parser(prog=prog)
-    parser.add_argument("scene", metavar="SCENE", help="scene file (TOML)")
+    parser.add_argument("scene", metavar="SCENE", help="scene file (TOML), or a name of tetherfmu fly --list")
     parser.add_argument("--fast", action="store_true", help="take a second or two, and say if that is not enough")
+    parser.add_settings()
     options = parser.parse_args(arguments)
     return import_module("tetherfmu.study.advice.advise").run(options)

@@ -7,14 +7,14 @@ from dataclasses import replace
 from warnings import catch_warnings, simplefilter
 
 from tetherfmu.console.ending import FAILED, WrongUse, command, one_line
-from tetherfmu.console.options import Parser, amount, folder
+from tetherfmu.console.options import Parser, amount, folder, named_value, names
 from tetherfmu.console.progress import now
 from tetherfmu.export import archive
 from tetherfmu.export.archive import SLAVES
 from tetherfmu.export.build_options import BuildOptions
 from tetherfmu.export.native import fmus as native
 from tetherfmu.fmi.selection import GROUPS
-from tetherfmu.lean import LISTS, NONE, PRESETS, Lean, setting
+from tetherfmu.lean import LISTS, NONE, PRESETS, Lean
 from tetherfmu.libraries import ready
 from tetherfmu.libraries.ahead_of_time import TARGETS
 from tetherfmu.libraries.examples import example
@@ -23,14 +23,14 @@ from tetherfmu.results import PlausibilityWarning
 from tetherfmu.runtime.kernel_library import PYTHONFMU, this_platform
 from tetherfmu.runtime.limits import MAX_WIND_POINTS
 from tetherfmu.runtime.naming import meant_or_all
-from tetherfmu.runtime.parameters import IN_METRES, Tether
+from tetherfmu.runtime.parameters import Tether
 from tetherfmu.runtime.quantities import Quantity, quantities
 from tetherfmu.runtime.variants import class_name, library_of, variant_of
 
 MAX_SHAPE_POINTS = 1001
 SEGMENTS = dict(quantities(Tether))["segments"]
 # the stiffness of more is out of its range; the forces of less have too few digits in the evidence set
-DIAMETER = Quantity("m", "", 1e-4, 5.0, usual=IN_METRES)
+DIAMETER = Quantity("m", "", 1e-4, 5.0)
 OF_THE_ROPE = ("diameter", "density", "axial_stiffness", "axial_damping")
 
 
@@ -50,19 +50,6 @@ def platforms(text):
             hint = meant_or_all(name, (*TARGETS, "all"), "choose from {}")
             raise argparse.ArgumentTypeError(f"no platform is called {name!r}{hint}")
     return names
-
-
-def names(text):
-    """Type of a list of names, separated by commas."""
-    return tuple(each.strip() for each in text.split(","))
-
-
-def start(text):
-    """Type of a start value: the pair of its name and its value."""
-    try:
-        return setting(text)
-    except ValueError as error:
-        raise argparse.ArgumentTypeError(str(error)) from None
 
 
 def points(most):
@@ -124,7 +111,7 @@ def _add_variables(parser):
         about = f"{key} of the FMU by names, groups ({', '.join(GROUPS)}) or patterns; {NONE} for none (default: all)"
         option(f"--{key}", type=names, metavar="NAME,...", help=about)
     about = "start value of an input or a parameter; may be repeated; constant if the FMU goes without it"
-    option("--set", dest="starts", type=start, action="append", default=[], metavar="NAME=VALUE", help=about)
+    option("--set", dest="starts", type=named_value, action="append", default=[], metavar="NAME=VALUE", help=about)
 
 
 def lean_of(wanted):
@@ -249,13 +236,13 @@ def main(arguments=None, prog="tetherfmu build"):
         return build_for_system(wanted)
     if wanted.scene is not None:
         return build_for_scene(wanted)
-    names, platforms = wanted.names or list(SLAVES), wanted.platforms
-    ready.folders([library_of(SLAVES[name]) for name in names], platforms)  # all at once is faster
+    chosen, platforms = wanted.names or list(SLAVES), wanted.platforms
+    ready.folders([library_of(SLAVES[name]) for name in chosen], platforms)  # all at once is faster
     segments = wanted.segments or BuildOptions.segments
     lean = lean_of(wanted)
     lean = replace(lean, starts=(*starts_of(wanted.diameter, wanted.material), *lean.starts))
     options = BuildOptions(segments, wanted.shape_points, platforms, lean, wind_points=wanted.wind_points)
-    for name in names:
+    for name in chosen:
         with said(name):
             build(wanted, name, options)
     if wanted.examples:

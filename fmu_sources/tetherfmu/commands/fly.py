@@ -1,20 +1,52 @@
-"""Fly a kite with tether FMUs: on the circle of `examples/first_flight/circular_flight.py`, or along a log.
+"""Fly with tether FMUs: the circle of `examples/first_flight/circular_flight.py`, a scene, a system, or along a log.
 
 The examples are those of a checkout, or those that a wheel carries.
 """
 
+from pathlib import Path
+
+from tetherfmu.console.ending import WrongUse, command
 from tetherfmu.libraries.examples import example
 
 
+def is_scene(flight):
+    """Whether a text is a scene: a TOML file, or a name, which is no file."""
+    path = Path(flight)
+    return path.suffix == ".toml" or not (path.suffix or path.exists())
+
+
+def fly_scene(given, parser):
+    """Fly the scene or the system that the options name; other options end the program with status 2."""
+    from tetherfmu.study.scenes.named import named_scenes, named_systems, path_of
+
+    scene, system = example("first_flight.scene_flight"), example("first_flight.system_flight")
+    try:
+        given.log = path_of(given.log, named_scenes() | named_systems())
+    except ValueError as error:
+        raise WrongUse(str(error)) from None
+    is_system = system.is_system(given.log)
+    what, module = ("system", system) if is_system else ("scene", scene)
+    for name, instead in module.IN_PLACE.items():
+        if getattr(given, name):
+            parser.error(f"--{name} is not for a {what}: {instead}")
+    return module.run(given)
+
+
+@command
 def main(arguments=None, prog="tetherfmu fly"):
-    """Fly the log that the command line names, or else the circle; returns the exit status of the example."""
+    """Fly the scene or the log that the command line names, or else the circle; returns the exit status."""
     logged = example("first_flight.logged_flight")
     parser = logged.parser_of(prog, circle=True)
     given = parser.parse_args(arguments)
+    if given.list:
+        from tetherfmu.study.scenes.named import listed
+
+        print(*listed(), sep="\n")
+        return 0
     if given.log is None:
-        if given.settings:
-            parser.error(f"--set goes with {logged.LOG}")
         return example("first_flight.circular_flight").main(arguments, prog)
+    if is_scene(given.log):
+        return fly_scene(given, parser)
     if given.rate is not None:
         parser.error(f"--rate is of the circle; it goes without {logged.LOG}")
     return logged.main(arguments, prog)

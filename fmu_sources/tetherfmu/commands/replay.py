@@ -1,27 +1,12 @@
 """The replay of a measured flight: the tethers along it, compared with its log."""
 
-import argparse
-import tomllib
 from importlib import import_module
 
 from tetherfmu.console.ending import command
-from tetherfmu.console.options import Parser, folder, number
+from tetherfmu.console.options import Parser, folder, number, setting
 from tetherfmu.runtime.layout import MAX_SEGMENTS
 from tetherfmu.runtime.parameters import Tether
 from tetherfmu.runtime.variants import VARIANTS
-
-
-def constant(text):
-    """Type of an option NAME=VALUE: the name, and the value as in a TOML file, a text if it is none."""
-    name, equals, value = text.partition("=")
-    if not (name and equals and value):
-        raise argparse.ArgumentTypeError(
-            f"{text!r} is not possible; it must be SECTION.NAME=VALUE, as in tether.diameter='14 mm'"
-        )
-    try:
-        return name, tomllib.loads(f"value = {value}")["value"]
-    except tomllib.TOMLDecodeError:
-        return name, value
 
 
 def parse(arguments, prog):
@@ -32,7 +17,7 @@ def parse(arguments, prog):
     about = "what its columns are: a map of this package, or a file (TOML) (default: kitepower)"
     option("--as", dest="map", metavar="MAP", help=about)
     about = "change a constant of the map, such as tether.diameter=0.014"
-    option("--set", type=constant, action="append", metavar="NAME=VALUE", help=about)
+    option("--set", type=setting, action="append", metavar="NAME=VALUE", help=about)
     about = "what the winch follows: tension, length or speed (default: the first of them in the log)"
     parser.add_choice("--lead", ("tension", "length", "speed"), help=about)
     tethers = tuple(reversed(VARIANTS))

@@ -39,11 +39,16 @@ def command(main):
         except OSError as error:
             return _said(f"{error.filename}: {error.strerror}" if error.filename else error, FAILED)
         except RuntimeError as error:
-            return _said(error, FAILED)
+            return _said("stopped", STOPPED) if is_stop(error) else _said(error, FAILED)
         except KeyboardInterrupt as stop:
             return _said("; ".join(["stopped", *stop.args]), STOPPED)
 
     return run
+
+
+def is_stop(error):
+    """Whether an error comes from Ctrl-C: a lock that it interrupts may be released twice, which is a RuntimeError."""
+    return isinstance(error.__context__, KeyboardInterrupt)
 
 
 def one_line(error):

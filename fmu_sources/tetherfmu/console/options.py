@@ -4,6 +4,7 @@ import argparse
 import os
 import re
 import sys
+import tomllib
 from pathlib import Path
 
 from tetherfmu.runtime.naming import meant_or_all
@@ -51,6 +52,12 @@ class Parser(argparse.ArgumentParser):
         """Add the option --out: the folder of what the command writes."""
         about = f"folder of {what} (default: plots)"
         self.add_argument("--out", type=folder, default=Path("plots"), metavar="DIR", help=about)
+
+    def add_settings(self):
+        """Add the option --set of a command that reads a scene."""
+        about = "a value in the place of that of the scene, such as tether.diameter='5 mm'; may be repeated"
+        option, more = "--set", {"dest": "settings", "metavar": "NAME=VALUE", "help": about}
+        self.add_argument(option, type=setting, action="append", default=[], **more)
 
     def add_workers(self):
         """Add options on who does the work of a study."""
@@ -118,3 +125,25 @@ def folder(text):
     if not os.access(there, os.W_OK | os.X_OK):
         raise argparse.ArgumentTypeError(f"{text!r} cannot be used: nobody may write to {there} here")
     return path
+
+
+def names(text):
+    """Type of a list of names, separated by commas."""
+    return tuple(each.strip() for each in text.split(","))
+
+
+def named_value(text, form="NAME=VALUE"):
+    """Type of an option NAME=VALUE: both as texts; form : of such a text, for people."""
+    name, equals, value = (each.strip() for each in text.partition("="))
+    if not (name and equals and value):
+        raise argparse.ArgumentTypeError(f"{text!r} is not possible; it must be {form}")
+    return name, value
+
+
+def setting(text):
+    """Type of an option NAME=VALUE: the name, and the value as in a TOML file, a text if it is none."""
+    name, value = named_value(text, "SECTION.NAME=VALUE, as in tether.diameter='14 mm'")
+    try:
+        return name, tomllib.loads(f"value = {value}")["value"]
+    except tomllib.TOMLDecodeError:
+        return name, value

@@ -14,7 +14,8 @@ class Subcommand(NamedTuple):
 SUBCOMMANDS = {
     "build": Subcommand("build FMUs: all, or those that are named", "tetherfmu build dynamic --segments 20 --native"),
     "fly": Subcommand(
-        "fly a kite on a circle, or the flight of a CSV file, with tether FMUs", "tetherfmu fly --tether all --wind 8 0 0"
+        "fly a circle, a scene, or the flight of a CSV file, with tether FMUs",
+        "tetherfmu fly eight_on_a_winch --set winch.force='5 kN' --html",
     ),
     "check": Subcommand("check FMUs on this machine", "tetherfmu check dist/TetherDynamic.fmu", "tetherfmu.check.__main__"),
     "replay": Subcommand(
@@ -28,6 +29,10 @@ SUBCOMMANDS = {
     "tradeoff": Subcommand(
         "measure error and cost of every configuration in a scene",
         "tetherfmu tradeoff examples/scenes/circle.toml",
+    ),
+    "sweep": Subcommand(
+        "fly a scene with many values, on a grid or at random, and write statistics",
+        "tetherfmu sweep circle --vary 'tether.diameter=3 mm..6 mm:4' --vary wind.speed=6,9,12",
     ),
     "import": Subcommand(
         "make a scene of settings of KiteUtils.jl, or a system of a file of MoorDyn",

@@ -61,7 +61,7 @@ def build(name, folder, options=None):
     about, given = options.description_of(variant), options.of_slave(variant)
     check_start(variant, given)
     files = packed_with_kernels(name, variant, about, library_of(variant), options.platforms, given)
-    files.update(documents(name, variant, about, options))
+    files.update(documents(name, variant, about, options, given))
     seal(files)
     return write(files, folder, name, options.purpose)
 

@@ -21,14 +21,15 @@ EVIDENCE_FOLDER = "documentation/evidence"
 OSP_FOLDER = "extra/com.open-simulation-platform"
 
 
-def documents(name, variant, description, options, native=None):
+def documents(name, variant, description, options, given, native=None):
     """All files beside the model of a tether: dict of their path in the archive to bytes.
 
     name : of the FMU.  variant : one of `variants.EVERY_VARIANT`.  description : of the model, one paragraph.
-    options : `BuildOptions`; an FMU for one purpose has a page of its own, and no evidence set.
+    options : `BuildOptions`; an FMU for one purpose has a page of its own, and no evidence set.  given : what its `of_slave`
+    gives.
     native : version of FMI (2 or 3) of an FMU without Python; None for PythonFMU's.
     """
-    given, sets, title = DEFAULT_OPTIONS | options.of_slave(variant), {}, name
+    given, sets, title = DEFAULT_OPTIONS | given, {}, name
     table = table_of(variant, given)
     if options.purpose:
         title, body = f"{name}, {options.purpose.name}", options.purpose.page

@@ -67,6 +67,8 @@ class BaseSlave(Fmi2Slave):
     def _all(self, chosen):
         return frozenset(reference for reference, variable in self._by_reference.items() if chosen(variable))
 
+    constants = ()  # triples as in `wiring.Wiring`
+
     def warnings(self):
         """Sentences on what is implausible, each once since the start."""
         return ()
@@ -78,7 +80,7 @@ class BaseSlave(Fmi2Slave):
         options = {"canGetAndSetFMUstate": True, "canSerializeFMUstate": True, **(model_options or {})}
         root = super().to_xml(options)
         root.set("generationTool", f"TetherFMU {__version__} with {root.get('generationTool')}")
-        complete(root, self.table, self.references)
+        complete(root, self.table, self.references, self.constants)
         return root
 
     # --- life cycle

@@ -39,19 +39,34 @@ _OF_A_SCALAR = ("name", "valueReference", "description", "causality", "variabili
 _LARGEST_EXACT = 1e15  # a whole number of fewer than 16 digits is a double
 
 
-def complete(root, table, references):
+def complete(root, table, references, constants=()):
     """Write units, types, variables and model structure of a table of variables into the description (modified).
 
     root : Element of the model description, with PythonFMU's ModelVariables and ModelStructure.  table : of
-    `variables.Variable`.  references : their value references.
+    `variables.Variable`.  references : their value references.  constants : of `annotations`.
     """
     for name in ("ModelVariables", "ModelStructure"):
         root.remove(root.find(name))
     place = list(root).index(root.find("CoSimulation")) + 1
     for element in reversed(definitions(table)):
         root.insert(place, element)
+    root.extend(annotations("VendorAnnotations", "Tool", "name", constants))
     root.append(variables(table, references))
     root.append(structure(table))
+
+
+def annotations(tag, entry, key, constants):
+    """What the description says of constants to whoever flies the FMU, a list of one Element or none.
+
+    tag, entry, key : of the annotations of a version of FMI.  constants : triples as in `wiring.Wiring`.
+    """
+    if not constants:
+        return []
+    element = Element(tag)
+    own = SubElement(SubElement(element, entry, {key: "TetherFMU"}), "Constants")
+    for name, _, value in constants:
+        SubElement(own, "Constant", name=name, value=number_text(value))
+    return [element]
 
 
 def definitions(table):
@@ -160,9 +175,7 @@ def _variable(variable, reference):
 
 def structure(table):
     """ModelStructure of a table of variables: its outputs, and what they depend on when initialization ends."""
-    element = Element("ModelStructure")
-    outputs = SubElement(element, "Outputs")
-    unknowns = SubElement(element, "InitialUnknowns")
+    element, outputs, unknowns = Element("ModelStructure"), Element("Outputs"), Element("InitialUnknowns")
     positions = {variable.name: k for k, variable in enumerate(table, start=1)}
     for variable in table:
         if variable.causality == OUTPUT:
@@ -171,4 +184,5 @@ def structure(table):
             unknown = SubElement(unknowns, "Unknown", index=index)
             if variable.depends_on is not None:  # without the attribute it depends on anything
                 unknown.set("dependencies", " ".join(map(str, sorted(positions[name] for name in variable.depends_on))))
+    element.extend(each for each in (outputs, unknowns) if len(each))  # empty ones are not allowed
     return element

@@ -60,8 +60,9 @@ class TetherSlave(BaseSlave):
         self._sums = [each for each in found if len(each[1]) > 1]
         self._alone = [(reference, places[0]) for reference, places in found if len(places) == 1]
         values = self._instance.values if self._is_direct else zeros(count)
-        for reference, value in wiring.constants:
+        for _, reference, value in wiring.constants:
             values[reference] = value
+        self.constants = wiring.constants
         self.declare(wiring.shown, values, wiring.shown_at, options)
 
     def _kernels(self):
@@ -195,12 +196,11 @@ class TetherSlave(BaseSlave):
 
         Its outputs are not taken but computed: they follow from the state array.
         """
-        names = dict(zip(self._wiring.references, self._wiring.table, strict=True))
-        for reference, value in self._wiring.constants:
-            if saved.values[reference] != value:
-                facts = {"name": names[reference].name, "value": saved.values[reference], "expected": value}
-                raise ValueError(refusals.STATE_OTHER_CONSTANT.format(**facts))
-        for reference, variable in names.items():
+        for name, reference, expected in self._wiring.constants:
+            value = saved.values[reference]
+            if value != expected:
+                raise ValueError(refusals.STATE_OTHER_CONSTANT.format(name=name, value=value, expected=expected))
+        for reference, variable in zip(self._wiring.references, self._wiring.table, strict=True):
             value = saved.values[reference]
             if variable.kind != "Real" and reference not in self.output_places and not abs(value) <= layout.LARGEST_INTEGER:
                 problem = refusals.NO_INTEGER.format(name=variable.name, value=value)

@@ -11,6 +11,7 @@ from typing import NamedTuple
 from ..runtime import layout as at
 from ..runtime import outputs
 from ..runtime import plan_layout as plan
+from ..runtime.enumerations import UNIFORM
 from ..runtime.inputs import WIND_AT, components
 from ..runtime.instance import Line
 from ..runtime.kernel_library import SYSTEM
@@ -22,6 +23,7 @@ from ..runtime.variants import BY_NAME, Variant, library_of
 from .selection import shown, with_starts
 from .system_variables import OF_A_LINE, OF_THE_SYSTEM, SUMMED, input_name, table_of
 
+IDLE_PROFILE = "wind_profile has no effect: the wind is that of wind_at"
 FORCES = ("force", "tension_from", "tension_to")  # of a system: on driven points, and of lines at their ends
 
 
@@ -35,7 +37,7 @@ class Wiring(NamedTuple):
     references: list  # of the table
     shown: tuple  # the variables that this FMU has, in the order of its description
     shown_at: list  # their references
-    constants: list  # (reference, value) of inputs and parameters that it goes without
+    constants: list  # (name, reference, value) of inputs and parameters that it goes without
     ends: tuple  # number of inputs, of inputs and outputs, and of all values
     lines: tuple  # `instance.Line` of each
     quantities: list  # of each line: (name, reference, default) in the order of the kernel `pack`
@@ -70,7 +72,7 @@ def of_tether(variant, table, shape_points, left_out=()):
         ends=(given, first, first + len(listed)),
         lines=(line_of_tether(shape_points, points),),
         quantities=[[(each.name, own[each.name], 0.0) for each in listed]],
-        doubtful=[(own[each.name], *row) for each in listed for row in doubts_in(each.name, each.quantity)],
+        doubtful=_doubtful([(own[each.name], each) for each in listed], points),
         slack_segments=[given + at.SLACK_SEGMENTS],
         forces=[given + place + i for place in (at.GROUND_FORCE, at.KITE_FORCE) for i in range(3)],
         sizes={"shape": (shape_points, 3), WIND_AT.name: (points, 3)},
@@ -100,7 +102,7 @@ def of_system(structure, left_out=(), starts=()):
         ends=(given, len(table) - fixed, len(table)),
         lines=lines_of(structure),
         quantities=[_quantities_of(line, own) for line in structure.lines],
-        doubtful=[(each.place, *row) for each in table[-fixed:] for row in doubts_in(each.name, each.quantity)],
+        doubtful=_doubtful([(each.place, each) for each in table[-fixed:]], structure.has_wind_points),
         slack_segments=[own[f"{name}.slack_segments"] for name in names],
         forces=[each.place for each in table if each.name.rpartition(".")[2].partition("[")[0] in FORCES],
         sizes=sizes,
@@ -115,6 +117,14 @@ def of_system(structure, left_out=(), starts=()):
     )
 
 
+def _doubtful(listed, has_wind_points):
+    """What is doubtful of parameters, a list as in `Wiring`; listed : pairs (reference, variable)."""
+    found = [(place, *row) for place, each in listed for row in doubts_in(each.name, each.quantity)]
+    if has_wind_points:
+        found += [(place, 1.0, UNIFORM, IDLE_PROFILE) for place, each in listed if each.name == "wind_profile"]
+    return found
+
+
 def _selection(table, references, left_out):
     """What a `Wiring` says of the variables that its FMU has, and of those that it goes without."""
     found = dict(zip((each.name for each in table), references, strict=True))
@@ -123,7 +133,7 @@ def _selection(table, references, left_out):
     return {
         "shown": listed,
         "shown_at": [found[each.name] for each in listed],
-        "constants": [(found[each.name], float(each.start)) for each in fixed],
+        "constants": [(each.name, found[each.name], float(each.start)) for each in fixed],
     }
 
 

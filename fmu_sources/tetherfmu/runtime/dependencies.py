@@ -11,7 +11,7 @@ POSITIONS = ("kite_position", "ground_position")
 # of a winch that starts in balance, its length depends on all that the shape does
 WINCH = (
     *("initial_length", "winch_control", "winch_length", "winch_start"),
-    *("winch_force", "winch_damping", "winch_friction"),
+    *("winch_force", "winch_damping", "winch_friction", "shortest_length", "longest_length"),
 )
 STRETCH = (*POSITIONS, *WINCH, "axial_stiffness", "diameter", "density", "gravity")
 AIR_AT_REST = (

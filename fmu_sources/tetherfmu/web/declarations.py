@@ -13,6 +13,7 @@ from pathlib import Path
 from tetherfmu.console.colours import COLOUR, GROUND, REFERENCE
 from tetherfmu.input_files import TABLE_OF_GROUND, record, value_of
 from tetherfmu.libraries.examples import EXAMPLES, example
+from tetherfmu.materials import SCALED
 from tetherfmu.runtime import __version__, inputs, outputs, parameters, plausibility, quantities, status
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import plan_layout as places
@@ -192,6 +193,7 @@ def scene_of(path):
         "flight": given("flight", scene.flight),
         "parameters": {
             **given("tether", scene.tether),
+            **{name: getattr(scene.tether, name) for name in SCALED if "diameter" in table["tether"]},
             **given("environment", scene.environment),
             **given("ground", ground, "ground_"),
         },

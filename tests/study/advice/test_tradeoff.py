@@ -12,6 +12,7 @@ from functools import partial
 
 import pytest
 
+from ended import status_of
 from study.scenes_of_tests import written
 from tetherfmu.__main__ import main
 from tetherfmu.libraries.sources import PACKAGE
@@ -114,11 +115,7 @@ def test_ctrl_c_ends_the_study_with_one_line(tmp_path):
 @pytest.mark.parametrize("wrong", [["--processes", "0"], ["--procesess", "2"], ["--out", "short.toml/out"]])
 def test_a_wrong_option_is_told_in_one_line(tmp_path, monkeypatch, capsys, wrong):
     monkeypatch.chdir(tmp_path)
-    try:
-        status = main(["tradeoff", str(written(tmp_path)), *wrong])
-    except SystemExit as end:
-        status = end.code
-    assert status == 2
+    assert status_of("tradeoff", str(written(tmp_path)), *wrong) == 2
     assert len(capsys.readouterr().err.splitlines()) == 1
 
 

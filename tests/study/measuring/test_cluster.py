@@ -17,7 +17,10 @@ from stability.isolated import isolated
 from stability.points import point
 from study.scenes_of_tests import written
 from tetherfmu.console.ending import WorkersLost
+from tetherfmu.study import sweep
 from tetherfmu.study.measuring.executors import executor_of
+from tetherfmu.study.sweeps import sweep as sweeps
+from tetherfmu.study.sweeps.flights import fly_all
 
 distributed = pytest.importorskip("distributed")
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no signals of this kind")
@@ -95,13 +98,9 @@ def end_of(folder, command, address, event, patience=TIMEOUT):
     return process.returncode, said.splitlines()
 
 
-EACH_COMMAND = pytest.mark.parametrize("command", ["tradeoff", "make_stability"])
-
-
-@EACH_COMMAND
-def test_one_line_says_that_it_is_stopped_and_that_points_are_kept(tmp_path, command, cluster):
+def test_one_line_says_that_it_is_stopped_and_that_points_are_kept(tmp_path, cluster):
     interrupt = methodcaller("send_signal", signal.SIGINT)
-    assert end_of(tmp_path, command, cluster, interrupt) == (130, [f"stopped; {KEPT}"])
+    assert end_of(tmp_path, "tradeoff", cluster, interrupt) == (130, [f"stopped; {KEPT}"])
 
 
 @pytest.mark.parametrize(
@@ -137,6 +136,26 @@ def test_a_cluster_gives_the_same_map(tmp_path, cluster):
     here = judge_all(points, tmp_path / "here.jsonl", 1)
     there = judge_all(points, tmp_path / "there.jsonl", dask=cluster)
     assert here.drop(columns="longest").equals(there.drop(columns="longest"))
+
+
+def killing(task):
+    """Kill the worker that does a task, once, if the file of the task is not there."""
+    once = task.folder / "killed"
+    if not once.exists():
+        once.touch()
+        os.kill(os.getpid(), signal.SIGKILL)
+    return fly_all(task)
+
+
+def test_a_cluster_gives_the_same_sweep_when_its_worker_is_killed(tmp_path, cluster, monkeypatch):
+    given = {"vary": ["wind.speed=5..7"], "segments": 4}
+    here = sweep(written(tmp_path), **given, processes=1)
+    monkeypatch.setattr(sweeps, "fly_all", killing)
+    with distributed.Client(cluster, timeout=TIMEOUT, set_as_default=False) as client:
+        there = sweep(written(tmp_path), **given, executor=client)
+    assert (tmp_path / "killed").exists()
+    assert there.equals(here)
+    assert there.attrs == here.attrs
 
 
 def test_no_scheduler_is_said_in_words(monkeypatch):

@@ -45,7 +45,11 @@ def replayed(tmp_path, there, capsys, *options):
 
 
 @pytest.mark.parametrize("there", subsets(OPTIONAL), ids=lambda there: "+".join(there) or "none")
-def test_whatever_columns_a_log_has(there, tmp_path, capsys):
+def test_whatever_columns_a_log_has(there, tmp_path, capsys, monkeypatch):
+    """Figures and page are written of all logs that go without one column, and of the full one."""
+    written_to = len(there) >= len(OPTIONAL) - 1
+    if not written_to:
+        monkeypatch.setattr(command, "write", lambda *_: [])
     status, out, err = replayed(tmp_path, there, capsys)
     if not set(LED).intersection(there):
         assert status == 2
@@ -56,8 +60,9 @@ def test_whatever_columns_a_log_has(there, tmp_path, capsys):
     assert status == 0
     assert ("length offset m" in out) == ({"tether_length", "ground_tension"} <= set(there))
     assert ("length at 0 s of the log m" in out) == (set(LED).intersection(there) == {"reel_out_speed", "ground_tension"})
-    errors = pd.read_csv(tmp_path / "out" / "errors.csv")
-    assert ("length: mean m" in errors) == ("ground_tension" in there and len(set(LED).intersection(there)) > 1)
+    if written_to:
+        errors = pd.read_csv(tmp_path / "out" / "errors.csv")
+        assert ("length: mean m" in errors) == ("ground_tension" in there and len(set(LED).intersection(there)) > 1)
 
 
 @pytest.mark.parametrize("fit", ["offset", "nothing"])

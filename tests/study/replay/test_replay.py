@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from ended import status_of
 from study.replay import logs_of_tests
 from tests.study.replay.known_flight import enu, written
 from tetherfmu.__main__ import main as tetherfmu
@@ -137,11 +138,7 @@ WRONG = {
 @pytest.mark.parametrize("name", WRONG)
 def test_wrong_use_is_refused_in_one_line(name, capsys, tmp_path):
     options, said = WRONG[name]
-    try:
-        status = tetherfmu(["replay", str(CYCLES[0]), "--out", str(tmp_path / "out"), *options])
-    except SystemExit as left:
-        status = left.code
-    assert status == 2
+    assert status_of("replay", str(CYCLES[0]), "--out", str(tmp_path / "out"), *options) == 2
     error = capsys.readouterr().err
     assert said in error
     assert error.count("\n") == 1

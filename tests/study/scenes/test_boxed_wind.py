@@ -12,6 +12,7 @@ from benchmark.scenes import BREEZE
 from study.scenes_of_tests import SCENE, written
 from tetherfmu.__main__ import main
 from tetherfmu.runtime.parameters import Environment
+from tetherfmu.runtime.variables import variables
 from tetherfmu.study.advice.figures import draw_wind
 from tetherfmu.study.advice.scene_build import needed
 from tetherfmu.study.measuring.runs import Config, run
@@ -86,7 +87,7 @@ def test_an_advised_fmu_has_the_winds_as_inputs_and_other_processes_get_no_box(t
     inputs = inputs_of(scene, STEP)
     np.testing.assert_array_equal(inputs.filter(like="wind_at").to_numpy(), scene.wind_at(STEP).reshape(len(inputs), -1))
     assert list(inputs.filter(like="wind_at"))[3:5] == ["wind_at[2,1]", "wind_at[2,2]"]
-    moving, _ = needed(scene, inputs, 0)
+    moving, _ = needed(scene, inputs, variables("dynamic", 0, wind_points=5))
     assert "wind_at" in moving
     assert len(pickle.dumps(scene.wind)) < 2000 < (tmp_path / "box.npz").stat().st_size
     np.testing.assert_array_equal(pickle.loads(pickle.dumps(scene)).wind_at(STEP), scene.wind_at(STEP))

@@ -2,7 +2,7 @@
 
 from xml.etree.ElementTree import Element, SubElement
 
-from tetherfmu.fmi.model_description import definitions, number_text, structure, variables
+from tetherfmu.fmi.model_description import annotations, definitions, number_text, structure, variables
 from tetherfmu.runtime import __version__
 from tetherfmu.runtime.parameters import DEFAULT_TOLERANCE
 
@@ -43,6 +43,7 @@ def text(model, token, sources=()):
     root.extend(definitions(table))
     root.append(categories())
     root.append(experiment(*model.times))
+    root.extend(annotations("VendorAnnotations", "Tool", "name", model.wiring.constants))
     root.append(variables(table, model.wiring.shown_at))
     root.append(structure(table))
     return xml_text(root)

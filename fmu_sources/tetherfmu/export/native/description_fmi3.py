@@ -2,7 +2,7 @@
 
 from xml.etree.ElementTree import Element, SubElement
 
-from tetherfmu.fmi.model_description import attributes, enumerations, items, units
+from tetherfmu.fmi.model_description import annotations, attributes, enumerations, items, units
 from tetherfmu.fmi.system_variables import GIVEN, GIVEN_TO_ALL, OF_A_LINE
 from tetherfmu.runtime.inputs import BY_NAME as INPUTS
 from tetherfmu.runtime.inputs import WIND_AT, WITHOUT_EFFECT, inputs_of
@@ -56,6 +56,7 @@ def text(model, token, sources=()):
     for array in (*listed, Array(TIME.name, model.wiring.ends[2], (), (TIME,))):
         variables.append(_variable(array))
     root.append(_structure(listed))
+    root.extend(annotations("Annotations", "Annotation", "type", model.wiring.constants))
     return xml_text(root)
 
 

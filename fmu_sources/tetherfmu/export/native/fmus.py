@@ -54,7 +54,7 @@ def build(name, folder, options=None, fmi=2, with_header=False, with_sources=Fal
     wiring = of_tether(variant, table, given["shape_points"], given["left_out"])
     terminals = description_fmi3.terminals(wiring.shown)
     model = Model(name, about, wiring, terminals, (given["step"], given["stop"]))
-    files = documents(name, variant, about, options, native=fmi)
+    files = documents(name, variant, about, options, given, native=fmi)
     return written(files, model, folder, options.platforms, fmi, with_header, with_sources, options.purpose)
 
 

@@ -253,10 +253,10 @@ def variable_texts(table, at, widths, count):
 
 def _starts(wiring):
     """Start value by value reference, and the references of those that nobody can set."""
-    starts, names = [0.0] * wiring.ends[2], {}
+    starts = [0.0] * wiring.ends[2]
     for reference, variable in zip(wiring.references, wiring.table, strict=True):
-        starts[reference], names[reference] = float(variable.start or 0.0), variable.name
-    rows = ",\n    ".join(f"{{{place}, {c_text(names[place])}}}" for place, _ in wiring.constants) or '{0, ""}'
+        starts[reference] = float(variable.start or 0.0)
+    rows = ",\n    ".join(f"{{{place}, {c_text(name)}}}" for name, place, _ in wiring.constants) or '{0, ""}'
     return [
         c_numbers("double START", starts),
         f"static const struct {{ unsigned reference; const char *name; }} CONSTANT[] = {{\n    {rows}}};",

@@ -163,7 +163,7 @@ def advise_in_words(scene, budget=BUDGET):
 
 def run(options):
     """Print the advice for a scene file; returns 1 if nothing meets what it asks for."""
-    scene = load(options.scene)
+    scene = load(options.scene, options.settings)
     if not options.fast:
         now(f"flying {scene.name} with what may do, and with a finer model")
     with flown_from(options.scene):

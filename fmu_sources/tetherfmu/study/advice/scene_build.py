@@ -6,7 +6,7 @@ from tetherfmu.export.archive import SLAVES
 from tetherfmu.export.build_options import BuildOptions, Purpose
 from tetherfmu.fmi.system_variables import inputs_at
 from tetherfmu.lean import Lean
-from tetherfmu.runtime.variables import CALCULATED, table_of, variables
+from tetherfmu.runtime.variables import CALCULATED, variables
 from tetherfmu.study.measuring.runs import fmu_of, parameters_of
 from tetherfmu.study.measuring.tables import percent
 from tetherfmu.study.measuring.through_fmpy import inputs_of
@@ -30,14 +30,16 @@ def vector_of(name):
     return name.partition("[")[0]
 
 
-def needed(scene, inputs, shape_points):
+def needed(scene, inputs, table):
     """Names of the inputs that are not 0 all through a scene, and of what is calculated and it asks for: two tuples.
 
-    Elements of vectors have the name of the vector.  inputs : as `through_fmpy.inputs_of` gives them.
+    Elements of vectors have the name of the vector.  inputs : as `through_fmpy.inputs_of` gives them.  table : of the
+    variables of its FMU.
     """
     moved = inputs.any().groupby(vector_of).transform("any")
     asked = set().union(*(VECTORS.get(each, {each}) for each in scene.wanted.outputs))
-    outputs = [variable.name for variable in variables("dynamic", shape_points) if variable.causality in CALCULATED]
+    asked |= set(KEPT)  # where they are outputs
+    outputs = [variable.name for variable in table if variable.causality in CALCULATED]
     moving = dict.fromkeys(vector_of(name) for name in inputs if vector_of(name) in KEPT or moved[name])
     return tuple(moving), tuple(dict.fromkeys(vector_of(name) for name in outputs if vector_of(name) in asked))
 
@@ -55,28 +57,30 @@ def vectors_in_words(names):
 def advised(path, shape_points, platforms, given=Lean()):  # noqa: B008 (a constant)
     """The advice for a scene file as text, whether it meets what is asked, the name of the FMU and its `BuildOptions`.
 
-    shape_points : of the output `shape`, if the scene asks for it.  platforms : as in `BuildOptions`.  given : `Lean`, what
-    it has counts before what the file says, and that before what the scene needs.
+    shape_points : of the output `shape`, if the scene asks for it.  platforms : as in `BuildOptions`.  given : `Lean`, whose
+    lists count before those of the file, and these before what the scene needs; its start values are settings of the scene.
     SceneError says in one line what is wrong with the file, or why its scene cannot be flown.
     """
-    scene = load(path)
+    scene = load(path, given.starts)
     with flown_from(path):
         advice, text = advise_in_words(scene)
     config = advice.point.config
     points = shape_points if "shape" in scene.wanted.outputs else 0
     inputs = inputs_of(scene, config.step)
-    name, (moving, asked) = fmu_of(scene, config), needed(scene, inputs, points)
+    name = fmu_of(scene, config)
+    variant = SLAVES[name]
+    table = variables(variant, points, wind_points=scene.wind_points)
+    moving, asked = needed(scene, inputs, table)
     fixed = {"fixed_step": config.fixed_step} if scene.wanted.fixed else {}
     found = inputs.iloc[0].to_dict() | parameters_of(scene, config) | fixed
     starts = tuple((name, rounded(value)) for name, value in found.items())
-    lean = given.over(scene.build.over(Lean(moving, asked, None, starts)))
+    lean = replace(given, starts=()).over(scene.build.over(Lean(moving, asked, None, starts)))
     options = BuildOptions(config.segments or 1, points, platforms, lean, None, scene.wind_points)
-    variant = SLAVES[name]
-    missing = lean.left_out(table_of(variant, options.of_slave(variant)))
+    missing = lean.left_out(table)
     about = (
         f"For the scene {scene.name}: expected error of {', '.join(scene.wanted.outputs)} at most "
-        f"{percent(advice.expected)} at a communication step of {1e3 * config.step:g} ms. The FMU goes without what is "
-        f"0 in the scene, or not asked for: {vectors_in_words(missing)}."
+        f"{percent(advice.expected)} at a communication step of {1e3 * config.step:g} ms. Left out, and constant where it "
+        f"is an input: {vectors_in_words(missing)}."
     )
     page = body(f"# {scene.name}\n\n{about}\n\n```text\n{text}\n```")
     purpose = Purpose(scene.name, about, config.step, rounded(scene.duration), page)

@@ -69,7 +69,7 @@ def fmpy_times(scene, points, folder):
 
 def run(options):
     """Study the scene of a file, write and print the report."""
-    scene = load(options.scene)
+    scene = load(options.scene, options.settings)
     store = Store((options.out or Path("study") / scene.name) / POINTS)
     with flown_from(options.scene), keeping(), executor_of(options.dask, options.processes) as executor:
         reference, points = study(scene, store, executor)

@@ -1,9 +1,12 @@
 """Work in parallel, through any executor of concurrent.futures: processes of this machine, or a Dask cluster."""
 
+import os
 import signal
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
+from multiprocessing import parent_process
+from threading import Thread
 from time import sleep
 
 from tqdm import tqdm
@@ -14,6 +17,18 @@ from tetherfmu.console.ending import WorkersLost
 def progress_bar(iterable, total, text):
     """The iterable, of this length, with a bar that shows how far it is; silent where nobody sees it."""
     return tqdm(iterable, total=total, desc=text, disable=None, leave=False)
+
+
+def begin():
+    """Begin a process that does work: it ends silently at Ctrl-C, and when the process that it works for is killed."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    Thread(target=end_with, args=(parent_process(),), daemon=True).start()
+
+
+def end_with(parent):
+    """End this process when another one has ended."""
+    parent.join()
+    os._exit(1)
 
 
 @contextmanager
@@ -30,8 +45,7 @@ def executor_of(dask=None, processes=None, **more):
         with cluster(dask) as executor:
             yield executor
         return
-    silently = signal.SIGINT, signal.SIG_DFL  # Ctrl-C ends a process without a traceback
-    executor = ProcessPoolExecutor(processes, initializer=signal.signal, initargs=silently, **more)
+    executor = ProcessPoolExecutor(processes, initializer=begin, **more)
     try:
         yield executor
     except BrokenProcessPool:

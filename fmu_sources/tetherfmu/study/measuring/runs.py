@@ -98,7 +98,7 @@ def end_velocities(scene):
 
 def winch_control(scene):
     """What an importer can tell the winch: a speed, or the force or the length of a log."""
-    if scene.flight.has_force:
+    if scene.has_force:
         return at.WINCH_BY_FORCE
     return at.WINCH_BY_LENGTH if scene.flight.has_length else at.WINCH_BY_SPEED
 

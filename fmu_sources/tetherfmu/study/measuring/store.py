@@ -8,7 +8,7 @@ from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
 
-from tetherfmu.console.ending import WorkersLost
+from tetherfmu.console.ending import WorkersLost, is_stop
 from tetherfmu.libraries.sources import PACKAGE
 
 POINTS = "points.jsonl"  # file of the points of a trade-off study
@@ -38,6 +38,10 @@ def keeping():
     except (KeyboardInterrupt, WorkersLost) as end:
         end.args = ("; ".join([*end.args, KEPT]),)
         raise
+    except RuntimeError as error:
+        if is_stop(error):
+            raise KeyboardInterrupt(KEPT) from None
+        raise
 
 
 class Store:
@@ -61,8 +65,12 @@ class Store:
 
     def add(self, key, point):
         """Keep a point, a dict of numbers and texts; it is on disk when this returns."""
-        self.points[key] = point
-        self._append(json.dumps({"key": key, **point}) + "\n")
+        self.add_all({key: point})
+
+    def add_all(self, points):
+        """Keep several points by key likewise, at the cost of one."""
+        self.points |= points
+        self._append("".join(json.dumps({"key": key, **point}) + "\n" for key, point in points.items()))
 
     def _append(self, text):
         with open(self._file, "a", encoding="utf-8") as file:

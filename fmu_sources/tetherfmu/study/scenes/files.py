@@ -4,7 +4,7 @@ import hashlib
 import sys
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from pathlib import Path
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -13,6 +13,7 @@ from tetherfmu import lean
 from tetherfmu.console.ending import WrongUse
 from tetherfmu.input_files import TABLE_OF_GROUND, ground_of, name_in, record, require, tables_of, value_of, without
 from tetherfmu.lean import Lean
+from tetherfmu.materials import of_its_diameter
 from tetherfmu.results import StepRefused
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.inputs import COUNT, by_name
@@ -22,6 +23,8 @@ from tetherfmu.runtime.plausibility import LARGEST_STRETCH, UNDER
 from tetherfmu.runtime.quantities import check, doubts_of, quantities, quantity
 
 from .flights import KINDS
+from .named import path_of
+from .settings import keys_of_parameters, with_settings
 from .winds import BoxedWind, Wind, read_wind
 
 OUTPUTS = ("kite_force", "kite_direction", "ground_force", "ground_direction", "peak_force", "power", "shape")
@@ -79,11 +82,20 @@ class Wanted:
     __post_init__ = check
 
 
+@dataclass(frozen=True)
+class TableOfWinch(without(WINCH, Winch)):
+    """What a file says of the winch: its drum, and the force that it holds."""
+
+    force: float = quantity(
+        0.0, "N", "with which the winch pulls all through the flight; 0: it is not controlled by force", 0.0, 1e9
+    )
+
+
 RECORDS = {  # of a scene, by section
     "tether": Tether,
     "environment": Environment,
     "ground": TABLE_OF_GROUND,
-    "winch": without(WINCH, Winch),
+    "winch": TableOfWinch,
     "wind": Wind,
     "wanted": Wanted,
 }
@@ -99,7 +111,8 @@ class Scene:
     tether: Tether = None
     environment: Environment = field(default_factory=Environment)
     ground: Ground = field(default_factory=Ground)
-    winch: Winch = field(default_factory=Winch)  # its drum, where the flight gives the force of the winch
+    winch: Winch = field(default_factory=Winch)  # its drum, where the winch is controlled by force
+    winch_force: float = 0.0  # that the winch holds [N]; 0: none, or that of the flight
     wind: Any = field(default_factory=Wind)  # a function of times [s], at the reference height; or a `BoxedWind`
     wanted: Wanted = Wanted()
     digest: str = ""
@@ -124,11 +137,20 @@ class Scene:
         """Number of points at which the tether has the wind of a box, 0 if it has one wind."""
         return self.wind.box.wind_points if isinstance(self.wind, BoxedWind) else 0
 
+    @property
+    def has_force(self):
+        """Whether a force controls the winch."""
+        return self.winch_force > 0.0 or self.flight.has_force
+
+    def force_of_winch(self, time):
+        """Force [N] with which the winch pulls at times [s], array (times,), where one controls it."""
+        return self.flight.force(time) if self.flight.has_force else np.full(np.shape(time), self.winch_force)
+
     def doubts(self):
         """Sentences on what was hardly meant: other units, a tether far too short for its ends."""
         yield from doubts_of(self.tether, "tether.")
         yield from doubts_of(self.environment, "environment.")
-        if self.flight.kite_is_free or self.flight.has_force:
+        if self.flight.kite_is_free or self.has_force:
             yield from self.doubts_on_ground()
             return
         motion = self.flight.motion(self.times)
@@ -158,7 +180,7 @@ class Scene:
         time = step * np.arange(self.count * round(self.every / step))
         motion = self.flight.motion(time)
         speed = (self.flight.motion(time + step).reeled - motion.reeled) / step if exact else motion.reel_out_speed
-        if self.flight.has_force or (self.flight.has_length and not exact):
+        if self.has_force or (self.flight.has_length and not exact):
             speed = np.full_like(speed, speed[:1])  # with which the winch starts, and no more
         given = {
             "kite_position": motion.kite,
@@ -168,8 +190,8 @@ class Scene:
             "reel_out_speed": speed[:, np.newaxis],
             "wind_velocity": self.wind(time + 0.5 * step * exact),
         }
-        if self.flight.has_force:
-            given["winch_force"] = self.flight.force(time + 0.5 * step * exact)[:, np.newaxis]
+        if self.has_force:
+            given["winch_force"] = self.force_of_winch(time + 0.5 * step * exact)[:, np.newaxis]
         if self.flight.has_length and not exact:
             given["winch_length"] = (self.tether.initial_length + motion.reeled)[:, np.newaxis]
         if self.flight.kite_is_free:
@@ -193,11 +215,18 @@ class Scene:
         return self.wind.at(time, motion.ground, motion.kite)
 
 
-def load(path):
-    """`Scene` of a file; SceneError says in one line what is wrong with it. What is only doubtful is said on stderr."""
-    path = Path(path)
+def load(path, settings=()):
+    """`Scene` of a file; SceneError says in one line what is wrong with it. What is only doubtful is said on stderr.
+
+    path : of the file, or the name of one of `named.named_scenes`.
+    settings : pairs (name, value) of what is different from the file, see `settings.with_settings`.
+    """
     try:
-        scene = read(tables_of(path), path.parent, path.stem)
+        path = path_of(path)
+    except ValueError as error:
+        raise SceneError(str(error)) from None
+    try:
+        scene = read(with_settings(tables_of(path), settings), path.parent, path.stem)
     except ValueError as error:
         raise SceneError(f"{path}: {error}") from None
     for doubt in scene.doubts():
@@ -211,14 +240,16 @@ def read(table, folder, name):
     flight = read_flight(table["flight"], folder)
     if flight.initial_length is not None and isinstance(table["tether"], dict):
         table = {**table, "tether": {"initial_length": flight.initial_length, **table["tether"]}}
-    if flight.has_force and isinstance(table["tether"], dict) and "initial_length" not in table["tether"]:
+    if finds_length(table, flight):
         table = in_balance(table, flight)
     records = {
         key: record(kind, table[key], key, REQUIRED.get(key, ()), NOT_OF_A_SCENE) if key in table else kind()
         for key, kind in RECORDS.items()
         if key != "wind"
     }
+    records["tether"] = of_its_diameter(records["tether"], table["tether"])
     records["ground"] = ground_of(records["ground"], records["environment"])
+    force = records["winch"].force
     records["winch"] = winch_of(records["winch"], flight)
     if flight.wind and "wind" in table:
         raise ValueError("wind is given here and in the columns of the series; it must be given once")
@@ -242,17 +273,34 @@ def read(table, folder, name):
         duration,
         flight,
         **records,
+        winch_force=force,
         digest=digest.hexdigest()[:16],
         every=every,
         kite_is_free=flight.kite_is_free,
-        build=lean.read(table.get("build", {})),
+        build=build_of(table),
     )
     scene.wind_at(every)  # refused here rather than in a flight
     return scene
 
 
+def finds_length(table, flight):
+    """Whether the length at the start follows from the force of the winch, of a table of a file that has none."""
+    tether, winch = table["tether"], table.get("winch", {})
+    has_force = flight.has_force or (not flight.kite_is_free and isinstance(winch, dict) and "force" in winch)
+    return has_force and isinstance(tether, dict) and "initial_length" not in tether
+
+
+def build_of(table):
+    """`Lean` of the table of a file; ValueError for a start value that the scene has elsewhere."""
+    found, keys = lean.read(table.get("build", {})), keys_of_parameters()
+    for name, _ in found.starts:
+        if name in keys:
+            raise ValueError(f"build.set has {name}, which is {keys[name]} in a scene: set it there")
+    return found
+
+
 def in_balance(table, flight):
-    """The table of a file whose winch is told a force and whose tether has no length: that at which both are in balance."""
+    """The table of a file whose winch is controlled by force, with the length at which both are in balance."""
     motion = flight.motion(0.0)
     distance = float(np.linalg.norm(motion.kite - motion.ground))  # where the search begins
     winch = {"start": "equilibrium", **table["winch"]} if "winch" in table else {"start": "equilibrium"}
@@ -260,14 +308,25 @@ def in_balance(table, flight):
 
 
 def winch_of(table, flight):
-    """The `Winch` of a table of a file; ValueError if nothing tells it a force, without which it has no drum."""
+    """The `Winch` of a table of a file; ValueError if no force, or two, control it."""
+    if table.force and (flight.has_force or flight.has_length):
+        raise ValueError("winch.force is given beside the column of the series that controls the winch; one of them must go")
     names = {each.removeprefix(WINCH): each for each, _ in quantities(Winch)}
-    winch = Winch(**{names[key]: value for key, value in vars(table).items()})
-    if winch != Winch() and not flight.has_force:
+    winch = Winch(**{names[key]: value for key, value in vars(table).items() if key in names})
+    if winch != Winch() and not (flight.has_force or table.force):
         raise ValueError(
-            "winch is given, but no series that says its force; a drum needs a column winch_force or ground_tension"
+            "winch is given without a force; a drum needs winch.force, or a series with a column winch_force or "
+            "ground_tension"
         )
     return winch
+
+
+@lru_cache(maxsize=4)
+def series(path, state):
+    """`Series` of a CSV file, read once for all scenes of a sweep; state : another one for a file written anew."""
+    from .series import Series  # its splines take half a second to import
+
+    return Series(path)
 
 
 def read_flight(table, folder):
@@ -280,9 +339,9 @@ def read_flight(table, folder):
         require(table, "flight of kind series", ("file",), REQUIRED["flight of kind series"])
         if not isinstance(table["file"], str):
             raise ValueError(f"flight.file is {table.get('file')!r}; it must be the name of a CSV file")
-        from .series import Series  # its splines take half a second to import
-
-        return Series(folder / table["file"])
+        path = folder / table["file"]
+        status = path.stat() if path.is_file() else None
+        return series(path, (status.st_size, status.st_mtime_ns) if status else object())
     kinds = [*KINDS, "series"]
     if kind not in KINDS:
         raise ValueError(f"flight.kind is {kind!r}{meant_or_all(str(kind), kinds, 'it must be one of {}')}")

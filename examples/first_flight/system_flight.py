@@ -1,0 +1,189 @@
+"""Which forces do the lines of a system put on its points: a hoist with two winches, drones that carry a load, a bridle?
+
+    tetherfmu fly hoist --set lines.rope_left.reel_out_speed=-0.1 --html
+    python examples/first_flight/system_flight.py examples/systems/two_kites.toml --wind 8 0 0
+
+The file says where the points are (docs/use/systems.md has its keys). Driven points stay there, or go straight on with their
+`velocity`; free points go where lines, weight and wind take them; each line is paid out at its `reel_out_speed`. The system
+is that of the Python API, whose numbers are those of its FMU.
+"""
+
+import sys
+from pathlib import Path
+from warnings import catch_warnings
+
+import numpy as np
+
+from tetherfmu import TetherSystem
+from tetherfmu.console.colours import BLACK, coloured
+from tetherfmu.console.ending import WrongUse, command
+from tetherfmu.console.options import Parser, folder, number, setting
+from tetherfmu.console.progress import now
+from tetherfmu.input_files import tables_of
+from tetherfmu.results import PlausibilityWarning, StepRefused
+from tetherfmu.runtime import layout as at
+from tetherfmu.systems import files
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # the folder of the rooms
+from first_flight.circular_flight import Flight
+
+STEP, DURATION, COUNT = 0.02, 20.0, 12  # communication step [s], of the flight [s], shapes that are drawn
+IN_PLACE = {  # options of the circle: what a system has in their place
+    "length": "--set lines.NAME.initial_length=L",
+    "ground": "--set ground.contact=flat",
+    "start": "its lines start as the solver of its file says",
+    "rate": "its points go straight on with their velocity",
+    "fmu": "it is flown by the Python API; tetherfmu build --system makes its FMU",
+    "fmus": "it is flown by the Python API",
+}
+NOTE = "<p>Arrows: forces of the lines on their points.</p>\n"
+
+
+def is_system(path):
+    """Whether a TOML file (Path) describes a system of tethers, by its table of points."""
+    try:
+        return "points" in tables_of(path)
+    except ValueError:
+        return False  # said where it is read
+
+
+def read(path, settings=()):
+    """`SystemFile` of a file (Path), and its `TetherSystem`; WrongUse says in one line what is wrong with it.
+
+    settings : pairs of keys of the file and values in their place.
+    """
+    from tetherfmu.study.scenes.settings import put  # needs the extra `study`
+
+    try:
+        table = tables_of(path)
+        for key, value in settings:
+            put(table, key, value)
+        found = files.read(table, path.stem)
+        for line in found.lines:
+            if line.winch.winch_control == at.WINCH_BY_FORCE:
+                raise ValueError(
+                    f"lines.{line.name}.winch_control is force, and nothing gives that; it must be speed or length"
+                )
+        return found, TetherSystem(found.points, found.lines, found.environment, found.solver, found.ground)
+    except ValueError as error:
+        raise WrongUse(f"{path}: {error}") from None
+
+
+def fly(found, system, wind=(0.0, 0.0, 0.0), duration=DURATION, step=STEP):
+    """Fly a system of `read`; a `Flight` of each line by name, its start as ground end, and positions of points by name.
+
+    wind [m/s] : at the reference height.  duration, step [s] : of the flight and of a communication step. Rows are those of
+    `Flight`, the first at the start.
+    """
+    count = round(duration / step)
+    if count == 0:
+        raise WrongUse(f"the flight of {duration:g} s is shorter than a communication step of {step:g} s")
+    time = step * np.arange(count + 1)
+    driven = [each for each in found.points if each.is_driven]
+    positions = {each.name: np.add(each.position, np.multiply.outer(time[:-1], each.velocity)) for each in driven}
+    with catch_warnings(action="ignore", category=PlausibilityWarning):  # `run` says them
+        start = system.initialize(wind)
+        flown = system.fly(count, step, positions, wind_velocity=wind)
+    flights = {}
+    for name, nodes in flown.positions.items():
+        first, rows = start.lines[name], flown.outputs[name]
+        forces = (np.vstack([getattr(first, end), rows[:, place : place + 3]]) for end, place in ENDS.items())
+        shape = np.concatenate([first.shape[None], nodes]) if len(first.shape) == nodes.shape[1] else None
+        flights[name] = Flight(time, *forces, shape, flown.seconds)
+    places = {name: np.vstack([start.points[name].position, each.position]) for name, each in flown.points.items()}
+    return flights, places
+
+
+ENDS = {"ground_force": at.GROUND_FORCE, "kite_force": at.KITE_FORCE}
+
+
+def summary(line, flight):
+    """One line on a `Line` of a system: largest forces at its ends."""
+    start, end = (np.linalg.norm(getattr(flight, each), axis=1).max() for each in ENDS)
+    return f"{line.name}: |{line.start}| {start:.1f} N, |{line.end}| {end:.1f} N at most"
+
+
+def draw(flights, places, ground):
+    """Two figures by name: the lines in space along the flight, and the forces at the ends of each over time.
+
+    ground : its height [m], where there is one.
+    """
+    from shared.flight_figures import NARROWEST, draw_ground_in_space, plt, widen
+
+    shapes = plt.figure(figsize=(9.0, 6.0), layout="constrained")
+    space = shapes.add_subplot(projection="3d")
+    for name, flight, colour in coloured(flights):
+        for k in np.linspace(0, len(flight.time) - 1, COUNT).astype(int):
+            space.plot(*flight.shape[k].T, color=colour, linewidth=1.2, label=name if k == 0 else None)
+    for name, path in places.items():
+        space.plot(*path.T, color=BLACK, linewidth=1.8)
+        space.text(*path[0], f" {name}", fontsize=8)
+    least = NARROWEST * max(np.ptp(limits) for limits in (space.get_xlim(), space.get_ylim(), space.get_zlim()))
+    for axis in "xyz":
+        widen(space, axis, least)
+    if ground is not None:
+        draw_ground_in_space(space, ground)
+    space.set(xlabel="x [m]", ylabel="y [m]", zlabel="z [m]", title="Lines and points along the flight")
+    space.set_aspect("equal")
+    space.legend(loc="upper left")
+    forces, panels = plt.subplots(2, 1, figsize=(8.5, 7.0), sharex=True, layout="constrained")
+    for axes, field, end in zip(panels, ENDS, ("start", "end"), strict=True):
+        for name, flight, colour in coloured(flights):
+            axes.plot(flight.time, np.linalg.norm(getattr(flight, field), axis=1), color=colour, linewidth=1.3, label=name)
+        axes.set(title=f"Force of each line at its {end}", ylabel="force [N]")
+        axes.grid(alpha=0.3)
+    panels[0].legend(fontsize=8)
+    panels[1].set_xlabel("time [s]")
+    return {"shapes": shapes, "forces": forces}
+
+
+def run(given):
+    """Fly the system that the options name, print a line on each of its lines, write the figures, print where they are."""
+    if getattr(given, "tether", "dynamic") != "dynamic":
+        raise WrongUse(f"--tether is {given.tether}; the lines of a system are dynamic")
+    found, system = read(Path(given.log), list(map(setting, given.settings)))
+    now(f"flying {given.log}")
+    try:
+        flights, places = fly(found, system, given.wind or (0.0, 0.0, 0.0), given.duration or DURATION, given.step or STEP)
+    except StepRefused as refusal:
+        raise WrongUse(f"{given.log}: this system cannot be flown: {refusal}") from None
+    for sentence in system.implausible:
+        print(f"{found.name}: {sentence}", file=sys.stderr)
+    for line in found.lines:
+        print(summary(line, flights[line.name]))
+    seconds, time = flights[line.name].wall_time, flights[line.name].time
+    print(f"{found.name}: {len(time) - 1} steps; {time[-1] / seconds:.0f} times real time")
+    given.out.mkdir(parents=True, exist_ok=True)
+    now("drawing")
+    ground = found.ground.ground_height if found.ground.ground_contact == at.FLAT else None
+    for name, figure in draw(flights, places, ground).items():
+        path = given.out / f"{name}.png"
+        figure.savefig(path, dpi=150)
+        print(path)
+    if given.html:
+        from shared.flight_page import write_page
+
+        path = given.out / f"{found.name}.html"
+        write_page(flights, path, None, title=f"Lines of {found.name}", ground=ground, paths=places, note=NOTE)
+        print(path)
+
+
+@command
+def main(arguments=None, prog=None):
+    """Fly, print a line on each line, write the figures, print where they are."""
+    parser = Parser(prog=prog, description="fly a system of tethers and plot its lines")
+    option = parser.add_argument
+    option("log", metavar="SYSTEM", help="file of a system (TOML)")
+    wind = {"type": number(unit="m/s"), "nargs": 3, "metavar": ("WX", "WY", "WZ")}
+    option("--wind", **wind, help="wind at the reference height [m/s] (default: none)")
+    option("--step", type=number(1e-6, 1e3, "s"), metavar="H", help=f"communication step [s] (default: {STEP:g})")
+    option("--duration", type=number(1e-6, 1e6, "s"), metavar="T", help=f"of the flight [s] (default: {DURATION:g})")
+    about = "a value of the file, such as lines.rope.reel_out_speed=0.1; may be repeated"
+    option("--set", dest="settings", action="append", default=[], metavar="NAME=VALUE", help=about)
+    option("--out", type=folder, default=Path("plots"), metavar="DIR", help="folder of the figures (default: plots)")
+    option("--html", action="store_true", help="also write an interactive page (needs plotly)")
+    run(parser.parse_args(arguments))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

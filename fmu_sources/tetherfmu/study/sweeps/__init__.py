@@ -1,0 +1,1 @@
+"""Sweeps: one scene with many values, and statistics of each flight."""

@@ -1,0 +1,201 @@
+"""The sweep of a scene: all flights on any executor, kept as they finish, in one table."""
+
+import math
+from concurrent.futures import as_completed
+from itertools import chain
+from pathlib import Path
+
+import pandas as pd
+
+from tetherfmu.console.ending import WorkersLost, WrongUse
+from tetherfmu.input_files import tables_of
+from tetherfmu.runtime.naming import check_names
+from tetherfmu.runtime.parameters import DEFAULT_TOLERANCE, Tether
+from tetherfmu.runtime.variants import VARIANTS
+from tetherfmu.study.measuring.executors import executor_of, progress_bar
+from tetherfmu.study.measuring.runs import Config, least_cost
+from tetherfmu.study.measuring.store import Store, key
+from tetherfmu.study.scenes.files import load
+from tetherfmu.study.scenes.named import path_of
+from tetherfmu.study.scenes.settings import with_settings
+
+from .flights import USUAL, Statistics, Task, fly_all
+from .varied import all_varied, points
+
+FLIGHTS = "flights.jsonl"  # file of finished flights
+STEP = 0.02  # communication step, where the scene does not say it [s]
+TASK, MOST_PER_TASK = 0.5, 200  # work of a task, about [s]; flights in it
+FEWEST_TASKS = 32
+
+
+class Memory:
+    """In the place of a `Store`: what is finished is not kept on disk."""
+
+    def __init__(self):
+        self.points = {}
+        self.add_all = self.points.update
+
+
+def config_of(scene, tether, segments, step):
+    """`Config` of all flights of a sweep; ValueError for a tether that cannot fly the scene."""
+    check_names("sweep", [tether], VARIANTS, "tether")
+    if scene.kite_is_free and tether != "dynamic":
+        raise ValueError(f"tether is {tether}; the free end of {scene.name} is moved by the dynamic tether only")
+    has_nodes, has_waves = tether in ("dynamic", "quasi_steady"), tether == "dynamic"
+    step = step or scene.wanted.communication_step or STEP
+    return Config(tether, segments if has_nodes else 0, DEFAULT_TOLERANCE if has_waves else 0.0, step)
+
+
+def tasks_of(task, scene, missing):
+    """Tasks of the missing flights, so large that what is around them does not count: a list of `Task`.
+
+    task : `Task` without flights.  missing : pairs (key, values).
+    """
+    cost = max(1e-4, least_cost(scene, task.config) * scene.duration)
+    size = min(math.ceil(TASK / cost), MOST_PER_TASK, math.ceil(len(missing) / FEWEST_TASKS))
+    size = max(1, size)
+    return [task._replace(flights=tuple(missing[k : k + size])) for k in range(0, len(missing), size)]
+
+
+def collect(tasks, executor, store, name):
+    """Do tasks on an executor (None: here), and keep what they give in a `Store` (modified), with a progress bar."""
+    if executor is None:
+        done = map(fly_all, tasks)
+    else:
+        futures = [executor.submit(fly_all, task) for task in tasks]
+        done = (future.result() for future in as_completed(futures))
+    total = sum(len(task.flights) for task in tasks)
+    for _ in progress_bar(chain.from_iterable(kept(found, store) for found in done), total, name):
+        pass
+
+
+def kept(found, store):
+    """Flights of a task, once they are kept."""
+    store.add_all(found)
+    return found
+
+
+def fly_missing(task, scene, flights, store, executor, processes, dask):
+    """Fly all flights (dict key -> values) that a `Store` (modified) does not have.
+
+    Where a process of this machine is killed, others go on with what it has left; `WorkersLost` if they are killed, too,
+    before they finish anything.
+    """
+    while missing := [(name, values) for name, values in flights.items() if name not in store.points]:
+        tasks, before = tasks_of(task, scene, missing), len(store.points)
+        if executor is not None or processes == 1:
+            collect(tasks, executor, store, scene.name)
+            continue
+        try:
+            with executor_of(dask, processes) as own:
+                collect(tasks, own, store, scene.name)
+        except WorkersLost:
+            if dask is not None or len(store.points) == before:
+                raise
+
+
+def sweep(
+    scene,
+    vary,
+    *,
+    samples=100,
+    method="latin_hypercube",
+    seed=1,
+    settings=(),
+    outputs=USUAL.outputs,
+    percentiles=USUAL.percentiles,
+    cycles_of=USUAL.cycles_of,
+    start=0.0,
+    tether="dynamic",
+    segments=Tether.segments,
+    step=None,
+    out=None,
+    executor=None,
+    processes=None,
+    dask=None,
+):
+    """Fly a scene with many values; a DataFrame with a row for each flight.
+
+    Columns: the varied values (SI units) by name; of each output its largest value, mean, root mean square and percentiles,
+    as ``kite_tension_max``, ``_mean``, ``_rms``, ``_p5``; ``peak_tension`` [N], the largest of all internal steps;
+    ``cycles`` and ``largest_cycle`` by rainflow counting; ``time_slack`` [s], with a slack segment; ``refused``, why a
+    flight could not be flown, whose statistics are NaN, or "". ``attrs["bins"]`` has the cycles of each flight by range, see
+    `flights.counted`.
+
+    The numbers do not depend on who does the work.  ValueError says in one line what is not possible, WorkersLost that
+    nobody is left to do the work.
+
+    Parameters
+    ----------
+    scene : str or Path
+        Scene file, or a name of `tetherfmu fly --list`.
+    vary : sequence of str, or dict
+        Texts as of ``--vary``, such as ``"tether.diameter=3 mm..6 mm:4"``; or by name a sequence of values or a distribution
+        of scipy.stats. All points of the grid are flown with all samples of the distributions.
+    samples : int
+        Number of samples, if anything has a distribution.
+    method : "latin_hypercube" or "sobol"
+        How they are drawn; the points of Sobol are balanced if their number is a power of 2.
+    seed : int
+        Of the samples; with the same one they are the same.
+    settings : sequence of (str, value)
+        Values in the place of those of the file, in all flights.
+    outputs : sequence of str
+        Scalar outputs, or ``kite_force`` and ``ground_force``, of which the magnitude is taken.
+    percentiles : sequence of float
+        From 0 to 100.
+    cycles_of : str
+        Output whose cycles are counted.
+    start : float
+        Time that the statistics leave out before [s].
+    tether : str
+        "dynamic", "quasi_steady", "catenary" or "straight".
+    segments : int
+    step : float or None
+        Communication step [s]; None: that of the scene, or 20 ms.
+    out : str or Path or None
+        Folder in which finished flights are kept; with the same one, a stopped sweep continues.
+    executor : None, executor of concurrent.futures or Dask client
+        Who does the work; None: processes of this machine.
+    processes : int or None
+        How many, if there is no executor; None: one per core; 1: this process.
+    dask : str or None
+        Address of a Dask scheduler that does the work.
+
+    Examples
+    --------
+    >>> from tetherfmu.study import sweep
+    >>> table = sweep("circle", ["wind.speed=6,9"], settings=[("duration", 2.0)], processes=1)
+    >>> bool(table.kite_tension_max[1] > table.kite_tension_max[0])
+    True
+    """
+    base = load(scene, settings)
+    path = path_of(scene)
+    table = with_settings(tables_of(path), settings)
+    quantities = all_varied(vary, table["flight"]["kind"], path.parent)
+    statistics = Statistics(tuple(outputs), tuple(map(float, percentiles)), cycles_of, float(start)).checked()
+    if not 0.0 <= start < base.duration:
+        raise WrongUse(f"start is {start:g} s; it must be at least 0 s and less than the duration, {base.duration:g} s")
+    if isinstance(samples, bool) or int(samples) != samples or samples < 1:
+        raise WrongUse(f"samples is {samples!r}; it must be a whole number of at least 1")
+    config = config_of(base, tether, segments, step)
+    task = Task(table, path.parent, base.name, config, statistics, ())
+    values = points(quantities, int(samples), method, seed)
+    keys = [key(base.digest, *config, *statistics, each) for each in values]
+    store = Store(Path(out) / FLIGHTS) if out is not None else Memory()
+    if hasattr(executor, "get_executor"):  # a Dask client
+        executor = executor.get_executor(pure=False)
+    fly_missing(task, base, dict(zip(keys, values, strict=True)), store, executor, processes, dask)
+    return frame_of(quantities, values, statistics, [store.points[each] for each in keys])
+
+
+def frame_of(quantities, values, statistics, found):
+    """The table of a sweep, see `sweep`; found : of each flight what `flights.fly` gave."""
+    table = pd.DataFrame([dict(each) for each in values], columns=[each.name for each in quantities])
+    numbers = pd.DataFrame(found).reindex(columns=[*statistics.columns(), "refused"])
+    numbers["refused"] = [each.get("refused", "") for each in found]
+    table = pd.concat([table, numbers], axis=1).rename_axis("flight")
+    table.attrs = {"bins": [each.get("bins", {}) for each in found]}
+    table.attrs["units"] = {each.name: each.unit for each in quantities} | statistics.columns()
+    table.attrs["varied"] = [each.name for each in quantities]
+    return table

@@ -1,0 +1,229 @@
+"""What a sweep varies: values of a scene on a grid, in a list, or drawn from a distribution.
+
+tether.diameter=3 mm..6 mm:4       four values, evenly spaced
+wind.seed=1..20                    whole numbers
+tether.drag_coefficient=0.9,1.1    a list
+wind.file=boxes/seed_*.bts         all files of this name
+wind.speed~weibull(2, 9 m/s)       a distribution
+"""
+
+import re
+from contextlib import suppress
+from dataclasses import dataclass
+from itertools import product
+from pathlib import Path
+from typing import Any
+from warnings import catch_warnings
+
+import numpy as np
+
+from tetherfmu.input_files import in_si, keys_of
+from tetherfmu.runtime.naming import check_names, meant_or_all
+from tetherfmu.runtime.quantities import can_be_given
+from tetherfmu.study.scenes.files import NOT_OF_A_SCENE, RECORDS, Scene
+from tetherfmu.study.scenes.flights import KINDS
+from tetherfmu.study.scenes.settings import ELEMENT, OF_THE_WIND, SEED, key_meant
+from tetherfmu.study.scenes.winds import Box
+
+WRITTEN = re.compile(r"\s*([\w.\[\]]+)\s*([=~])\s*(.+?)\s*")
+RANGE = re.compile(r"(.+?)\.\.(.+?)(?::\s*(\d+))?")
+DISTRIBUTION = re.compile(r"(\w+)\s*\(([^()]*)\)")
+MOST_VALUES = 1_000_000  # of one quantity
+UNIT, NONE = True, False  # whether a parameter of a distribution has the unit of the quantity, or none
+DISTRIBUTIONS = {  # parameters by name, and whether they have the unit
+    "uniform": {"least": UNIT, "largest": UNIT},
+    "normal": {"mean": UNIT, "deviation": UNIT},
+    "lognormal": {"median": UNIT, "deviation of the logarithm": NONE},
+    "weibull": {"shape": NONE, "scale": UNIT},
+    "triangular": {"least": UNIT, "mode": UNIT, "largest": UNIT},
+}
+HOW = "NAME=FROM..TO:COUNT, NAME=A,B,C or NAME~DISTRIBUTION(...)"
+
+
+@dataclass(frozen=True)
+class Varied:
+    """A value of a scene that a sweep varies: by a grid or a list of values, or by a distribution."""
+
+    name: str  # as for `settings.with_settings`
+    unit: str | None  # None of what is no number
+    values: tuple = ()  # in SI units; () with a distribution
+    distribution: Any = None  # a frozen one of scipy.stats
+
+
+def unit_of(name, flight):
+    """Unit of a value of a scene, "" of a number without, None of what is no number; ValueError if there is none.
+
+    flight : kind of the flight of the scene.
+    """
+    if name in (SEED, *OF_THE_WIND):
+        return OF_THE_WIND.get(name, "")
+    key = key_meant(name)
+    element = ELEMENT.fullmatch(key)
+    section, _, last = (element[1] if element else key).rpartition(".")
+    kinds = {"": Scene, "flight": KINDS.get(flight), "wind.box": Box, **RECORDS}
+    if section not in kinds:
+        raise ValueError(f"a scene has no {name}{meant_or_all(section, kinds, 'its sections are {}')}")
+    kind = kinds[section]
+    known = ["file"] if kind is None else [each for each in keys_of(kind) if each not in NOT_OF_A_SCENE]
+    known += ["file"] if section == "wind" else []
+    if last not in known:
+        raise ValueError(f"a scene has no {name}{meant_or_all(last, known, f'{section} has {{}}')}")
+    if element:
+        return "m" if last == "origin" else "m/s"
+    declared = dict(can_be_given(kind)).get(last) if kind else None
+    return declared.unit if declared and not declared.choices else None
+
+
+def number_of(text, unit):
+    """A number in SI units, a whole one where it is written so; ValueError for another unit."""
+    for kind in (int, float):
+        with suppress(ValueError):
+            return kind(text)
+    try:
+        return float(in_si(text.strip(), unit))
+    except ValueError as error:
+        raise ValueError(f"{text.strip()!r} is not possible; {error}") from None
+
+
+def grid(first, last, count, unit):
+    """Evenly spaced values between two texts, a tuple; without a count whole numbers."""
+    ends = [number_of(each, unit) for each in (first, last)]
+    if count is None:
+        if not all(isinstance(each, int) for each in ends) or ends[0] > ends[1]:
+            raise ValueError("a range without :COUNT is one of whole numbers, from the least to the largest")
+        count = ends[1] - ends[0] + 1
+    if not 1 <= int(count) <= MOST_VALUES:
+        raise ValueError(f"it has {count} values; there must be from 1 to {MOST_VALUES}")
+    if all(isinstance(each, int) for each in ends) and int(count) == ends[1] - ends[0] + 1:
+        return tuple(range(ends[0], ends[1] + 1))
+    return tuple(np.linspace(*ends, int(count)).tolist())
+
+
+def distribution(name, texts, unit):
+    """Frozen distribution of scipy.stats from its name and parameters, a list of texts; ValueError for a wrong one."""
+    from scipy import stats  # slow to import
+
+    if name not in DISTRIBUTIONS:
+        raise ValueError(f"there is no distribution {name}{meant_or_all(name, DISTRIBUTIONS)}")
+    wanted = DISTRIBUTIONS[name]
+    if len(texts) != len(wanted):
+        raise ValueError(f"{name} has {len(wanted)} parameters: {', '.join(wanted)}")
+    given = [number_of(text, unit if has_unit else "") for text, has_unit in zip(texts, wanted.values(), strict=True)]
+    positive = {"normal": given[1:], "lognormal": given, "weibull": given}.get(name, ())
+    if any(each <= 0.0 for each in positive) or (not positive and (given != sorted(given) or given[0] == given[-1])):
+        rule = "above 0" if positive else "in ascending order"
+        raise ValueError(f"its parameters {', '.join(list(wanted)[-len(positive or given) :])} must be {rule}")
+    if name == "uniform":
+        return stats.uniform(given[0], given[1] - given[0])
+    if name == "normal":
+        return stats.norm(*given)
+    if name == "lognormal":
+        return stats.lognorm(given[1], scale=given[0])
+    if name == "weibull":
+        return stats.weibull_min(given[0], scale=given[1])
+    width = given[2] - given[0]
+    return stats.triang((given[1] - given[0]) / width, given[0], width)
+
+
+def listed(text, unit, folder):
+    """Values of a list, a tuple; names of files with * are those of files in a folder."""
+    parts = [each.strip() for each in text.split(",")]
+    if unit is not None:
+        return tuple(number_of(each, unit) for each in parts)
+    found = []
+    for part in parts:
+        files = sorted(str(each.relative_to(folder)) for each in folder.glob(part)) if "*" in part else [part]
+        if not files:
+            raise ValueError(f"no file is called {part}")
+        found += files
+    return tuple(found)
+
+
+def varied(text, flight="circle", folder=Path()):
+    """`Varied` of a text such as ``wind.speed~weibull(2, 9 m/s)``; ValueError says in one line what is wrong with it.
+
+    flight : kind of the flight of the scene.  folder : of the scene, where files are.
+
+    >>> varied("tether.diameter=3 mm..6 mm:4").values
+    (0.003, 0.004, 0.005, 0.006)
+    """
+    found = WRITTEN.fullmatch(text)
+    if not found:
+        raise ValueError(f"{text!r} is not possible; it must be {HOW}")
+    name, how, rest = found.groups()
+    unit = unit_of(name, flight)
+    try:
+        if how == "~":
+            written = DISTRIBUTION.fullmatch(rest)
+            if not written or unit is None:
+                must = "it must be NAME~DISTRIBUTION(...)" if not written else "it is no number: give a list, NAME=A,B,C"
+                raise ValueError(f"{must}, with one of {', '.join(DISTRIBUTIONS)}" if not written else must)
+            parameters = [each.strip() for each in written[2].split(",")]
+            return Varied(name, unit, distribution=distribution(written[1], parameters, unit))
+        between = RANGE.fullmatch(rest)
+        if between and unit is not None:
+            return Varied(name, unit, grid(*between.groups(), unit))
+        return Varied(name, unit, listed(rest, unit, folder))
+    except ValueError as error:
+        raise ValueError(f"{text!r}: {error}") from None
+
+
+def all_varied(given, flight, folder):
+    """List of `Varied` of what `sweep` was given; ValueError says in one line what is wrong.
+
+    given : texts, or a dict of values (a sequence), or a distribution of scipy.stats, by name.
+    """
+    if isinstance(given, dict):
+        found = []
+        for name, values in given.items():
+            unit = unit_of(name, flight)
+            is_distribution = hasattr(values, "ppf")
+            given_values = (
+                () if is_distribution else tuple(in_si(each, unit) if unit is not None else each for each in values)
+            )
+            plain = tuple(each.item() if isinstance(each, np.generic) else each for each in given_values)
+            found.append(Varied(name, unit, plain, values if is_distribution else None))
+    else:
+        found = [varied(text, flight, folder) for text in ([given] if isinstance(given, str) else given)]
+    names = [each.name for each in found]
+    for name in names:
+        if names.count(name) > 1:
+            raise ValueError(f"{name} is varied twice")
+    if not found:
+        raise ValueError(f"nothing is varied; give at least one {HOW}")
+    return found
+
+
+METHODS = ("latin_hypercube", "sobol")
+
+
+def draws(quantities, samples, method, seed):
+    """Values of all quantities that have a distribution, list of tuples, one for each of the samples; [()] without any."""
+    drawn = [each for each in quantities if each.distribution is not None]
+    if not drawn:
+        return [()]
+    from scipy.stats import qmc
+
+    check_names("sweep", [method], METHODS, "method")
+    engine = {"latin_hypercube": qmc.LatinHypercube, "sobol": qmc.Sobol}[method]
+    with catch_warnings(action="ignore", category=UserWarning):  # Sobol with another number than a power of 2
+        places = engine(len(drawn), seed=np.random.default_rng(seed)).random(samples)
+    places = np.clip(places, 0.5**53, 1.0 - 0.5**53)  # a scrambled point of Sobol may be 0
+    return [
+        *zip(*(each.distribution.ppf(column).tolist() for each, column in zip(drawn, places.T, strict=True)), strict=True)
+    ]
+
+
+def points(quantities, samples, method, seed):
+    """Values of each flight, a list of tuples of pairs (name, value): all points of the grid, each with all samples."""
+    drawn = [each.name for each in quantities if each.distribution is not None]
+    grids = [each for each in quantities if each.distribution is None]
+    names = [*(each.name for each in grids), *drawn]
+    at_random = draws(quantities, samples, method, seed)
+    order = [each.name for each in quantities]
+    found = []
+    for on_grid in product(*(each.values for each in grids)):
+        for sample in at_random:
+            values = dict(zip(names, (*on_grid, *sample), strict=True))
+            found.append(tuple((name, values[name]) for name in order))
+    return found
