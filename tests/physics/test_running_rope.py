@@ -61,7 +61,11 @@ def test_the_whole_rope_is_accelerated(segments, control, method):
 
 
 def light_drum(drum, kite, segments=10, damping=0.01, **options):
-    """Ranges of the tension [N] in eight windows of 50 ms after a push; masses in those of the rope; 100 m upright."""
+    """Ranges of the tension [N] in eight windows of 50 ms after a push, and the energy [J] at their ends.
+
+    Masses in those of the rope; 100 m upright. The energy is that of rope, kite, drum and of the constant forces on kite
+    and drum; rope on the drum has none, so the strain T^2/(2 EA) per length that it leaves with counts, too.
+    """
     length, density, stiffness = 100.0, 0.0125, 6e5
     rope, wave = density * length, np.sqrt(stiffness / density)
     force = max(1000.0, 2.0 * (1.0 + kite) * rope * G)
@@ -79,29 +83,43 @@ def light_drum(drum, kite, segments=10, damping=0.01, **options):
     system = TetherSystem(points, [Line("line", "ground", "kite", tether, winch=winch)], **options)
     load, weight = {"kite": (0.0, 0.0, force)}, force - (1.0 + kite) * rope * G
     system.initialize(loads=load, winch_forces={"line": weight})
-    found = []
+    tensions, energies, strain = [], [], [0.0]
     for k in range(400):
-        outputs = system.step(0.001, loads=load, winch_forces={"line": weight + (1.0 if k < 2 else 0.0)})
-        found.append(outputs.lines["line"].ground_tension)
-    return np.ptp(np.reshape(found, (8, 50)), axis=1)
+        outputs = system.step(0.001, loads=load, winch_forces={"line": weight + (200.0 if k in (1, 2) else 0.0)})
+        line = outputs.lines["line"]
+        tensions.append(line.ground_tension)
+        strain.append(line.winch_speed * line.ground_tension**2 / (2.0 * stiffness))
+        if k % 50 == 49:
+            found = system.energy().lines["line"]
+            of_forces = weight * line.tether_length - force * outputs.points["kite"].position[2]
+            energies.append(found.total + found.drum + of_forces + np.trapezoid(strain, dx=0.001))
+    return np.ptp(np.reshape(tensions, (8, 50)), axis=1), np.array(energies)
 
 
 @pytest.mark.parametrize(
     ("drum", "kite", "damping"), [(0.05, 0.2, 0.01), (0.05, 0.2, 0.05), (1.0, 0.2, 0.01), (0.0, 20.0, 0.01)]
 )
 def test_a_light_drum_does_not_flutter(drum, kite, damping):
-    ranges = light_drum(drum, kite, damping=damping)
+    ranges, energies = light_drum(drum, kite, damping=damping)
+    assert (np.diff(energies) < 0.0).all()
     assert ranges[-1] < 0.7 * ranges[1]
     assert ranges[-1] < 0.2 * ranges[0] or drum == 1.0
     assert ranges.max() < 2.0 * ranges[:2].max()
 
 
+def random_drum(seed):
+    """Arguments of `light_drum`."""
+    random = np.random.default_rng(seed)
+    masses = {"drum": 10.0 ** random.uniform(-2.0, 2.0), "kite": 10.0 ** random.uniform(-1.0, 2.0)}
+    return masses | {"segments": int(random.integers(1, 12)), "damping": 10.0 ** random.uniform(-5.0, -1.5)}
+
+
 @pytest.mark.parametrize("seed", range(4))
 def test_no_random_drum_makes_waves(seed):
-    random = np.random.default_rng(seed)
-    drum, kite = 10.0 ** random.uniform(-2.0, 2.0), 10.0 ** random.uniform(-1.0, 2.0)
-    ranges = light_drum(drum, kite, segments=int(random.integers(1, 12)), damping=10.0 ** random.uniform(-4.0, -1.5))
+    """500 of them: `tests/benchmarks/light_drums.py`."""
+    ranges, energies = light_drum(**random_drum(seed))
     assert ranges[4:].max() < 1.5 * ranges[:4].max()
+    assert (np.diff(energies) < 0.0).all()
 
 
 @pytest.mark.parametrize("control", ["speed", "force"])

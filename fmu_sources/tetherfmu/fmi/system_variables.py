@@ -38,7 +38,10 @@ OF_A_LINE = {  # outputs of a tether that a line has, and their names there
     "slack_segments": "slack_segments",
     "grounded_length": "grounded_length",
 }
-MEANINGS = {"tension_from": "tension of the first segment, at {}", "tension_to": "tension of the last segment, at {}"}
+MEANINGS = {
+    "tension_from": "tension of the first segment, at {}; with winch_control = force where the line leaves the winch",
+    "tension_to": "tension of the last segment, at {}",
+}
 SUMMED = ("solver_iterations",)  # of all lines; the others are those of the first line
 GIVEN_TO_ALL = inputs_at("wind")  # vectors that all lines share
 GIVEN = inputs_at("winch")  # inputs of a tether that a line has

@@ -11,8 +11,9 @@ from ..arrays import positions_and_velocities
 from ..compilation import kernel, view
 from ..equations import winch
 from ..equations.boundary import move_ends
-from ..equations.boundary import spring_at_ground as tension_at_ground
+from ..equations.boundary import spring_at_ground
 from ..equations.properties import chain_of, chain_without_flow
+from ..equations.rope_at_drum import spring_at_winch as tension_at_ground
 from ..linear_algebra.vectors import add_scaled, get, put, scale, sub
 from ..motion.drum_in_equilibrium import drum_at
 from ..rest import newton, solve
@@ -38,7 +39,7 @@ def settle(n, parameters, state, work):
 def largest_tension(n, parameters, state, work):
     """Largest tension [N] of all segments of a state in equilibrium."""
     x, _ = positions_and_velocities(n, state)
-    w, largest = newton.workspace(n, work), tension_at_ground(n, parameters, state)
+    w, largest = newton.workspace(n, work), spring_at_ground(n, parameters, state)
     spring_tensions(chain_of(n, parameters, state), x, w.tension)
     for s in range(n):
         largest = max(largest, w.tension[s] + state[at.MISSING_TENSION])
@@ -90,3 +91,5 @@ def outputs_of(n, parameters, state, shape_points, outputs, work):
     v = velocities_of(n, parameters, state, work)
     mass = newton.workspace(n, work).mass
     outputs_of_chain(chain_without_flow(n, parameters, state), state, x, v, shape_points, outputs, mass)
+    if winch.follows_force(parameters):
+        outputs[at.GROUND_TENSION] = tension_at_ground(n, parameters, state)
