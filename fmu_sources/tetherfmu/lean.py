@@ -9,8 +9,8 @@ from fnmatch import fnmatchcase
 
 from tetherfmu.fmi.selection import GROUPS, own_name
 from tetherfmu.input_files import in_si, require
-from tetherfmu.materials import SCALED
 from tetherfmu.runtime.naming import meant_or_all
+from tetherfmu.runtime.parameters import SCALED
 from tetherfmu.runtime.quantities import NOT_WHOLE, checked
 from tetherfmu.runtime.variables import CALCULATED, INPUT, PARAMETER
 

@@ -58,16 +58,3 @@ def tether_of(material: str, diameter: float, **more: float | str) -> Tether:
         values = {"density": found.density, "axial_stiffness": stiffness, "axial_damping": damping}
         tether = Tether(diameter=diameter, **values)
     return changed(tether, more)
-
-
-SCALED = ("axial_stiffness", "axial_damping")  # with the area of the tether
-
-
-def of_its_diameter(tether: Tether, given) -> Tether:
-    """A tether of a file, whose stiffness and damping grow with its area unless they are among the names that it gives.
-
-    >>> of_its_diameter(Tether(diameter=0.008), ["diameter"]).axial_stiffness
-    2458400.0
-    """
-    full = Tether().with_diameter(tether.diameter)
-    return changed(tether, {name: getattr(full, name) for name in SCALED if name not in given})

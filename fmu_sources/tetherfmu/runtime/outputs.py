@@ -74,7 +74,10 @@ class Outputs(NamedTuple):
         "N", "force of the tether on the kite", FORCE, shape=VECTOR, terminal="kite.force", group="forces"
     )
     ground_tension: float = output(
-        "N", "tension of the first segment; with winch_control = force where the tether leaves the winch", FORCE, group="forces"
+        "N",
+        "tension of the first segment; with winch_control = force where the tether leaves the winch",
+        FORCE,
+        group="forces",
     )
     kite_tension: float = output("N", "tension of the last segment", FORCE, group="forces")
     max_tension: float = output("N", "largest tension of all segments", FORCE, group="forces")

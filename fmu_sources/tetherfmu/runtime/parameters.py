@@ -24,6 +24,7 @@ ROUGHNESS_TOO_LARGE = (
 )
 GROUND_WITHOUT_GRAVITY = "ground_contact is flat; it needs a gravity above 0, for ground_sink is a depth under weight"
 MASS_AND_DENSITY = "mass_per_length and density are both given; give one of them: density is mass_per_length over the area"
+SCALED = ("axial_stiffness", "axial_damping")  # with the area of a tether
 STOPS_CROSSED = "shortest_length is {shortest_stop!r} m; it must be less than longest_length ({longest_stop!r} m)"
 
 
@@ -48,14 +49,29 @@ def in_density(given, diameter):
     return {name: value for name, value in given.items() if name != "mass_per_length"} | {"density": mass / across}
 
 
-def by_mass(record):
-    """Let the constructor of `Tether` (modified) take a mass per length instead of the density; the record."""
+def of_material(given, tether):
+    """Quantities that are given (dict) instead of those of a tether, with those that follow from them.
+
+    A diameter alone scales stiffness and damping with the area; a `mass_per_length` is a density. ValueError names the
+    quantity that is out of range.
+    """
+    given = in_density(given, tether.diameter)
+    if "diameter" not in given or all(name in given for name in SCALED):
+        return given
+    table = dict(quantities(Tether))
+    with allowed_by(given["diameter"]):
+        area = (checked("diameter", given["diameter"], table["diameter"]) / tether.diameter) ** 2
+        return {name: checked(name, area * getattr(tether, name), table[name]) for name in SCALED} | given
+
+
+def by_material(record):
+    """Let the constructor of `Tether` (modified) complete what it is given by `of_material`; the record."""
     make, names = record.__init__, [name for name, _ in quantities(record)]
 
     @wraps(make)
     def __init__(self, *values, **named):
         first = dict(zip(names, values, strict=False))
-        given = in_density(first | named, record.diameter)
+        given = of_material(first | named, record)
         make(self, *values, **{name: value for name, value in given.items() if name in named or name not in first})
 
     record.__init__ = __init__
@@ -63,15 +79,18 @@ def by_mass(record):
 
 
 @documented
-@by_mass
+@by_material
 @dataclass(frozen=True)
 class Tether:
     """A uniform tether. ValueError if a number is out of range.
 
-    `mass_per_length` [kg/m] may be given instead of the density.
+    A diameter alone scales stiffness and damping with the area; those that are given stay. `mass_per_length` [kg/m] may be
+    given instead of the density.
 
     >>> Tether(initial_length=525.0, damping_law="stretch_rate").damping_law
     2
+    >>> Tether(diameter=0.008).axial_stiffness
+    2458400.0
     >>> round(Tether(diameter=0.001, mass_per_length=0.14).density)
     178254
     """
@@ -80,8 +99,12 @@ class Tether:
     initial_length: float = quantity(505.0, "m", "unstretched length at the start", MIN_SEGMENT_LENGTH, 1e5)
     diameter: float = quantity(0.004, "m", "diameter", 1e-6, 10.0, display=("mm", 1000.0), usual=IN_METRES)
     density: float = quantity(724.0, "kg/m3", "density of the tether material", 1e-3, 1e7, usual=IN_KG_PER_M3)
-    axial_stiffness: float = quantity(614600.0, "N", "stiffness E A: force per strain", 1e-3, 1e12)
-    axial_damping: float = quantity(473.0, "N.s", "damping constant times length: force per strain rate", 0.0, 1e9)
+    axial_stiffness: float = quantity(
+        614600.0, "N", "stiffness E A: force per strain; an FMU does not scale it with diameter", 1e-3, 1e12
+    )
+    axial_damping: float = quantity(
+        473.0, "N.s", "damping constant times length: force per strain rate; scaled as axial_stiffness", 0.0, 1e9
+    )
     slack_stiffness_ratio: float = quantity(
         0.01, "", "stiffness of a slack segment relative to a taut one; 0: it carries nothing", 0.0, 1.0
     )
@@ -116,10 +139,7 @@ class Tether:
         >>> Tether(axial_stiffness=1000.0).with_diameter(0.008).axial_stiffness
         4000.0
         """
-        with allowed_by(diameter):
-            area = (diameter / self.diameter) ** 2
-            stiffness, damping = area * self.axial_stiffness, area * self.axial_damping
-            return replace(self, diameter=diameter, axial_stiffness=stiffness, axial_damping=damping)
+        return changed(self, {"diameter": diameter})
 
 
 @contextmanager
@@ -133,8 +153,8 @@ def allowed_by(diameter):
 
 
 def changed(record, given):
-    """A copy of a record with other values (dict), as by `dataclasses.replace`; a tether takes a mass per length, too."""
-    return replace(record, **(in_density(given, record.diameter) if isinstance(record, Tether) else given))
+    """A copy of a record with other values (dict), as by `dataclasses.replace`; of a tether by `of_material`."""
+    return replace(record, **(of_material(given, record) if isinstance(record, Tether) else given))
 
 
 @documented

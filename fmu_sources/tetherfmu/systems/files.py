@@ -17,7 +17,7 @@ from tetherfmu.input_files import (
     vector_in,
 )
 from tetherfmu.lean import Lean
-from tetherfmu.materials import of_its_diameter, tether_of
+from tetherfmu.materials import tether_of
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.inputs import INPUT_TABLE
 from tetherfmu.runtime.outputs import OUTPUT_TABLE
@@ -137,6 +137,6 @@ def tether_in(table, given, section):
             if "diameter" not in given:
                 raise ValueError("material is given without a diameter, on which its stiffness, damping and mass depend")
             return tether_of(table["material"], given.pop("diameter"), **given)
-        return of_its_diameter(Tether(**given), given)
+        return Tether(**given)
     except ValueError as error:
         raise ValueError(f"{section}.{error}") from None

@@ -13,11 +13,10 @@ from pathlib import Path
 from tetherfmu.console.colours import COLOUR, GROUND, REFERENCE
 from tetherfmu.input_files import TABLE_OF_GROUND, record, value_of
 from tetherfmu.libraries.examples import EXAMPLES, example
-from tetherfmu.materials import SCALED
 from tetherfmu.runtime import __version__, inputs, outputs, parameters, plausibility, quantities, status
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import plan_layout as places
-from tetherfmu.runtime.parameters import Tether
+from tetherfmu.runtime.parameters import SCALED, Tether
 from tetherfmu.runtime.quantities import Quantity
 from tetherfmu.runtime.variables import PARAMETERS, records_of
 from tetherfmu.runtime.variants import TABLE, class_name, library_of

@@ -10,8 +10,7 @@ from tetherfmu.runtime import layout as at
 from ..arrays import positions_and_velocities
 from ..compilation import kernel, view
 from ..equations import winch
-from ..equations.boundary import move_ends
-from ..equations.boundary import spring_at_ground
+from ..equations.boundary import move_ends, spring_at_ground
 from ..equations.properties import chain_of, chain_without_flow
 from ..equations.rope_at_drum import spring_at_winch as tension_at_ground
 from ..linear_algebra.vectors import add_scaled, get, put, scale, sub

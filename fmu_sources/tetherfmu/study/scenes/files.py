@@ -13,7 +13,6 @@ from tetherfmu import lean
 from tetherfmu.console.ending import WrongUse
 from tetherfmu.input_files import TABLE_OF_GROUND, ground_of, name_in, record, require, tables_of, value_of, without
 from tetherfmu.lean import Lean
-from tetherfmu.materials import of_its_diameter
 from tetherfmu.results import StepRefused
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.inputs import COUNT, by_name
@@ -247,7 +246,6 @@ def read(table, folder, name):
         for key, kind in RECORDS.items()
         if key != "wind"
     }
-    records["tether"] = of_its_diameter(records["tether"], table["tether"])
     records["ground"] = ground_of(records["ground"], records["environment"])
     force = records["winch"].force
     records["winch"] = winch_of(records["winch"], flight)
