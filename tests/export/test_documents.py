@@ -2,6 +2,7 @@
 
 import struct
 import zipfile
+from email.message import Message
 from html.parser import HTMLParser
 from importlib.metadata import distribution
 from pathlib import PurePosixPath
@@ -10,6 +11,7 @@ import pytest
 from fmpy import read_model_description
 
 from runtime.host import of_every_flavour
+from tetherfmu.export import documents
 from tetherfmu.export.archive import SLAVES, build
 from tetherfmu.export.build_options import BuildOptions
 from tetherfmu.export.documents import folded
@@ -56,7 +58,7 @@ def test_page_tells_the_interface_and_its_links_lead_somewhere(fmu_folder, name)
     files = content(fmu_folder / f"{name}.fmu")
     page = Page(files["documentation/index.html"].decode("utf-8"))
     for link in page.links:
-        assert str(PurePosixPath("documentation") / link) in files
+        assert link.startswith("https://") or str(PurePosixPath("documentation") / link) in files
     table = variables(SLAVES[name], 21)
     for listed, each in folded(table):
         assert listed in page.cells
@@ -77,6 +79,18 @@ def test_every_variant_tells_its_own_physics(fmu_folder, name):
     }
     text = content(fmu_folder / f"{name}.fmu")["documentation/index.html"].decode("utf-8")
     assert [each for each in SLAVES if symbol[each] in text] == [name]
+    assert ("<code>kite_load</code> is the force" in text) == (name == "TetherDynamicFree")
+
+
+@pytest.mark.parametrize(
+    ("address", "link"), [("https://a.invalid", ""), ("https://b.org", '<a href="https://b.org">project</a>')]
+)
+def test_page_links_to_the_project_once_it_has_an_address(monkeypatch, address, link):
+    found = Message()
+    found["Project-URL"] = f"Repository, {address}"
+    monkeypatch.setattr(documents, "metadata", lambda package: found)
+    assert link in documents.about("")["manual"]
+    assert bool(link) == bool(documents.about("")["manual"])
 
 
 @of_every_flavour("name")
@@ -109,7 +123,8 @@ def test_licences_and_dependencies_of_native_fmus(native_folder, fmi3_folder):
         assert "No Python" in needed
         page = Page(files["documentation/index.html"].decode("utf-8"))
         assert "licenses/license.txt" in page.links
-        assert all(str(PurePosixPath("documentation") / link) in files for link in page.links)
+        own = [link for link in page.links if not link.startswith("https://")]
+        assert all(str(PurePosixPath("documentation") / link) in files for link in own)
 
 
 def test_page_follows_the_build_options(tmp_path):

@@ -2,7 +2,7 @@
 
 import re
 from html import escape
-from importlib.metadata import distribution
+from importlib.metadata import PackageNotFoundError, distribution, metadata
 
 from tetherfmu import models
 from tetherfmu.fmi import selection
@@ -40,7 +40,8 @@ def documents(name, variant, description, options, given, native=None):
         words = {"scene": evidence.SCENES[BY_NAME[variant].kite_is_free], "more": more}
         sets = evidence.files(name, made, native == 3, model=name, **words) if made else {}
         physics = asset(f"physics/{variant}.html").strip()
-        body = filled("tether.html", name=name, physics=physics, **about(description, native))
+        coupling = asset("free_kite.html" if BY_NAME[variant].kite_is_free else "driven_kite.html").strip()
+        body = filled("tether.html", name=name, physics=physics, coupling=coupling, **about(description, native))
     groups = osp.model_description(selection.shown(table, given["left_out"]))
     beside = files_beside(name, page(title, body, table, given["left_out"]), sets, options.platforms, groups, native)
     return beside | {"documentation/figure.png": (ASSETS / "figure.png").read_bytes()}
@@ -114,7 +115,18 @@ def listed(paths):
 def about(description, native=None):
     """What the page of each FMU of a tether or a system says of it: dict of words for its text."""
     flavour = "native" if native else "with PythonFMU"
-    return {"fmi": native or 2, "flavour": flavour, "version": __version__, "description": escape(description)}
+    words = {"fmi": native or 2, "flavour": flavour, "version": __version__, "description": escape(description)}
+    return words | {"manual": manual()}
+
+
+def manual():
+    """Link to the project and its manual, as the metadata of the package have it; empty while they have no address."""
+    try:
+        addresses = metadata("tetherfmu").get_all("Project-URL") or ()
+    except PackageNotFoundError:  # in a checkout that is not installed
+        addresses = ()
+    known = [each.partition(", ")[2] for each in addresses if not each.endswith(".invalid")]
+    return f' The <a href="{escape(known[0])}">project</a> has the manual.' if known else ""
 
 
 def page(title, body, table, left_out=(), hint="<p>Set them before the initialization ends.</p>\n"):
