@@ -140,6 +140,23 @@ def assemble(conditions, chain, d, x, v, w):
 
 
 @kernel
+def add_acceleration(conditions, chain, time, h, w):
+    """Add what rope that gains speed does to w.matrix and w.force_rate (modified), after stage 0 has begun without it.
+
+    chain : a `Chain` with the acceleration of its drum, and no speed.
+    """
+    if not flow.flows(chain):
+        return
+    n, ground, kite = conditions.n, conditions.ground, conditions.kite
+    flow.subtract_slopes(chain, 1.0, GAMMA * h, w.matrix)
+    if conditions.first == 1:
+        flow.add_end_motion(chain, False, velocity_at(ground, time), acceleration_at(ground, time), w.q)
+    if conditions.last == n - 1:
+        flow.add_end_motion(chain, True, velocity_at(kite, time), acceleration_at(kite, time), w.q)
+    interleave(n, w.q, w.force_rate)
+
+
+@kernel
 def stage_masses(chain, stage, changes, w):
     """Node masses at a stage [kg] into w.stage_mass (modified); changes : whether those of the start have changed."""
     if stage == 0:

@@ -12,7 +12,8 @@ from math import sqrt
 
 from tetherfmu.runtime import layout as at
 
-from ..compilation import kernel
+from ..arrays import copy
+from ..compilation import kernel, view
 from ..equations import rope_at_drum as rope
 from ..equations import segment
 from ..equations.boundary import chain_moving, chain_with
@@ -38,6 +39,7 @@ from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, dot, get, put
 from .system_room import (
     BALANCE,
     BY_SPEED,
+    CROSSED,
     DIRECTION,
     INERTIA,
     LENGTH,
@@ -104,17 +106,25 @@ def acceleration_of_start(conditions, time):
 # --- a stage
 
 
+@view
+def own_nodes(system, k):
+    """First and last of the nodes of line k that move freely and are no free point at its start."""
+    conditions = conditions_of(system, k)
+    return max(conditions.first, 1 if is_at_point(system, k, 0) else 0), conditions.last
+
+
 @kernel
-def begin_acceleration(system, k, time):
+def begin_acceleration(system, k, stage, time):
     """f [N] and the inertia [kg] of the drum of line k at a stage, once its forces are known, into its numbers (modified).
 
-    But for what a first node adds that is a free point. col goes into `Shares.pulled` (modified).
+    But for what a first node adds that is a free point; so for the parts of BALANCE, see `take_balance`. col goes into
+    `Shares.pulled`, and that of stage 0 into `Shares.border` (modified).
     """
-    conditions, numbers, w, pulled = (
+    conditions, numbers, w, b = (
         conditions_of(system, k),
         numbers_of(system, k),
         integrator_of(system, k),
-        shares_of(system, k).pulled,
+        shares_of(system, k),
     )
     chain, n, part = chain_with(conditions, numbers[LENGTH], numbers[SPEED]), conditions.n, 1.0
     force, inertia, from_below = rope.of_speed(chain), 0.0, ZERO_VECTOR
@@ -126,16 +136,22 @@ def begin_acceleration(system, k, time):
         force += rope.pull(chain, s, part, w.modes[s], r, sub(v_q, v_p), height)
         inertia += rope.inertia(chain, s, part, r)
         of_p, of_q = rope.columns(chain, s, part, r)
-        put(pulled, s, add(from_below, of_p))
+        put(b.pulled, s, add(from_below, of_p))
         from_below, part = of_q, rope.next_part(chain, s, part)
         x_p, v_p = x_q, v_q
-    put(pulled, n, from_below)
-    for i in range(n + 1):
-        if is_free(conditions, i) and not (i == 0 and is_at_point(system, k, 0)):
-            force += dot(get(pulled, i), get_node(n, i, w.force)) / w.stage_mass[i]
-            inertia -= dot(get(pulled, i), get(pulled, i)) / w.stage_mass[i]
-    numbers[UNBALANCED] = force + dot(get(pulled, 0), acceleration_of_start(conditions, time))
-    numbers[YIELDING] = inertia
+    put(b.pulled, n, from_below)
+    if stage == 0:
+        copy(b.pulled, b.border)
+    first, last = own_nodes(system, k)
+    balance, crossed = 0.0, 0.0
+    for i in range(first, last + 1):
+        part, col, col_0, of_node = 1.0 / w.stage_mass[i], get(b.pulled, i), get(b.border, i), get_node(n, i, w.force)
+        force += part * dot(col, of_node)
+        inertia -= part * dot(col, col)
+        balance -= part * dot(col_0, of_node)
+        crossed += part * dot(col_0, col)
+    numbers[UNBALANCED] = force + dot(get(b.pulled, 0), acceleration_of_start(conditions, time))
+    numbers[YIELDING], numbers[BALANCE], numbers[CROSSED] = inertia, balance, crossed
     counter = counter_force(system, k, numbers[DIRECTION], numbers[SPEED], time)
     numbers[STAGE_ACCELERATION] = acceleration_with(system, k, counter, numbers[UNBALANCED], inertia)
 
@@ -169,27 +185,13 @@ def couple(system, k, time):
 @kernel
 def take_balance(system, k, stage, time):
     """Right-hand side of a stage of the drum of line k, from u' of all drums: BALANCE among its numbers (modified)."""
-    conditions, numbers, w, b = (
-        conditions_of(system, k),
-        numbers_of(system, k),
-        integrator_of(system, k),
-        shares_of(system, k),
-    )
-    n, gained, points = conditions.n, numbers[STAGE_ACCELERATION], points_of(system)
+    numbers, gained = numbers_of(system, k), numbers_of(system, k)[STAGE_ACCELERATION]
     if stage == 0:
-        for i in range(3 * (n + 1)):
-            b.border[i] = b.pulled[i]
         numbers[INERTIA] = rope_inertia(system, k) + slope_at_start(system, k, time) * mass_of(system, k)
-    balance = numbers[INERTIA] * gained
-    for i in range(n + 1):
-        if is_free(conditions, i):
-            col, col_0, force = get(b.pulled, i), get(b.border, i), get_node(n, i, w.force)
-            mass, total = w.stage_mass[i], add_scaled(force, gained, col)
-            if i == 0 and is_at_point(system, k, 0):
-                point = point_at(system, k, 0)
-                mass, total = points.stage_mass[point], force_at_stage(system, point, time)
-            balance -= dot(col_0, total) / mass
-    numbers[BALANCE] = balance
+    numbers[BALANCE] += (numbers[INERTIA] - numbers[CROSSED]) * gained
+    if is_at_point(system, k, 0):
+        point, col_0 = point_at(system, k, 0), get(shares_of(system, k).border, 0)
+        numbers[BALANCE] -= dot(col_0, force_at_stage(system, point, time)) / points_of(system).stage_mass[point]
 
 
 @kernel
@@ -234,7 +236,7 @@ def accelerate(system, stage, time):
     coupled = 0
     for k in range(lines_of(system)):
         if turns_with_rope(system, k):
-            begin_acceleration(system, k, time)
+            begin_acceleration(system, k, stage, time)
             coupled += is_at_point(system, k, 0)
     if coupled > 0:
         for _ in range(SWEEPS if coupled > 1 else 1):

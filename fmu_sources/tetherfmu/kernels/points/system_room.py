@@ -62,12 +62,12 @@ pulled : col at the start of the step and at a stage [kg].
     # with rope that flows, see `rope_drums.py`
     ROW_AT_START,  # what is left of the row at the ends of the line
     ROW_AT_END,
-    ACCELERATION,  # u' at the start of the step, at the stage [m/s2]
-    STAGE_ACCELERATION,
+    STAGE_ACCELERATION,  # u' at the stage [m/s2]
     UNBALANCED,  # force [N] and inertia [kg] of a stage without what the first node adds
     YIELDING,
     INERTIA,  # m (1 + T/EA) + I at the start of the step [kg]
     BALANCE,  # right-hand side of a stage [N]
+    CROSSED,  # sum of col_0 . col over the masses of the nodes of a stage [kg]
     # fixed steps
     GOAL,  # the largest move of a node with which the line has converged [m]
     UNCONVERGED,  # in how many steps the iteration ended before

@@ -42,7 +42,6 @@ from . import rope_drums, system_drums
 from .at_points import place_matrix, take_ends
 from .system_drums import chain_at_start, chain_in_step
 from .system_room import (
-    ACCELERATION,
     STAGE_ACCELERATION,
     has_drum,
     integrator_of,
@@ -64,14 +63,16 @@ from .system_room import (
 def prepare(system, time, h):
     """Matrices of a step of all lines, condensed, and that of the points; False if one is singular."""
     points = points_of(system)
-    if is_any_turning_with_rope(system) and not find_accelerations(system, time, h):
-        return False
     clear(points.matrix)
     clear(points.mass)
     clear(points.mass_rate)
     for k in range(lines_of(system)):
         if moves(system, k):
             form_line(system, k, time, h)
+    if is_any_turning_with_rope(system) and not begin_drums(system, time, h):
+        return False
+    for k in range(lines_of(system)):
+        if moves(system, k):
             matrix = integrator_of(system, k).matrix
             if not condensed.condense(rows_of(system, k), matrix, room_in_step(system, k).columns):
                 return False
@@ -80,21 +81,21 @@ def prepare(system, time, h):
 
 
 @kernel
-def find_accelerations(system, time, h):
-    """Accelerations at the start of a step of all drums that feel their rope (modified); False if one has no length."""
-    points = points_of(system)
-    clear(points.mass)
-    clear(points.mass_rate)
+def begin_drums(system, time, h):
+    """Begin stage 0 of all lines with the accelerations of drums that feel their rope, also in their matrices (modified).
+
+    False if a drum has no length.
+    """
     for k in range(lines_of(system)):
-        if moves(system, k):
-            numbers_of(system, k)[ACCELERATION] = 0.0
-            form_line(system, k, time, h)
-            if not start_stage(system, k, 0, time, h):
-                return False
+        if moves(system, k) and not start_stage(system, k, 0, time, h):
+            return False
     stage_masses(system)
     rope_drums.accelerate(system, 0, time)
     for k in range(lines_of(system)):
-        numbers_of(system, k)[ACCELERATION] = numbers_of(system, k)[STAGE_ACCELERATION]
+        if turns_with_rope(system, k):
+            length, _ = length_of(system, k)
+            gaining = chain_moving(conditions_of(system, k), length, 0.0, numbers_of(system, k)[STAGE_ACCELERATION])
+            rosenbrock.add_acceleration(conditions_of(system, k), gaining, time, h, integrator_of(system, k))
     return True
 
 
@@ -118,8 +119,6 @@ def form_line(system, k, time, h):
     if has_drum(system, k):
         system_drums.begin_step(system, k)
     points, chain, w = points_of(system), chain_in_step(system, k, time), integrator_of(system, k)
-    if turns_with_rope(system, k):
-        chain = chain_moving(conditions_of(system, k), *length_of(system, k), numbers_of(system, k)[ACCELERATION])
     x, v = motion_of(system, k)
     rosenbrock.form(conditions_of(system, k), chain, turns(system, k), time, h, x, v, w)
     for end in range(2):
@@ -216,15 +215,17 @@ def solve_stages(system, time, h):
 
     Where lines reel, the masses of the points at a stage are known once all lines have begun it, and so are the forces.
     """
-    reels = is_any_reeling(system)
+    reels, with_rope = is_any_reeling(system), is_any_turning_with_rope(system)
     for stage in range(STAGES):
-        for k in range(lines_of(system)):
-            if moves(system, k) and not start_stage(system, k, stage, time, h):
-                return False
-        if reels:
-            stage_masses(system)
-            if is_any_turning_with_rope(system):
+        if stage > 0 or not with_rope:  # else it has begun
+            for k in range(lines_of(system)):
+                if moves(system, k) and not start_stage(system, k, stage, time, h):
+                    return False
+            if reels:
+                stage_masses(system)
+            if with_rope:
                 rope_drums.accelerate(system, stage, time + ALPHA[stage] * h)
+        if reels:
             share_all_forces(system, stage)
         if stage == 0 and not factorize(system, time, h):
             return False
