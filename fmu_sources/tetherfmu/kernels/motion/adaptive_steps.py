@@ -107,6 +107,7 @@ def accept(system, is_last):
             copy(w.v, v)
             if not is_last:
                 note_peak(state_of(system, k), numbers_of(system, k)[LARGEST])
+    for k in range(lines_of(system)):
         if has_drum(system, k):
             accept_drum(system, k)
 

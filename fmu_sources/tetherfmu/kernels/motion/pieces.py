@@ -32,8 +32,8 @@ from ..points.system_room import (
     integrator_of,
     length_of,
     numbers_of,
-    put_length,
 )
+from .reeling_jumps import put_reeling_speed
 
 MOST_IDLE = 100  # pieces one after the other, in which no drum turns, that are so short that rounding keeps its tension
 AT_ONCE = 1e-6  # part of the communication step in which a drum without mass makes good a jump of its force
@@ -83,7 +83,7 @@ def turn_drum(system, k, time, duration):
     numbers[DIRECTION] = direction
     if direction == HELD:
         state_of(system, k)[at.ACCELERATION] = 0.0
-    put_length(system, k, length, speed)
+    put_reeling_speed(system, k, length, speed, now.speed)
     return found
 
 
@@ -179,4 +179,5 @@ def accept_drum(system, k):
     is_stopped = direction != HELD and is_at_stop(drum, length, way)
     is_turned = not is_stopped and drum.friction > 0.0 and speed * direction < 0.0
     numbers[TURNED_BACK] = 1.0 if is_turned and drum.mass == 0.0 else 0.0
-    put_length(system, k, stop_ahead(drum, way) if is_stopped else length, 0.0 if is_stopped or is_turned else speed)
+    length = stop_ahead(drum, way) if is_stopped else length
+    put_reeling_speed(system, k, length, 0.0 if is_stopped or is_turned else speed, speed)

@@ -40,6 +40,7 @@ from ..points.system_room import (
     numbers_of,
     put_length,
 )
+from .reeling_jumps import put_reeling_speed
 
 # --- a step that is attempted
 
@@ -91,9 +92,9 @@ def end_whole_step(system, h):
             drum, (length, _), (lowest, highest) = drum_at(system, k), length_of(system, k), limits_of(system, k, h)
             speed = numbers_of(system, k)[TRIAL]
             if speed <= lowest:
-                put_length(system, k, drum.shortest, 0.0)
+                put_reeling_speed(system, k, drum.shortest, 0.0, speed)
             elif speed >= highest:
-                put_length(system, k, drum.longest, 0.0)
+                put_reeling_speed(system, k, drum.longest, 0.0, speed)
             else:
                 put_length(system, k, length + h * speed, speed)
 
