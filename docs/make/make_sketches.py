@@ -1,7 +1,7 @@
 """Draw the free-body sketches of docs/models/theory.md: `python docs/make/make_sketches.py`.
 
-One SVG each of a segment, the drum of a winch, a node on the ground, and rope that flows past nodes. Letters are those of the
-page. The paper is white, so that the sketches can be read wherever a page is shown; the site turns it dark on its dark theme.
+One SVG each of a segment, the drum of a winch, a node on the ground, and rope that flows past nodes, with the letters of
+that page. The paper is white, to be readable wherever a page is shown; the site makes it dark on its dark theme.
 """
 
 from pathlib import Path
@@ -67,12 +67,12 @@ def winch():
     """Forces at the rim of a drum: the rope against motor, damping and friction."""
     figure, axes = sketch(7.0, 3.2)
     centre, radius = np.array([3.0, 1.3]), 0.9
-    top = centre + (0.0, radius)
+    top = np.add(centre, (0.0, radius))
     axes.add_patch(mpl.patches.Circle(centre, radius, facecolor="#dddddd", edgecolor=INK))
     axes.plot(*centre, color=INK, **DOT)
     write(axes, *(centre - (0.0, 0.3)), r"$m_W$", align="center")
-    line(axes, [top, top + (3.2, 0.0)])
-    arrow(axes, top + (0.5, 0.0), (1.3, 0.0), FORCE, "$T$", (0.0, 0.28))
+    line(axes, [top, np.add(top, (3.2, 0.0))])
+    arrow(axes, np.add(top, (0.5, 0.0)), (1.3, 0.0), FORCE, "$T$", (0.0, 0.28))
     friction = r"$W_\mathrm{f}\,\mathrm{sign}\,\dot{L}$"
     for down, length, text in ((0.0, 1.3, "$W$"), (0.35, 0.9, r"$c_W\dot{L}$"), (0.7, 0.7, friction)):
         rim = top - (np.sqrt(radius**2 - (radius - down) ** 2), down)
@@ -98,8 +98,8 @@ def ground():
     arrow(axes, node, (0.0, 1.4), INK, "$N$", (0.0, 0.2))
     arrow(axes, node, (0.0, -0.85), INK, "$m_i\\,g$", (0.42, 0.1))
     arrow(axes, node - (0.0, 0.15), (-0.9, 0.0), INK, r"$\mathbf{F}_\mathrm{t}$", (-0.2, -0.12))
-    arrow(axes, node + (0.35, -0.3), (0.8, 0.0), MOTION, r"$\mathbf{v}_\mathrm{t}$", (0.25, 0.0))
-    line(axes, [node + (0.3, 0.0), (6.0, node[1])], color=INK, linewidth=0.8, linestyle=":")
+    arrow(axes, np.add(node, (0.35, -0.3)), (0.8, 0.0), MOTION, r"$\mathbf{v}_\mathrm{t}$", (0.25, 0.0))
+    line(axes, [np.add(node, (0.3, 0.0)), (6.0, node[1])], color=INK, linewidth=0.8, linestyle=":")
     axes.annotate("", (5.5, node[1]), (5.5, surface), arrowprops={"arrowstyle": "<->", "color": INK, "lw": 0.8})
     write(axes, 5.65, 0.5 * (node[1] + surface), r"$z_\mathrm{g} - z$")
     return figure
