@@ -97,7 +97,7 @@ def ground():
     axes.plot(*node, color=TETHER, **DOT)
     arrow(axes, node, (0.0, 1.4), INK, "$N$", (0.0, 0.2))
     arrow(axes, node, (0.0, -0.85), INK, "$m_i\\,g$", (0.42, 0.1))
-    arrow(axes, node - (0.0, 0.15), (-0.9, 0.0), INK, r"$\mathbf{F}_\mathrm{t}$", (-0.2, -0.12))
+    arrow(axes, node - (0.0, 0.15), (-0.9, 0.0), INK, r"$\mu_\mathrm{g} N$", (-0.35, -0.1))
     arrow(axes, np.add(node, (0.35, -0.3)), (0.8, 0.0), MOTION, r"$\mathbf{v}_\mathrm{t}$", (0.25, 0.0))
     line(axes, [np.add(node, (0.3, 0.0)), (6.0, node[1])], color=INK, linewidth=0.8, linestyle=":")
     axes.annotate("", (5.5, node[1]), (5.5, surface), arrowprops={"arrowstyle": "<->", "color": INK, "lw": 0.8})

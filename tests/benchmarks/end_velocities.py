@@ -2,7 +2,7 @@
 
     python tests/benchmarks/end_velocities.py [--step 0.02] [--noise 0.001] [--tether dynamic]
 
-The table of docs/models/theory.md, "Driven ends": error of the force on the kite, rms over rms of the force, against the
+The table docs/data/end_velocities.csv (docs/models/theory.md, "Driven ends"): error of the force on the kite, rms over rms of the force, against the
 same tether at a twentieth of the communication step with the exact positions and velocities. Circle: 500 m away, 4.3 m/s, on
 525 m of tether. Figures of eight: 500 m away, 40 m/s, on 499 m of tether. Fast circle: as the circle, ten times as fast.
 Wind 8 m/s, 20 segments; the first 30 s of 60 s are left out. The noise is normal and white, on each component of the
