@@ -24,7 +24,7 @@ def sketch(right, top):
 
 def write(axes, x, y, text, color=INK, align="left"):
     """A note, from its left, its middle or its right."""
-    axes.text(x, y, text, fontsize=10, color=color, ha=align, va="center")
+    axes.text(x, y, text, fontsize=11, color=color, ha=align, va="center")
 
 
 def line(axes, points, **style):
@@ -117,8 +117,8 @@ def flow():
             way = (nodes[i + 1] - node) / np.linalg.norm(nodes[i + 1] - node)
             side = 0.22 * np.array([way[1], -way[0]])
             arrow(axes, node + side, 1.1 * (1.0 - i / 3.0) * way, MOTION, "", (0.0, 0.0))
-    write(axes, 1.75, 0.75, r"$\eta_0\dot{L} = \dot{L}$ at the winch", MOTION)
-    write(axes, 2.75, 1.62, r"$\eta_i\dot{L}$ past node $i$", MOTION)
+    write(axes, 1.85, 0.75, r"$\eta_0\dot{L} = \dot{L}$ at the winch", MOTION)
+    write(axes, 2.95, 1.55, r"$\eta_i\dot{L}$ past node $i$", MOTION)
     write(axes, 6.9, 2.3, r"$\eta_n = 0$", MOTION, "right")
     arrow(axes, nodes[1], (-0.4, 0.75), FORCE, r"$\mathbf{f}_i$", (-0.05, 0.22))
     write(axes, 6.1, 3.0, "kite", TETHER, "center")
