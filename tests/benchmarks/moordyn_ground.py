@@ -3,7 +3,7 @@
     pip install "moordyn>=2.7"
     python tests/benchmarks/moordyn_ground.py [--write | --cost | --law]
 
-Prints the differences from MoorDyn, as CSV; `--write` also writes its series to tests/reference/moordyn_*.csv. `--cost` times the
+Prints the differences from MoorDyn, as CSV; `--write` also writes tests/reference/moordyn_*.csv. `--cost` times the
 drop instead. `--law` compares the stored series with the chain of tests/grounds.py with MoorDyn's law; it needs no MoorDyn.
 
 60 m of tether (4 mm of Dyneema), 20 segments, friction 0.5, no drag; slack segments have damping but no stiffness, as in

@@ -3,7 +3,7 @@
     pip install "moordyn>=2.7"
     python tests/benchmarks/moordyn_systems.py [--write | --cost]
 
-Prints the differences from MoorDyn, as CSV; `--write` also writes its series to tests/reference/moordyn_*.csv; `--cost` times both.
+Prints the differences from MoorDyn, as CSV; `--write` also writes tests/reference/moordyn_*.csv; `--cost` times both.
 Tethers are 4 mm of Dyneema; slack segments have damping but no stiffness, as in MoorDyn. Its water has
 the density of air and its surface is far above; a stronger gravity makes up for the buoyancy, and free points have a volume
 that is buoyant like the tethers. Scenes, from rest, without wind:
