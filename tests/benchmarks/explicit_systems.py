@@ -3,7 +3,7 @@
     python tests/benchmarks/explicit_systems.py [--write] [--check]
 
 Prints, as CSV, how far `TetherSystem` with its default tolerance and communication steps of 20 ms is from it; `--write`
-also writes its series to tests/reference/explicit_*.csv. Equations: tests/networks.py; method: the classical one of Runge and Kutta.
+also writes its series to tests/reference/explicit_*.csv. Equations: tests/networks.py; method: classical Runge-Kutta.
 `--check`: with steps twice as long, too. Tethers are 4 mm of Dyneema. Scenes:
 
     slack_y   a knot of 2 kg between the ground and two kites, partly slack; the kites start from rest and fly circles
