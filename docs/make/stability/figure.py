@@ -35,9 +35,8 @@ def shares(table, variant, names):
 
 def words(number):
     """Text of a number on an axis: powers of ten from 1e4 on and below 1e-3."""
-    return (
-        f"{number:.0e}".replace("e+0", "e").replace("e-0", "e-") if number >= 1e4 or 0.0 < number < 1e-3 else f"{number:g}"
-    )
+    is_short = number <= 0.0 or 1e-3 <= number < 1e4
+    return f"{number:g}" if is_short else f"{number:.0e}".replace("e+0", "e").replace("e-0", "e-")
 
 
 def draw(table, path):

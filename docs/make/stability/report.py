@@ -1,8 +1,7 @@
 """Random points are judged, and their page is written.
 
-The page, stability.md, has tables by variant and by map, the share of converged flights as a figure, and the extreme scenarios
-with a known answer (extremes.md.j2), which are not measured here. Verdicts by region, refusals and the worst points are CSV
-files.
+The page, stability.md, has tables by variant and by map, the share of converged flights as a figure, and the extreme
+scenarios with a known answer (extremes.md.j2), which are not measured here. Other tables are CSV files.
 """
 
 import sys
@@ -213,20 +212,8 @@ def write(results, folder, with_figure, others=()):
         table.to_csv(data / f"stability_{name}.csv", index=False, float_format="%.3g")
     if with_figure:
         draw(files["by_region"], folder / "figures" / "stability.svg")
-    found = {
-        "points": points,
-        "variants": by_variant(points),
-        "held": held,
-        "whole": whole,
-        "fixed": fixed,
-        "maps": files["by_map"],
-    }
-    found |= {
-        "requests": files["requests"],
-        "failed": forbidden(whole),
-        "longest_call": LONGEST_CALL,
-        "with_figure": with_figure,
-    }
+    found = {"points": points, "variants": by_variant(points), "held": held, "whole": whole, "fixed": fixed}
+    found |= {"maps": files["by_map"], "failed": forbidden(whole), "longest_call": LONGEST_CALL, "with_figure": with_figure}
     (pages / "stability.md").write_text(page("page.md.j2", Path(__file__).parent, **found), encoding="utf-8")
     return f"{markdown(found['variants'])}\n{held}"
 
