@@ -172,6 +172,19 @@ def kept(path, rows, key):
     return pd.read_csv(path)
 
 
+def shown(table, columns, rows=slice(None)):
+    """The part of a table that is on the page: columns, and rows by the names in its first column."""
+    return table.set_index(table.columns[0]).loc[rows, columns].reset_index()
+
+
+SHOWN = {  # columns of the tables on the page, and rows of that of the drop
+    "lengths": (["measured tension, mean [N]", "scatter [m]", "equivalent tension [kN]"],),
+    "tensions": (["measured tension, mean [N]", "dynamic: rms [N]"],),
+    "drop": (
+        ["tension, rms of the difference [N]", "mean tension after 11 s [N]", "on the ground at the end [m]"],
+        [FULL, "the same, friction 0", BARE, "quasi-steady, 40 segments", "catenary", "straight"],
+    ),
+}
 ORDER = [*CYCLES, FLIGHT_2023, FLIGHT_2025, *OF_DROP]
 
 
@@ -199,7 +212,7 @@ def main(arguments=None):
         loader=FileSystemLoader(Path(__file__).parent), undefined=StrictUndefined, keep_trailing_newline=True
     )
     text = pages.get_template("measured_flights.md.j2").render(
-        {name: markdown(table) for name, table in tables.items()} | {"falling": f"{FALLING} s"}
+        {name: markdown(shown(table, *SHOWN[name])) for name, table in tables.items()} | {"falling": f"{FALLING} s"}
     )
     (DOCS / "measurements" / "measured_flights.md").write_text(text, encoding="utf-8")
     if said is not None:
