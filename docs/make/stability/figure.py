@@ -34,8 +34,8 @@ def shares(table, variant, names):
 
 
 def words(number):
-    """Text of a number on an axis: powers of ten from 1e4 on and below 1e-3."""
-    is_short = number <= 0.0 or 1e-3 <= number < 1e4
+    """Text of a number on an axis: powers of ten from 1e4 on and below 1e-2."""
+    is_short = number <= 0.0 or 1e-2 <= number < 1e4
     return f"{number:g}" if is_short else f"{number:.0e}".replace("e+0", "e").replace("e-0", "e-")
 
 
