@@ -50,7 +50,7 @@ NAMES = {"dynamic": "dynamic", "quasi_steady": "quasi-steady", "catenary": "cate
 
 
 def led_by_tension(name, flight):
-    """A row of the table of lengths: all tethers led by the tension, an offset fitted on the first half."""
+    """A row of the table of lengths: all tethers driven by the tension, an offset fitted on the first half."""
     half = first_half(flight)
     found = replay(flight, "tension", fit_part=half)
     errors = found.errors[found.errors.part == comparison.ALL].set_index("tether")
@@ -62,16 +62,16 @@ def led_by_tension(name, flight):
     rest_with_origin = with_origin[with_origin.time >= start].length
     row = {
         "flight": name,
-        "measured tension, mean N": errors.at["dynamic", "measured tension N"],
-        "offset m": f"{value:.1f} ± {width:.1f}",
-        "second half: mean m": rest.length.mean(),
-        "scatter m": rest.length.std(),
-        "with the origin fitted: mean m": rest_with_origin.mean(),
-        "its scatter m": rest_with_origin.std(),
-        "as tension, if taut kN": 1e-3 * rest.stiffness.mean() * rest.length.std(),
+        "measured tension, mean [N]": errors.at["dynamic", "measured tension [N]"],
+        "offset [m]": f"{value:.1f} ± {width:.1f}",
+        "second half: mean [m]": rest.length.mean(),
+        "scatter [m]": rest.length.std(),
+        "with the origin fitted: mean [m]": rest_with_origin.mean(),
+        "its scatter [m]": rest_with_origin.std(),
+        "equivalent tension [kN]": 1e-3 * rest.stiffness.mean() * rest.length.std(),
     }
-    row |= {f"{label}: rms m": errors.at[key, "rms about it m"] for key, label in NAMES.items()}
-    return row | {"sag and stretch: mean m": more.mean(), "at most m": more.max()}
+    row |= {f"{label}: rms [m]": errors.at[key, "length: rms about mean [m]"] for key, label in NAMES.items()}
+    return row | {"sag and stretch: mean [m]": more.mean(), "at most [m]": more.max()}
 
 
 def first_half(flight):
@@ -80,11 +80,11 @@ def first_half(flight):
 
 
 def led_by_length(name, flight):
-    """A row of the table of tensions: the same offset, all tethers led by the length."""
+    """A row of the table of tensions: the same offset, all tethers driven by the length."""
     found = replay(flight, "length", fit_part=first_half(flight))
     errors = found.errors[found.errors.part == comparison.ALL].set_index("tether")
-    row = {"flight": name, "measured tension, mean N": errors.at["dynamic", "measured tension N"]}
-    return row | {f"{label}: rms N": errors.at[key, "rms N"] for key, label in NAMES.items()}
+    row = {"flight": name, "measured tension, mean [N]": errors.at["dynamic", "measured tension [N]"]}
+    return row | {f"{label}: rms [N]": errors.at[key, "tension: rms [N]"] for key, label in NAMES.items()}
 
 
 def of_drop(flight, variant="dynamic", longer=0.0, **options):
@@ -97,11 +97,11 @@ def of_drop(flight, variant="dynamic", longer=0.0, **options):
     tension = table.tension + table.measured
     lowest = flown.shapes[:, 1:-1, 2].min(axis=1)
     row = {
-        "tension, rms of the difference N": comparison.rms(air.tension),
+        "tension, rms of the difference [N]": comparison.rms(air.tension),
         "correlation": np.corrcoef(air.measured, air.measured + air.tension)[0, 1],
-        "mean tension after 11 s N": tension[since > LYING].mean(),
-        "on the ground at the end m": flown.table.grounded_length.iloc[-1],
-        "lowest inner node m": f"{lowest.min():.2f}",
+        "mean tension after 11 s [N]": tension[since > LYING].mean(),
+        "on the ground at the end [m]": flown.table.grounded_length.iloc[-1],
+        "lowest inner node [m]": f"{lowest.min():.2f}",
         "steps refused": len(flown.refusals),
     }
     return row, pd.DataFrame({"time": since, "tension": tension, "measured": table.measured, "lowest": lowest})
@@ -155,7 +155,7 @@ def fly_2025(path, figures):
     draw_drop(read.map.ground.ground_height, flights, figures / "measured_drop.png")
     mean = flights[FULL].measured[flights[FULL].time.between(comparison.SETTLED, COMPARED)].mean()
     fit = fitting.fit(before)
-    said = pd.DataFrame([{"tether": f"measured; {fit}", "tension, rms of the difference N": mean}])
+    said = pd.DataFrame([{"tether": f"measured; {fit}", "tension, rms of the difference [N]": mean}])
     return [led_by_tension(FLIGHT_2025, before)], [led_by_length(FLIGHT_2025, before)], rows, said
 
 
@@ -172,6 +172,19 @@ def kept(path, rows, key):
     return pd.read_csv(path)
 
 
+def shown(table, columns, rows=slice(None)):
+    """The part of a table that is on the page: columns, and rows by the names in its first column."""
+    return table.set_index(table.columns[0]).loc[rows, columns].reset_index()
+
+
+SHOWN = {  # columns of the tables on the page, and rows of that of the drop
+    "lengths": (["measured tension, mean [N]", "scatter [m]", "equivalent tension [kN]"],),
+    "tensions": (["measured tension, mean [N]", "dynamic: rms [N]"],),
+    "drop": (
+        ["tension, rms of the difference [N]", "mean tension after 11 s [N]", "on the ground at the end [m]"],
+        [FULL, "the same, friction 0", BARE, "quasi-steady, 40 segments", "catenary", "straight"],
+    ),
+}
 ORDER = [*CYCLES, FLIGHT_2023, FLIGHT_2025, *OF_DROP]
 
 
@@ -199,7 +212,7 @@ def main(arguments=None):
         loader=FileSystemLoader(Path(__file__).parent), undefined=StrictUndefined, keep_trailing_newline=True
     )
     text = pages.get_template("measured_flights.md.j2").render(
-        {name: markdown(table) for name, table in tables.items()} | {"falling": f"{FALLING} s"}
+        {name: markdown(shown(table, *SHOWN[name])) for name, table in tables.items()} | {"falling": f"{FALLING} s"}
     )
     (DOCS / "measurements" / "measured_flights.md").write_text(text, encoding="utf-8")
     if said is not None:

@@ -1,4 +1,4 @@
-"""Find where the tethers are stable and where they refuse, and write docs/measurements/stability.md and its figures.
+"""Find where the tethers converge and where they refuse, and write docs/measurements/stability.md, its tables and figure.
 
     python docs/make/make_stability.py --points 20000
 
@@ -16,7 +16,7 @@ from tetherfmu.console.options import Parser, file, folder, number
 
 def parse(arguments):
     """Command line options."""
-    parser = Parser(prog="make_stability.py", description="find where the tethers are stable and where they refuse")
+    parser = Parser(prog="make_stability.py", description="find where the tethers converge and where they refuse")
     option = parser.add_argument
     about = "number of random points (default: 20000)"
     option("--points", type=number(1, whole=True), default=20_000, metavar="N", help=about)
@@ -29,13 +29,13 @@ def parse(arguments):
     option("--out", type=folder, default=Path("docs"), metavar="DIR", help=about)
     about = "file of finished points (default: stability_SEED.jsonl, _CONTROL and _ground added, in the folder of --out)"
     option("--results", type=new_file(".jsonl"), metavar="FILE", help=about)
-    about = "file of finished points of another version, to compare with"
+    about = "file of finished points of another version, to print a comparison with"
     option("--before", type=file, metavar="FILE", help=about)
-    option("--also", type=file, metavar="FILE", help="file of finished points of another seed, for a table of its own")
     about = "files of finished points with another --control or --ground, for tables of all of them"
     option("--others", type=file, nargs="+", default=(), metavar="FILE", help=about)
     parser.add_workers()
-    option("--quick", action="store_true", help="smoke test: a few points and no figures")
+    option("--quick", action="store_true", help="smoke test: a few points and no figure")
+    option("--redraw", action="store_true", help="only draw the figure, from stability_by_region.csv in the folder of --out")
     option("--point", type=number(0, whole=True), metavar="NUMBER", help="judge this point only and print it")
     return parser.parse_args(arguments)
 

@@ -19,6 +19,7 @@ WORDS = {  # page#section: what a reader may type
     "models/theory#one-segment": ("lumped mass", "spring-damper"),
     "reference/api": ("Python",),
     "reference/api#turbulence": ("turbulence", "gusts"),
+    "reference/promises": ("semantic versioning", "compatibility", "deprecation"),
     "use/coupling#a-policy-that-steers-gymnasium": ("reinforcement learning",),
     "use/cranes_and_drones": ("crane", "hoist", "drone", "UAV", "cable", "rope"),
     "use/example_fmus": ("pumping cycle", "controller"),

@@ -44,8 +44,9 @@ def lesson():
     below.plot(found.time, 1e-3 * found.measured, color=GREY)
     (row,) = made.errors[made.errors.part == "all"].to_dict("records")
     answer = (
-        f"the length is right to {row['rms about it m']:.2f} m; as a stretch that is {row['as tension, if taut N']:.0f} N, "
-        f"the measured mean is {row['measured tension N']:.0f} N"
+        f"the length is right to {row['length: rms about mean [m]']:.2f} m, "
+        f"equivalent to {row['equivalent tension [N]']:.0f} N; "
+        f"the measured mean is {row['measured tension [N]']:.0f} N"
     )
     return Lesson(answer, figure, flight.end - flight.start, seconds)
 

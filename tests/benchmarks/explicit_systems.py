@@ -2,8 +2,8 @@
 
     python tests/benchmarks/explicit_systems.py [--write] [--check]
 
-Prints how far `TetherSystem` with its default tolerance and communication steps of 20 ms is from it; `--write` also writes
-its series to tests/reference/explicit_*.csv. Equations: tests/networks.py; method: the classical one of Runge and Kutta.
+Prints, as CSV, how far `TetherSystem` with its default tolerance and communication steps of 20 ms is from it; `--write`
+also writes its series to tests/reference/explicit_*.csv. Equations: tests/networks.py; method: classical Runge-Kutta.
 `--check`: with steps twice as long, too. Tethers are 4 mm of Dyneema. Scenes:
 
     slack_y   a knot of 2 kg between the ground and two kites, partly slack; the kites start from rest and fly circles
@@ -18,6 +18,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
+from benchmarks.csv_rows import print_csv
 from networks import Network
 from tetherfmu import Environment, Line, Point, Tether, TetherSystem
 from tetherfmu.study.measuring.tables import circumstances
@@ -26,6 +27,7 @@ REFERENCE = Path(__file__).resolve().parents[1] / "reference"
 SHORT, STEP, EVERY = 4e-5, 0.02, 0.1  # step of the explicit method, communication step, time between rows [s]
 WIND = np.array((8.0, 1.0, 0.0))
 DURATION = {"slack_y": 10.0, "bridle": 5.0}
+HEAD = ("scene", "from the explicit method differs", "knot m", "largest m", "forces N", "largest N", "largest force N")
 WING = {"nose": (150.0, 1.0, 100.0), "left": (149.445, -0.5, 100.832), "right": (150.555, -0.5, 99.168)}
 # radius [m], way ahead on it [m], height [m]: a triangle across the main line, which has the direction (150, 0, 100)
 
@@ -138,8 +140,8 @@ def main():
     parser.add_argument("--write", action="store_true", help="write the reference files")
     parser.add_argument("--check", action="store_true", help="the explicit method with steps twice as long, too")
     given = parser.parse_args()
-    print(circumstances())
-    print(f"| scene | from the explicit method differs | knot m | largest | forces N | largest | of |\n{'|---' * 7}|")
+    print(circumstances(), file=sys.stderr)
+    print_csv(*HEAD)
     for name, duration in DURATION.items():
         case = network(name)
         right = explicit(case, started(case), duration)
@@ -147,7 +149,7 @@ def main():
         if given.check:
             ways["itself, steps of 80 us"] = explicit(case, started(case), duration, 2.0 * SHORT)
         for what, found in ways.items():
-            print(f"| {name} | {what} | {' | '.join(f'{each:.2g}' for each in errors(found, right))} |", flush=True)
+            print_csv(name, what, *(f"{each:.2g}" for each in errors(found, right)))
         if given.write:
             names = ["time", "x", "y", "z", *(f"{axis}_{case.names[k]}" for k in case.driven for axis in "xyz")]
             path = REFERENCE / f"explicit_{name}.csv"

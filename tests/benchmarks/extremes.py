@@ -1,4 +1,4 @@
-"""How far from theory are the extreme scenarios? Prints the table of docs/measurements/stability.md.
+"""How far from theory are the extreme scenarios? Prints docs/data/extremes.csv.
 
     python tests/benchmarks/extremes.py [--long]
 
@@ -151,15 +151,17 @@ def long_runs():
 
 def main(arguments=None):
     """Print the table."""
+    from benchmarks.csv_rows import print_csv
+
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--long", action="store_true", help="also an hour of noise, hours without damping and 1e7 steps")
     groups = [snap, stop, released, resonance, spinning, sessions, noise]
     if parser.parse_args(arguments).long:
         groups += [undamped, long_runs]
-    print("| scenario | oracle | error | energy residual |\n|---|---|---|---|")
+    print_csv("scenario", "oracle", "error", "energy residual")
     for group in groups:
         for scenario, oracle, error, residual in group():
-            print(f"| {scenario} | {oracle} | {error} | {'-' if residual is None else f'{abs(residual):.0e}'} |", flush=True)
+            print_csv(scenario, oracle, error, "-" if residual is None else f"{abs(residual):.0e}")
 
 
 if __name__ == "__main__":

@@ -3,7 +3,7 @@
     pip install "moordyn>=2.7"
     python tests/benchmarks/moordyn_ground.py [--write | --cost | --law]
 
-Prints the differences from MoorDyn; `--write` also writes its series to tests/reference/moordyn_*.csv. `--cost` times the
+Prints the differences from MoorDyn, as CSV; `--write` also writes tests/reference/moordyn_*.csv. `--cost` times the
 drop instead. `--law` compares the stored series with the chain of tests/grounds.py with MoorDyn's law; it needs no MoorDyn.
 
 60 m of tether (4 mm of Dyneema), 20 segments, friction 0.5, no drag; slack segments have damping but no stiffness, as in
@@ -39,6 +39,7 @@ from scipy.integrate import solve_ivp
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
+from benchmarks.csv_rows import print_csv
 from grounds import Chain, G
 from tetherfmu import Environment, Ground, Solver, Tether, TetherDynamic
 from tetherfmu.study.measuring.tables import circumstances
@@ -52,8 +53,8 @@ AIR = Environment()
 FINE, EVERY = 0.001, 0.1  # communication step and time between rows of a file [s]
 FOLLOWED = (5, 10, 15)  # nodes
 COLUMNS = ("time", "tension_a", "tension_b", "lying", *(f"{axis}{node}" for node in FOLLOWED for axis in "xz"))
-MEASURES = "tension N | largest | lying m | largest | nodes m | largest | tension at the end N"
-HEAD = f"| scene | from MoorDyn differs | {MEASURES} |\n{'|---' * 9}|"
+MEASURES = ("tension N", "largest N", "lying m", "largest m", "nodes m", "largest m", "tension at the end N")
+HEAD = ("scene", "from MoorDyn differs", *MEASURES)
 FILE = """--- MoorDyn input
 ground
 --- LINE TYPES
@@ -237,12 +238,12 @@ def differences(name, what, found, right):
     for columns in ((1, 2), (3,), range(4, len(COLUMNS))):
         part = gap[:, list(columns)]
         cells += [f"{np.sqrt(np.mean(part**2)):.2g}", f"{np.abs(part).max():.2g}"]
-    print(f"| {name} | {what} | {' | '.join(cells)} | {np.abs(gap[-1, 1:3]).max():.2g} |", flush=True)
+    print_csv(name, what, *cells, f"{np.abs(gap[-1, 1:3]).max():.2g}")
 
 
 def compare(step, keep):
     """Table of differences from MoorDyn with the largest step that is converged; `keep` writes its series."""
-    print(HEAD)
+    print_csv(*HEAD)
     for name in SCENES:
         right = MoorDyn(name, step).fly()
         if keep:
@@ -316,7 +317,7 @@ def by_its_law(name):
 
 def explain():
     """Table of differences of the stored series from the chain with MoorDyn's law."""
-    print(HEAD)
+    print_csv(*HEAD)
     for name in SCENES:
         right = np.genfromtxt(REFERENCE / f"moordyn_{name}.csv", delimiter=",", skip_header=1)
         differences(name, "the chain with its law", by_its_law(name), right)
@@ -351,12 +352,12 @@ def cost(repeats):
                 (rows[way], _), time = timed(make)
             times[way] = min(times[way], time)
     default = times["TetherDynamic, tolerance 0.0001"]
-    print("| solver | error of tensions N | of nodes mm | ms per simulated second | ratio |\n|---|---|---|---|---|")
+    print_csv("solver", "error of tensions N", "of nodes mm", "ms per simulated second", "ratio")
     for way, time in times.items():
         gap = rows[way] - right[way.startswith("Tether")]
         tension, nodes = (np.sqrt(np.mean(part**2)) for part in (gap[:, 1:3], gap[:, 4:]))
         per_second = 1e3 * time / SCENES[name][1]
-        print(f"| {way} | {tension:.2g} | {1e3 * nodes:.2g} | {per_second:.3g} | {time / default:.3g} |", flush=True)
+        print_csv(way, f"{tension:.2g}", f"{1e3 * nodes:.2g}", f"{per_second:.3g}", f"{time / default:.3g}")
 
 
 def main():
@@ -368,7 +369,7 @@ def main():
     parser.add_argument("--step", type=float, default=2e-5, help="dtM [s]")
     parser.add_argument("--repeats", type=int, default=5)
     given = parser.parse_args()
-    print(circumstances())
+    print(circumstances(), file=sys.stderr)
     if given.law:
         explain()
     elif given.cost:

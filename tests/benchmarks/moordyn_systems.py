@@ -3,7 +3,7 @@
     pip install "moordyn>=2.7"
     python tests/benchmarks/moordyn_systems.py [--write | --cost]
 
-Prints the differences from MoorDyn; `--write` also writes its series to tests/reference/moordyn_*.csv; `--cost` times both.
+Prints the differences from MoorDyn, as CSV; `--write` also writes tests/reference/moordyn_*.csv; `--cost` times both.
 Tethers are 4 mm of Dyneema; slack segments have damping but no stiffness, as in MoorDyn. Its water has
 the density of air and its surface is far above; a stronger gravity makes up for the buoyancy, and free points have a volume
 that is buoyant like the tethers. Scenes, from rest, without wind:
@@ -27,6 +27,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
+from benchmarks.csv_rows import print_csv
 from benchmarks.moordyn_ground import AIR, DEPTH, EVERY, REFERENCE, ramp, silence
 from tetherfmu import Line, Point, Solver, Tether, TetherSystem
 from tetherfmu.study.measuring.tables import circumstances
@@ -35,8 +36,7 @@ DURATION, FINE = 6.0, 0.001  # of a scene, and of the converged communication st
 DRAG = 1.2
 NO_SPRING = 1e-12  # of a slack segment, which keeps its damper, as in MoorDyn
 ROPE = Tether(slack_stiffness_ratio=NO_SPRING, drag_coefficient=0.0)
-HEAD = f"""| scene | drag coefficient | from MoorDyn differs | free point mm | largest | forces N | largest |
-{"|---" * 7}|"""
+HEAD = ("scene", "drag coefficient", "from MoorDyn differs", "free point mm", "largest mm", "forces N", "largest N")
 FILE = """--- MoorDyn input
 system
 --- LINE TYPES
@@ -219,7 +219,7 @@ def differences(found, right):
 
 def compare(step, keep):
     """Table of differences from MoorDyn with the largest step that is converged; `keep` writes its series."""
-    print(HEAD)
+    print_csv(*HEAD)
     for name in ("y", "drones"):
         for drag in (0.0, DRAG):
             right, _ = MoorDyn(name, drag, step).fly()
@@ -232,8 +232,7 @@ def compare(step, keep):
                 "MoorDyn, dtM twice as long": MoorDyn(name, drag, 2.0 * step).fly()[0],
             }
             for what, found in ways.items():
-                cells = " | ".join(f"{each:.2g}" for each in differences(found, right))
-                print(f"| {name} | {drag:g} | {what} | {cells} |", flush=True)
+                print_csv(name, f"{drag:g}", what, *(f"{each:.2g}" for each in differences(found, right)))
 
 
 def theirs(name, step):
@@ -269,15 +268,14 @@ def cost(repeats):
 
     The last column: the least time of MoorDyn with forces at least as accurate, over that of the row.
     """
-    print("| scene | solver | error of the free point mm | of forces N | ms per simulated second | MoorDyn over it |")
-    print("|---|---|---|---|---|---|")
+    print_csv("scene", "solver", "error of the free point mm", "of forces N", "ms per simulated second", "MoorDyn over it")
     for name in ("y", "drones"):
         rows = list(raced(name, repeats))
         for what, place, force, seconds in rows:
             as_good = [t for other, _, error, t in rows if other.startswith("MoorDyn") and error <= force]
             over = f"{min(as_good) / seconds:.2g}" if as_good and what.startswith("Tether") else ""
-            numbers = f"{place:.2g} | {force:.2g} | {1e3 * seconds / DURATION:.3g}"
-            print(f"| {name} | {what} | {numbers if np.isfinite(seconds) else 'unstable |  | '} | {over} |", flush=True)
+            numbers = (f"{place:.2g}", f"{force:.2g}", f"{1e3 * seconds / DURATION:.3g}")
+            print_csv(name, what, *(numbers if np.isfinite(seconds) else ("unstable", "", "")), over)
 
 
 def main():
@@ -288,7 +286,7 @@ def main():
     parser.add_argument("--step", type=float, default=2e-5, help="dtM [s]")
     parser.add_argument("--repeats", type=int, default=3)
     given = parser.parse_args()
-    print(circumstances())
+    print(circumstances(), file=sys.stderr)
     cost(given.repeats) if given.cost else compare(given.step, given.write)
 
 

@@ -2,7 +2,7 @@
 
 Many are judged in parallel; each verdict is kept in a file at once, whatever a point may do to its process.
 
-The verdicts are explained on the page (`page.md.j2`). Also stable: a point whose refinement is refused (error: none).
+The verdicts are explained on the page (`page.md.j2`). Also bounded: a point whose refinement is refused (error: none).
 Hanging: a call took longer than `LONGEST_CALL` of the processor, or the process of the point was ended for taking too long.
 Error: root mean square difference of both end forces over root mean square of the refined ones plus the weight.
 
@@ -68,7 +68,7 @@ DEFAULT = Tether()
 # drag per length over speed squared [N s2/m3]
 DRAG_FACTOR = 0.5 * Environment().air_density * DEFAULT.drag_coefficient * DEFAULT.diameter
 LINE_DENSITY = DEFAULT.mass_per_length  # [kg/m]
-HELD, FORBIDDEN = ("converged", "stable"), ("wrong", "crashed", "hanging")
+HELD, FORBIDDEN = ("converged", "bounded"), ("wrong", "crashed", "hanging")
 VERDICTS = (*HELD, "refused", *FORBIDDEN)
 CONVERGED = 0.01
 LONGEST_CALL = 2.0  # [s]
@@ -293,7 +293,7 @@ def judge(point):
         verdict = "refused"
     else:
         error = difference(point, forces, fly(point, refinement=2, calls=found.calls - 1, most_work=np.inf)[1])
-        verdict = "converged" if error is not None and error <= CONVERGED else "stable"
+        verdict = "converged" if error is not None and error <= CONVERGED else "bounded"
     return found._replace(verdict=verdict, error=error)
 
 

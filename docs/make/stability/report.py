@@ -1,11 +1,10 @@
 """Random points are judged, and their page is written.
 
-The page, stability.md, has tables by variant, refusals, the worst points, heat maps and the extreme scenarios with a known
-answer (extremes.md.j2), which are not measured here. The table by region is a CSV file.
+The page, stability.md, has tables by variant and by map, the share of converged flights as a figure, and the extreme
+scenarios with a known answer (extremes.md.j2), which are not measured here. Other tables are CSV files.
 """
 
 import sys
-from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -19,8 +18,8 @@ from tetherfmu.study.measuring.store import keeping
 from tetherfmu.study.measuring.tables import markdown, page
 from tetherfmu.study.scenes.start import MODELS
 
-from .figure import COMPARED, DYNAMIC, FIGURES, FREE_KITE, QUANTITIES, STATIC, draw
-from .flight import AMPLIFICATION, FORBIDDEN, HELD, LINE_DENSITY, LONGEST_CALL, VERDICTS, judge, judge_all, read
+from .figure import DYNAMIC, FREE_KITE, QUANTITIES, REGIONS, STATIC, UNDAMPED, bands, draw
+from .flight import FORBIDDEN, HELD, LONGEST_CALL, VERDICTS, judge, judge_all, read
 from .points import VARIANTS, VARIANTS_ON_GROUND, MapPoint, point
 from .requests import POSSIBLE, REQUESTS, request
 
@@ -31,15 +30,11 @@ ON_GROUND = dict(zip(VARIANTS_ON_GROUND, (*DYNAMIC, FREE_KITE, *STATIC[:2]), str
 OVER = dict(zip(VARIANTS, (*DYNAMIC, *STATIC), strict=True))
 FACTS = QUANTITIES.column.dropna().to_dict()  # heads of the table of the worst
 CORE = "segments of 0.1 m and more, damped, EA up to 1e8 N"
-REGIONS = QUANTITIES.dropna(subset="bands")
 CONTROLS = dict(zip((at.WINCH_BY_SPEED, at.WINCH_BY_FORCE, at.WINCH_BY_LENGTH), ("speed", "force", "length"), strict=True))
 
 
 def prepared(results):
-    """Results with variants, starts and verdicts in order and named for people, and with what follows from a point.
-
-    frequency : of a node between two taut segments, axially [Hz]: sqrt(4 k/m)/(2 pi) = sqrt(EA/mu)/(pi l0).
-    """
+    """Results with variants, starts and verdicts in order and named for people, and with what follows from a point."""
     names = ON_GROUND if results.ground.any() else OVER
     return results.assign(
         variant=pd.Categorical(results.variant.map(names), [*names.values()]),
@@ -48,7 +43,6 @@ def prepared(results):
         start=pd.Categorical(results.initial_shape, (1, 2, 3)).rename_categories(STARTS),
         segment_length=results.length / results.segments,
         slack_percent=100.0 * results.slack,
-        frequency=np.sqrt(results.axial_stiffness / LINE_DENSITY) / (np.pi * results.length / results.segments),
     )
 
 
@@ -127,12 +121,12 @@ def by_variant(results):
 
 def by_region(results, variant):
     """Table of one variant with a row per band of each of the regions, and per start."""
-    mine, bands = results[results.variant == variant], []
+    mine, labellings = results[results.variant == variant], []
     for each in REGIONS.drop([] if variant == "dynamic, fixed step" else "fixed_step").itertuples():
-        limits = [float(limit) for limit in each.bands.split()]
-        labels = [f"{each.region} {a:g} to {b:g} {each.unit}" for a, b in pairwise(limits)]
-        bands.append(pd.cut(mine[each.Index], limits, right=False, labels=labels))
-    return counted(mine, "region", *bands, mine.start).replace({"region": {"damping 0 to 0.1 N s": "without damping"}})
+        labels = bands(each)
+        limits = sorted({limit for band in labels.values() for limit in band})
+        labellings.append(pd.cut(mine[each.Index], limits, right=False, labels=[*labels]))
+    return counted(mine, "region", *labellings, mine.start).replace({"region": {UNDAMPED: "without damping"}})
 
 
 def worst(results):
@@ -157,17 +151,6 @@ def compared(both):
     tables = {when: by_variant(found) for when, found in both.items()}
     named = [table.assign(variant=table.variant + f", {when}") for when, table in tables.items()]
     return pd.concat(named).sort_index(kind="stable")
-
-
-def figures(results, fixed, both, folder):
-    """Draw the heat maps into figures/ of a folder; returns their paths there, by title. fixed : of `with_fixed_steps`."""
-    path = "figures/stability_{}.png".format
-    for name, figure in FIGURES.items():
-        draw(fixed if name == "fixed_step" else results, figure, folder / path(name))
-    for when, found in both.items():
-        draw(found, COMPARED, folder / path(when), f"{when}: ")
-    titles = {f"{figure[0]}: verdicts, and differences from the refinement": path(name) for name, figure in FIGURES.items()}
-    return titles | {f"Heat maps, {when}": path(when) for when in both}
 
 
 def prepared_again(whole):
@@ -212,30 +195,27 @@ def regions(whole):
     return pd.concat(tables, names=names).reset_index(names)
 
 
-def write(results, before, also, folder, with_figures, others=()):
-    """Write the page, the table by region, and if asked for the figures, to a folder (Path); returns the summary as text.
+def write(results, folder, with_figure, others=()):
+    """Write the page, its CSV files, and if asked for the figure, to a folder (Path); returns the summary as text.
 
-    results, before, also : tables of results, of now, of another version and of another seed (which may both be empty).
     others : tables of results with other winches and grounds.
     """
     pages, data = folder / "measurements", folder / "data"
     for each in (pages, data):
         each.mkdir(parents=True, exist_ok=True)
-    points, both = prepared(results), common(results, before) if len(before) else {}
-    core = core_of(points)
-    held = f"{100.0 * core.held.mean():.1f} % of {len(core)} points are converged or stable."
-    tables = {"by_variant": by_variant, "worst": worst, "compared": compared}
-    bounds = {"amplification": AMPLIFICATION, "longest_call": LONGEST_CALL}
-    whole = kinds(results, *others)
-    fixed = with_fixed_steps(whole)
-    drawn = figures(points, fixed, both, folder) if with_figures else {}
-    found = {"points": points, "core": core, "held": held, "both": both, "also": prepared(also) if len(also) else None}
-    found |= {"whole": whole, "fixed": fixed, "fixed_by_map": by_map_and_core(fixed), "failed": forbidden(whole)}
-    found |= {"maps": by_map(whole), "requests": by_request(whole), "all_refusals": refusals_by_map(whole)}
-    text = page("page.md.j2", Path(__file__).parent, figures=drawn, **found, **tables, **bounds)
-    (pages / "stability.md").write_text(text, encoding="utf-8")
-    regions(whole).to_csv(data / "stability_by_region.csv", index=False, float_format="%.3g")
-    return f"{markdown(by_variant(points))}\n{held}"
+    points, whole = prepared(results), kinds(results, *others)
+    core, fixed = core_of(points), with_fixed_steps(whole)
+    held = f"{100.0 * core.held.mean():.1f} % of {len(core)} flights are converged or bounded."
+    files = {"by_region": regions(whole), "by_map": by_map(whole), "refusals": refusals_by_map(whole)}
+    files |= {"requests": by_request(whole), "fixed_steps": by_map_and_core(fixed), "worst": worst(points)}
+    for name, table in files.items():
+        table.to_csv(data / f"stability_{name}.csv", index=False, float_format="%.3g")
+    if with_figure:
+        draw(files["by_region"], folder / "figures" / "stability.svg")
+    found = {"points": points, "variants": by_variant(points), "held": held, "whole": whole, "fixed": fixed}
+    found |= {"maps": files["by_map"], "failed": forbidden(whole), "longest_call": LONGEST_CALL, "with_figure": with_figure}
+    (pages / "stability.md").write_text(page("page.md.j2", Path(__file__).parent, **found), encoding="utf-8")
+    return f"{markdown(found['variants'])}\n{held}"
 
 
 def run(options):
@@ -243,6 +223,9 @@ def run(options):
 
     options : of `make_stability.py`.
     """
+    if options.redraw:
+        draw(pd.read_csv(options.out / "data" / "stability_by_region.csv"), options.out / "figures" / "stability.svg")
+        return 0
     control = dict(quantities(Winch))["winch_control"].numbers[options.control]
     if options.point is not None:
         chosen = point(options.seed, options.point, control, options.ground)
@@ -258,9 +241,10 @@ def run(options):
     file = options.results or options.out / f"{name}.jsonl"
     with keeping():
         results = judge_all(points, file, options.processes, options.dask)
-    before, also = (read(file) if file else results[:0] for file in (options.before, options.also))
     others = [read(each) for each in options.others]
-    print(write(results, before, also, options.out, with_figures=not options.quick, others=others))
+    print(write(results, options.out, with_figure=not options.quick, others=others))
+    if options.before:
+        print(markdown(compared(common(results, read(options.before)))))
     bad = results[results.verdict.isin(FORBIDDEN)]
     for number, verdict in zip(bad.number[:20], bad.verdict, strict=False):
         print(f"point {number}: {verdict}", file=sys.stderr)

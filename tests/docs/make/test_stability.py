@@ -87,8 +87,8 @@ def flight(forces=None, **changes):
     ("first", "second", "expected"),
     [
         ({}, {}, "converged"),
-        ({}, {"forces": 1e6 * np.ones((5, 6))}, "stable"),
-        ({}, {"forces": np.ones((0, 6)), "refusal": "budget spent"}, "stable"),
+        ({}, {"forces": 1e6 * np.ones((5, 6))}, "bounded"),
+        ({}, {"forces": np.ones((0, 6)), "refusal": "budget spent"}, "bounded"),
         ({"refusal": "budget spent"}, {}, "refused"),
         ({"tension_ratio": np.inf}, {}, "wrong"),
         ({"tension_ratio": 1.01}, {}, "wrong"),
@@ -149,13 +149,13 @@ def test_a_tether_that_sinks_through_the_ground_is_seen(monkeypatch):
 @pytest.mark.parametrize("number", [4854, 5982, 18946])
 def test_false_starts_on_the_ground_are_not_taken(number):
     """As they were: with a node 13 m under the ground, held by a compressed segment; spun out to 24 times the length."""
-    assert judge(point(1, number, ground=True)).verdict in ("converged", "stable", "refused")
+    assert judge(point(1, number, ground=True)).verdict in ("converged", "bounded", "refused")
 
 
 @pytest.mark.parametrize("number", [936, 1370, 1786])
 def test_drums_without_mass_that_friction_stops_are_not_refused(number):
     """As they were: a piece of a step that an event had cut to nothing said how long the next step may be."""
-    assert judge(point(1, number, control=at.WINCH_BY_FORCE)).verdict in ("converged", "stable")
+    assert judge(point(1, number, control=at.WINCH_BY_FORCE)).verdict in ("converged", "bounded")
 
 
 def test_a_drum_that_rounding_holds_at_the_edge_of_its_friction_turns():
@@ -192,7 +192,7 @@ def test_maps_of_other_winches_and_grounds_are_counted_apart():
     hard = POINTS[0]._replace(axial_stiffness=1e9)
     speed = results_of([*POINTS[:30], hard], Verdict("converged", 0.0))
     force = results_of([hard._replace(control=at.WINCH_BY_FORCE)], Verdict("refused", refusal="step budget spent"))
-    ground = results_of(ON_GROUND[:20], Verdict("stable", 0.1, unresolved=True))
+    ground = results_of(ON_GROUND[:20], Verdict("bounded", 0.1, unresolved=True))
     whole = kinds(speed, force, ground)
     rows = by_map(whole).set_index(["winch control", "ground"])
     assert rows.points.to_dict() == {("speed", "none"): 31, ("speed", "flat"): 20, ("force", "none"): 1}
@@ -290,11 +290,11 @@ def test_the_quick_map_goes_on_after_a_kill(quick_map):
 
 
 def test_the_quick_map_holds(quick_map):
-    """The page is written, and most points are converged or stable: 60 points tell shares to a few percent only."""
+    """The page is written, and most points are converged or bounded: 60 points tell shares to a few percent only."""
     folder, _, _ = quick_map
     page = (folder / "measurements" / "stability.md").read_text(encoding="utf-8")
     assert page.startswith("# Stability\n")
-    assert read(folder / "stability_1.jsonl").verdict.isin(("converged", "stable")).mean() >= 0.8
+    assert read(folder / "stability_1.jsonl").verdict.isin(("converged", "bounded")).mean() >= 0.8
 
 
 def test_before_and_now_are_compared_on_the_points_of_both():

@@ -66,7 +66,7 @@ def test_found_in_balance_and_stable(n, slack, up, wind, aside):
 
 
 def test_none_is_refused():
-    """As docs/models/numerics.md, "Initial shape", says; 314 by steps 1 to 6."""
+    """Step 7 of docs/models/numerics.md, "Initial shape"; steps 1 to 6 refuse 314 of them."""
     cases = (10, 15, 20, 30, 50), (0.02, 0.1, 0.3, 0.5, 0.7, 0.9), (1, -1)
     cases += (0.1, 0.2, 0.5, 1.0, 2.0, 4.0), (1e-6, 1e-3, 0.1, 1.0, 5.0, 20.0)
     assert len(list(product(*cases))) == 2160

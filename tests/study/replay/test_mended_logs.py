@@ -59,7 +59,7 @@ MENDED = {
     "a gap of 1 s": (lambda t: t.drop(range(500, 510)), "bridged: 1 of", FEW, 6.0),
     "a tension of a million": (
         lambda t: put(t, "force", 600, "1000000"),
-        "ground_tension: 1 of .*stand out",
+        "ground_tension: 1 of .*spikes",
         ROUNDED,
         RATHER,
     ),
@@ -71,11 +71,11 @@ MENDED = {
     ),
     "a spike of the length": (
         lambda t: changed(t, length=lambda c: c.where(c.index != 600, c + 40.0)),
-        "tether_length: 1 of .*stand out",
+        "tether_length: 1 of .*spikes",
         ROUNDED,
         RATHER,
     ),
-    "a length of 0": (lambda t: put(t, "length", 600, "0"), "tether_length: 1 of .*no kite", ROUNDED, RATHER),
+    "a length of 0": (lambda t: put(t, "length", 600, "0"), "tether_length: 1 of .*impossible", ROUNDED, RATHER),
     "a spike of the altitude": (
         lambda t: changed(t, alt=lambda c: c.where(c.index != 600, c + 40.0)),
         r"kite_position\[3\]: 1 of",

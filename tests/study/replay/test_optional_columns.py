@@ -54,7 +54,7 @@ def test_whatever_columns_a_log_has(there, tmp_path, capsys, monkeypatch):
     if not set(LED).intersection(there):
         assert status == 2
         assert err.endswith(
-            "flight.csv: has none of ground_tension, tether_length, reel_out_speed: nothing can lead the winch\n"
+            "flight.csv: has none of ground_tension, tether_length, reel_out_speed: nothing can drive the winch\n"
         )
         return
     assert status == 0
@@ -62,7 +62,7 @@ def test_whatever_columns_a_log_has(there, tmp_path, capsys, monkeypatch):
     assert ("length at 0 s of the log m" in out) == (set(LED).intersection(there) == {"reel_out_speed", "ground_tension"})
     if written_to:
         errors = pd.read_csv(tmp_path / "out" / "errors.csv")
-        assert ("length: mean m" in errors) == ("ground_tension" in there and len(set(LED).intersection(there)) > 1)
+        assert ("length: mean [m]" in errors) == ("ground_tension" in there and len(set(LED).intersection(there)) > 1)
 
 
 @pytest.mark.parametrize("fit", ["offset", "nothing"])

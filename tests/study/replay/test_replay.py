@@ -41,7 +41,7 @@ def test_a_published_cycle_in_one_command(path, tmp_path, capsys):
     assert "tested from" in said
     errors = pd.read_csv(tmp_path / "errors.csv")
     (whole,) = errors[errors.part == "all"].to_dict("records")
-    assert 0.5 < whole["rms about it m"] < MOST[path.stem]
+    assert 0.5 < whole["length: rms about mean [m]"] < MOST[path.stem]
     assert {"phase pp-ro", "phase pp-ri"} <= set(errors.part)
     series = pd.read_csv(tmp_path / "series.csv")
     assert np.isfinite(series.to_numpy()).all()
@@ -72,8 +72,8 @@ def test_the_length_leads_to_the_tension(clean):
 def test_noise_of_positions_is_said_where_the_length_leads():
     made = replay(prepare(logs_of_tests.made(noise=0.5), 0.0, 20.0), "length", ("quasi_steady",), wanted=())
     (doubt,) = made.doubts
-    assert re.match(r"the tether is taut for \d+ % of the time; for 100 % of that its stiffness times the noise", doubt)
-    assert "do not believe a taut force from positions" in doubt
+    assert re.match(r"the tether is taut for \d+ % of the time; for 100 % of that the noise", doubt)
+    assert "taut forces from positions are not reliable" in doubt
     stiffness = logs_of_tests.TETHER.axial_stiffness / made.flown["quasi_steady"].table.tether_length
     np.testing.assert_allclose(made.residuals.band.dropna(), (0.5 * stiffness)[made.residuals.band.notna()], rtol=1e-3)
 
@@ -98,18 +98,18 @@ def test_errors_by_phase_are_means_of_their_rows():
     found = pd.DataFrame({"time": time, "tether": "dynamic", "length": np.where(time < 5.0, 1.0, 3.0), "phase": phase})
     found = found.assign(tension=-2.0, measured=100.0 + time, stiffness=1e4, band=5e3)
     by_length = comparison.errors(found, start=-comparison.SETTLED, lead="tension").set_index("part")
-    assert by_length.at["all", "length: mean m"] == pytest.approx(2.0)
-    assert by_length.at["all", "rms about it m"] == pytest.approx(1.0)
-    assert by_length.at["all", "as tension, if taut N"] == pytest.approx(1e4)
-    assert by_length.at["phase in", "length: mean m"] == pytest.approx(3.0)
+    assert by_length.at["all", "length: mean [m]"] == pytest.approx(2.0)
+    assert by_length.at["all", "length: rms about mean [m]"] == pytest.approx(1.0)
+    assert by_length.at["all", "equivalent tension [N]"] == pytest.approx(1e4)
+    assert by_length.at["phase in", "length: mean [m]"] == pytest.approx(3.0)
     by_tension = comparison.errors(found, start=-comparison.SETTLED, lead="length").set_index("part")
-    assert by_tension.at["phase out", "rms N"] == pytest.approx(2.0)
+    assert by_tension.at["phase out", "tension: rms [N]"] == pytest.approx(2.0)
     assert by_tension.at["all", "correlation"] == 1.0
-    assert "length: mean m" not in by_tension
+    assert "length: mean [m]" not in by_tension
     falling = found.assign(tension=-2.0 * time)  # computed is 100 - t where 100 + t is measured
     assert comparison.errors(falling, -comparison.SETTLED, "length").set_index("part").at["all", "correlation"] == -1.0
     later = comparison.errors(found, start=0.0, lead="tension").set_index("part")
-    assert later.at["all", "time s"] == pytest.approx(10.0 - comparison.SETTLED)
+    assert later.at["all", "time [s]"] == pytest.approx(10.0 - comparison.SETTLED)
 
 
 def test_the_part_of_the_fit_is_what_was_before_or_the_first_half():
@@ -159,7 +159,7 @@ def test_a_tether_that_refuses_all_is_given_up_and_said(in_kilonewtons):
     assert set(made.errors.tether) == {"straight"}
     (doubt,) = made.doubts
     assert doubt.startswith(
-        "without results: catenary refused 100 communication steps and was given up at 2.0 s; the first: "
+        "without results: catenary refused 100 communication steps and was stopped at 2.0 s; the first: "
     )
 
 

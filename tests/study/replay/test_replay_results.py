@@ -277,6 +277,10 @@ def test_view_from_the_side():
 
 def test_tables_for_people():
     table = comparison.rounded(
-        pd.DataFrame({"tether": ["a"], "length: mean m": [-0.0012], "rms N": [13346.2], "mean N": [1.149]})
+        pd.DataFrame(
+            {"tether": ["a"], "length: mean [m]": [-0.0012], "tension: rms [N]": [13346.2], "tension: mean [N]": [1.149]}
+        )
     )
-    assert table.to_dict("records") == [{"tether": "a", "length: mean m": 0.0, "rms N": 13300.0, "mean N": 1.1}]
+    assert table.to_dict("records") == [
+        {"tether": "a", "length: mean [m]": 0.0, "tension: rms [N]": 13300.0, "tension: mean [N]": 1.1}
+    ]

@@ -1,4 +1,4 @@
-"""Do the quantities of a log fit each other? Positions, velocities, lengths, speeds and tensions in one system of units."""
+"""Are the quantities of a log consistent? Positions, velocities, lengths, speeds and tensions in one system of units."""
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -9,6 +9,7 @@ from tetherfmu.runtime.parameters import Tether
 from tetherfmu.runtime.plausibility import LARGEST_STRETCH, NEARBY
 from tetherfmu.runtime.quantities import doubts_of
 
+from .log import UNCHECKED
 from .readings import FASTEST, POSITION, VELOCITY, WIND, between
 
 WINDOW = 1.0  # s, over which motions are compared
@@ -50,9 +51,16 @@ def check(log):
     if below > 50.0:
         log.report.doubt(f"kite_position is below the outlet of the winch in {below:.0f} % of the rows: is up right?")
     judge_what_is_not_said(log)
-    log.report.say(f"fit each other: {', '.join(done) or 'nothing to compare'}")
+    log.report.say(f"consistent: {', '.join(done) or 'nothing to compare'}")
     if undone:
-        log.report.doubt(f"not checked, for the log has nothing to compare with: {'; '.join(undone)}")
+        log.report.doubt(f"{UNCHECKED}: {'; '.join(f'{name} ({why_unchecked(log, name)})' for name in undone)}")
+
+
+def why_unchecked(log, name):
+    """Why one of `COMPARISONS` has no result."""
+    given = {each.partition("[")[0] for each in log.table} | ({"kite.area"} if log.map.kite.area else set())
+    missing = [word for word in name.split() if word in COMPARED and word not in given]
+    return f"the log has no {' and no '.join(missing)}" if missing else "too little data"
 
 
 def edges(time):
@@ -112,13 +120,13 @@ def compare_velocity(log, position):
         for way, found, noise in zip(ways, *robust(velocity @ ways.T, moved), strict=True):
             if np.abs(found - way).max() > NEAR + NOISE * noise:
                 raise log.wrong(
-                    f"kite_velocity and kite_position do not fit: while the velocity goes {in_words(way)}, the position "
-                    f"goes {in_words(found)}; check columns, axes, signs and units of both, or leave kite_velocity out"
+                    f"kite_velocity contradicts kite_position: where the velocity says {in_words(way)}, the position "
+                    f"changes by {in_words(found)}; check columns, axes, signs and units of both, or leave kite_velocity out"
                 )
     rest, moves = np.median(np.linalg.norm(moved - velocity, axis=1)), np.median(np.linalg.norm(moved, axis=1))
-    text = f"the position moves by {moves:.3g} m/s, and by {rest:.3g} m/s differently from the velocity; check columns, axes"
+    text = f"the position moves at {moves:.3g} m/s and differs from the velocity by {rest:.3g} m/s; check columns, axes"
     if rest > max(UNEXPLAINED * moves, IMPOSSIBLE_NOISE):
-        raise log.wrong(f"kite_velocity and kite_position do not fit: {text}, signs and units of both")
+        raise log.wrong(f"kite_velocity contradicts kite_position: {text}, signs and units of both")
     if rest > max(UNEXPLAINED * moves, NOISE * (MOVING + log.map.smoothing.position_noise / WINDOW)):
         log.report.doubt(
             f"kite_velocity explains little of the motion of kite_position: {text}, and smoothing.position_noise"
@@ -209,7 +217,7 @@ def compare_tension(log, position):
             f"ground_tension is {low:.4g} N at its lowest, {high:.4g} N at its highest; a tether pulls: check its sign"
         )
     if np.nanmedian(tension) < 0.0:
-        log.report.doubt(f"ground_tension is {np.nanmedian(tension):.3g} N in the middle: is its zero right?")
+        log.report.doubt(f"the median of ground_tension is {np.nanmedian(tension):.3g} N: is its zero right?")
     strain = high / log.map.tether.axial_stiffness
     if strain > LARGEST_STRETCH - 1.0:
         log.report.doubt(f"ground_tension would stretch the tether by {100.0 * strain:.3g} %; check its unit, and [tether]")
@@ -243,7 +251,7 @@ def judge_small_tension(log, position):
     if doubts_of(log.map.tether) or not 0.0 < middle < SLACK * weight:
         return
     log.report.doubt(
-        f"ground_tension is {middle:.3g} N in the middle, and the tether weighs {weight:.3g} N; "
+        f"the median of ground_tension is {middle:.3g} N, and the tether weighs {weight:.3g} N; "
         f"{probably(units_of_tension(log, middle / weight, TAUT, np.inf)[:1])}check its unit, and [tether]",
         of_unit=True,
     )
@@ -298,8 +306,8 @@ def judge_what_is_not_said(log):
         log.report.doubt(doubt, of_unit=True)
     if tether == Tether() and not log.map.names_tether:
         log.report.doubt(
-            f"the map does not say which tether flew: a default one of {1000.0 * tether.diameter:g} mm and "
-            f"{1000.0 * tether.mass_per_length:.3g} g/m does; give a table [tether], or set tether.diameter, ..."
+            f"the map does not say which tether flew: the default is used, {1000.0 * tether.diameter:g} mm and "
+            f"{1000.0 * tether.mass_per_length:.3g} g/m; give a table [tether], or set tether.diameter, ..."
         )
     if log.of(WIND) is None:
         log.report.doubt("there is no wind_velocity: the tethers fly in still air")
@@ -307,9 +315,10 @@ def judge_what_is_not_said(log):
 
 COMPARISONS = {  # what is compared, and how: True if it was, False if nothing is there to compare with, None without it
     "speed of kite_position": compare_speed,
-    "kite_position with kite_velocity": compare_velocity,
-    "kite_position with tether_length": compare_length,
-    "reel_out_speed with what it changes": compare_reeling,
-    "size of ground_tension with airspeed and kite.area": compare_tension,
-    "wind_velocity with airspeed and kite_velocity": compare_wind,
+    "kite_position against kite_velocity": compare_velocity,
+    "kite_position against tether_length": compare_length,
+    "reel_out_speed against the change of length or distance": compare_reeling,
+    "size of ground_tension against airspeed and kite.area": compare_tension,
+    "wind_velocity against airspeed and kite_velocity": compare_wind,
 }
+COMPARED = ("kite_position", "kite_velocity", "tether_length", "ground_tension", "airspeed", "kite.area", "wind_velocity")

@@ -71,7 +71,7 @@ def past_midnight(time, report):
         return time
     days = np.concatenate([[0], np.cumsum(np.diff(time) < -0.99 * DAY)])
     if days[-1]:
-        report.say(f"midnight: the time of the day begins again {days[-1]} times")
+        report.say(f"midnight: the time of the day restarts {days[-1]} times")
     return time + DAY * days
 
 
@@ -127,5 +127,5 @@ def spread(time, report):
     shift = np.maximum(whole, counts)  # rows of a time that has more are as close as they must be
     start = np.where(np.arange(len(values)) == 0, shift - counts, 0)
     place = np.arange(len(time)) - np.repeat(first, counts) + np.repeat(start, counts)
-    report.say(f"spread: times are rounded to {width:g} s; the {whole} rows of each lie evenly in it")
+    report.say(f"spread: times are rounded to {width:g} s; the {whole} rows of each are spaced evenly")
     return time + width * place / np.repeat(shift, counts)

@@ -42,7 +42,7 @@ def residuals(flight, flown):
 def errors(found, start, lead):
     """Table of `residuals` by tether: over all, by phase and by cycle, without what is near the start [s].
 
-    lead : what leads the winch; it has no residual.
+    lead : what drives the winch; it has no residual.
     """
     found, judged = found[found.time >= start + SETTLED], of_length if lead == "tension" else of_tension
     rows = []
@@ -51,7 +51,7 @@ def errors(found, start, lead):
             row = {
                 "part": f"{label} {keys[1] or NONE}" if label else ALL,
                 "tether": keys[0],
-                "time s": round(len(part) * EVERY, 1),
+                "time [s]": round(len(part) * EVERY, 1),
             }
             rows.append(row | judged(part))
     return pd.DataFrame(rows).dropna(axis=1, how="all")
@@ -62,11 +62,11 @@ def of_length(part):
     scatter = rms(part.length - part.length.mean())
     band = part.band.mean()
     return {
-        "measured tension N": part.measured.mean(),
-        "length: mean m": part.length.mean(),
-        "rms about it m": scatter,
-        "as tension, if taut N": scatter * part.stiffness.mean(),
-        "noise of positions as tension N": band,
+        "measured tension [N]": part.measured.mean(),
+        "length: mean [m]": part.length.mean(),
+        "length: rms about mean [m]": scatter,
+        "equivalent tension [N]": scatter * part.stiffness.mean(),
+        "equivalent position noise [N]": band,
     }
 
 
@@ -75,11 +75,11 @@ def of_tension(part):
     known = part[np.isfinite(part.tension)]
     alike = np.corrcoef(known.measured, known.measured + known.tension)[0, 1] if len(known) > 1 else np.nan
     return {
-        "measured tension N": part.measured.mean(),
-        "tension: mean N": part.tension.mean(),
-        "rms N": rms(part.tension),
+        "measured tension [N]": part.measured.mean(),
+        "tension: mean [N]": part.tension.mean(),
+        "tension: rms [N]": rms(part.tension),
         "correlation": round(alike, 3),
-        "noise of positions as tension N": part.band.mean(),
+        "equivalent position noise [N]": part.band.mean(),
     }
 
 
@@ -93,9 +93,9 @@ def rounded(errors):
     """A table of errors, see `errors`, for people: lengths to 1 cm, tensions to three digits, and to 0.1 N."""
     table = errors.copy()
     for head in table.columns:
-        if head.endswith(" m"):
+        if head.endswith(" [m]"):
             table[head] = table[head].round(2) + 0.0  # not -0
-        elif head.endswith(" N"):
+        elif head.endswith(" [N]"):
             table[head] = table[head].map(lambda force: round(float(f"{force:.3g}"), 1) + 0.0)
     return table
 

@@ -27,7 +27,7 @@ LARGEST = 0.9999  # correlation of two columns, from which on they cannot be dis
 class Fit:
     """What was found: `correction`, and by name its numbers with the half widths of their intervals, dict of pairs.
 
-    The intervals hold all at once with the probability `CONFIDENCE`.  `rms` : what is left on the part of the fit [m].
+    The intervals hold all at once with the probability `CONFIDENCE`.  `rms` : the residual on the part of the fit [m].
     """
 
     correction: Correction
@@ -39,7 +39,7 @@ class Fit:
     def __str__(self):
         """The numbers with their intervals."""
         numbers = ", ".join(f"{name} {value:+.3g} ± {half:.2g}" for name, (value, half) in self.found.items())
-        return f"fitted from {self.start:.1f} to {self.end:.1f} s: {numbers}; {self.rms:.2f} m rms are left"
+        return f"fitted from {self.start:.1f} to {self.end:.1f} s: {numbers}; residual {self.rms:.2f} m rms"
 
 
 def fit(flight, wanted=("offset",), segments=SEGMENTS):
@@ -49,7 +49,7 @@ def fit(flight, wanted=("offset",), segments=SEGMENTS):
     order, offset - u d - tau u v with the direction u of the kite, its velocity v, the error d of the origin and the delay
     tau of the positions: least squares, again from the corrected positions until nothing changes. Intervals come from the
     jackknife over `BLOCKS` parts in a row, since the errors of a position are alike for seconds (Kunsch, Annals of
-    Statistics 17, 1989). LogError if the tether is nowhere taut, or if the part cannot tell two of them apart.
+    Statistics 17, 1989). LogError if the tether is nowhere taut, or if the part cannot distinguish two of them.
     """
     refuse_unknown_length(flight, wanted)
     names = [name for each in wanted for name in np.atleast_1d(NAMES[each])]
@@ -61,7 +61,7 @@ def fit(flight, wanted=("offset",), segments=SEGMENTS):
         values, rest = values + step, rest - columns @ step
         if abs(delay := correction_of(names, values).delay) > LONGEST_DELAY:
             raise LogError(
-                f"this part of the flight tells no delay: {delay:.3g} s would fit; it must be {LONGEST_DELAY:g} s at most"
+                f"no delay can be fitted on this part of the flight: {delay:.3g} s would fit; {LONGEST_DELAY:g} s is allowed"
             )
         if np.all(np.abs(step) <= SMALL * half) or names == [NAMES["offset"]]:  # which the tether does not feel
             break
@@ -86,18 +86,18 @@ def test(found, flight):
     """A sentence on how a `Fit` does on the part of a `Flight` behind that on which it was found."""
     start = max(flight.start, found.end)
     if flight.end - start < SHORTEST:
-        return "not tested: the flight lies in the part on which was fitted"
+        return "not tested: the fit used the whole flight"
     part = flight.part(start, flight.end).corrected(found.correction)
     try:
         rest, _, taut = residual(part, ("offset",))
     except LogError:
-        return f"not tested: nothing is taut from {start:.1f} to {flight.end:.1f} s"
+        return f"not tested: the tether is nowhere taut from {start:.1f} to {flight.end:.1f} s"
     mean, scatter = rest[taut].mean(), rest[taut].std()
     stiffness = flight.log.map.tether.axial_stiffness / part.length(part.times)[taut].mean()
     force = 1e-3 * stiffness * np.hypot(mean, scatter)
     return (
-        f"tested from {start:.1f} to {flight.end:.1f} s: the length is off by {mean:+.2f} m on average, and scatters by "
-        f"{scatter:.2f} m; a taut tether of {1e-3 * stiffness:.3g} kN/m makes {force:.3g} kN of that"
+        f"tested from {start:.1f} to {flight.end:.1f} s: mean error of the length {mean:+.2f} m, scatter {scatter:.2f} m; "
+        f"at {1e-3 * stiffness:.3g} kN/m this is equivalent to {force:.3g} kN"
     )
 
 
@@ -126,7 +126,7 @@ def residual(flight, wanted, segments=SEGMENTS):
     taut[time < time[0] + SETTLED] = False
     if taut.sum() < FEWEST:
         raise flight.log.cannot_fly(
-            f"the part from {flight.start:g} to {flight.end:g} s has no taut tether: nothing can be fitted"
+            f"the tether is nowhere taut from {flight.start:g} to {flight.end:g} s: nothing can be fitted"
         )
     return rest, np.hstack([slopes[each] for each in wanted]), taut
 
@@ -138,7 +138,7 @@ def refuse_alike(columns, names):
     if alike.size and alike.max() > LARGEST:
         one, other = (names[k] for k in np.unravel_index(alike.argmax(), alike.shape))
         raise LogError(
-            f"this part of the flight cannot tell {one} from {other}: fit one of them, or a part with more motion"
+            f"this part of the flight cannot distinguish {one} from {other}: fit one of them, or a part with more motion"
         )
 
 

@@ -129,9 +129,9 @@ class Flight:
         return pd.DataFrame({"time": self.times} | columns)
 
     def inputs(self, lead, step=STEP):
-        """Inputs of a tether, array (steps, INPUTS): the motion of the kite, the wind, and what leads the winch.
+        """Inputs of a tether, array (steps, INPUTS): the motion of the kite, the wind, and what drives the winch.
 
-        lead : "tension", "length" or "speed".  LogError names a gap in what leads.
+        lead : "tension", "length" or "speed".  LogError names a gap in what drives.
         """
         time = np.arange(round((self.times[-1] - self.start) / step)) * step + self.start
         rows = np.zeros((len(time), COUNT))
@@ -141,7 +141,7 @@ class Flight:
         led = self.length(time) if lead == "length" else self.measured(MEASURED[lead], time)
         if not np.isfinite(led).all():
             gap = time[~np.isfinite(led)][0]
-            raise self.log.wrong(f"{MEASURED[lead]} leads the winch and has no reading at {gap:.1f} s")
+            raise self.log.wrong(f"{MEASURED[lead]} drives the winch and has no reading at {gap:.1f} s")
         into[{"tension": "winch_force", "length": "winch_length", "speed": "reel_out_speed"}[lead]][:, 0] = led
         return rows
 
@@ -160,8 +160,8 @@ def prepare(log, start=None, end=None):
     also = f" and velocities (noise {noise.velocity:g} m/s)" if log.of(VELOCITY) is not None else ""
     changing = f"acceleration changing by {noise.acceleration:g} m/s2 in 1 s"
     log.report.say(
-        f"smoothed: positions (noise {noise.position:g} m){also}, {changing}; positions were off by {rough:.2f} m rms, and "
-        f"are known to {motion.deviation:.2f} m"
+        f"smoothed: positions (noise {noise.position:g} m){also}, {changing}; correction {rough:.2f} m rms, "
+        f"remaining uncertainty {motion.deviation:.2f} m"
     )
     return Flight(log, motion, start, end)
 

@@ -13,6 +13,7 @@ from tetherfmu.study.scenes.files import SceneError
 
 from . import clock, columns, frames, readings
 
+UNCHECKED = "not checked"  # how the doubts begin that say what the log has nothing to compare with
 STANDS_FOR_NONE = 999.0, 9999.0, 99999.0, 999999.0, 32767.0, 32768.0, 65535.0  # numbers that loggers write without a reading
 ALONE = 0.1  # of such a number: if no other reading is so near to it, it is none
 
@@ -46,7 +47,7 @@ class Report:
 
     def __str__(self):
         """All lines, the doubts last."""
-        return "\n".join([*self.lines, *(f"doubt: {each}" for each in self.doubts)])
+        return "\n".join([*self.lines, *(each if each.startswith(UNCHECKED) else f"doubt: {each}" for each in self.doubts)])
 
 
 @dataclass(frozen=True)

@@ -92,7 +92,7 @@ def leave_out_held(table, names, longest_gap, report):
     if held.mean() > HELD and not is_coarse(values):
         name = names[0].partition("[")[0]
         report.count(
-            f"left out of {name}", int(held.sum()), len(held), "which repeat the reading above: a sensor that is slower"
+            f"left out of {name}", int(held.sum()), len(held), "which repeat the reading above, as a slower sensor does"
         )
         values[held] = np.nan
         table[[*names]] = values
@@ -115,10 +115,10 @@ def leave_out_impossible(table, name, report):
         impossible = np.abs(values) > LARGEST[name]
         if name == "tether_length":
             impossible |= values <= 0.0
-    leave_out(values, impossible, name, time, report, "no kite has such a one")
+    leave_out(values, impossible, name, time, report, "impossible for a kite")
     there = time[np.isfinite(values)]
     step = float(np.median(np.diff(there))) if len(there) > 1 else 1.0
-    leave_out(values, spikes_of(values, floor_of(name, values, step), step), name, time, report, "they stand out of others")
+    leave_out(values, spikes_of(values, floor_of(name, values, step), step), name, time, report, "spikes")
     table[name] = values
 
 

@@ -53,14 +53,14 @@ class Replay:
 
     @property
     def doubts(self):
-        """Sentences on what not to believe."""
+        """Sentences on what is not reliable."""
         taut, share = comparison.untrustworthy(self.residuals)
         if self.lead != "tension" and share > 0.0:
             noise = self.flight.log.map.smoothing.position_noise
             yield (
-                f"the tether is taut for {100.0 * taut:.0f} % of the time; for {100.0 * share:.0f} % of that its stiffness "
-                f"times the noise of a position ({noise:g} m) is more than the measured tension: do not believe a taut "
-                "force from positions; let the tension lead"
+                f"the tether is taut for {100.0 * taut:.0f} % of the time; for {100.0 * share:.0f} % of that the noise of a "
+                f"position ({noise:g} m), as a stretch, is more than the measured tension: taut forces from positions are "
+                "not reliable; use --lead tension"
             )
         for name, each in self.flown.items():
             if each.refusals:
@@ -70,16 +70,16 @@ class Replay:
 
 def refused(name, flown):
     """A sentence on the steps that a tether refused."""
-    end = "" if flown.given_up is None else f" and was given up at {flown.given_up:.1f} s"
+    end = "" if flown.given_up is None else f" and was stopped at {flown.given_up:.1f} s"
     return f"{name} refused {len(flown.refusals)} communication steps{end}; the first: {flown.refusals[0].reason}"
 
 
 def default_lead(read):
-    """What leads the winch: the tension if the log has it, else the length, else the speed; LogError if it has none."""
+    """What drives the winch: the tension if the log has it, else the length, else the speed; LogError if it has none."""
     for lead, column in MEASURED.items():
         if column in read.table:
             return lead
-    raise read.wrong(f"has none of {', '.join(MEASURED.values())}: nothing can lead the winch")
+    raise read.wrong(f"has none of {', '.join(MEASURED.values())}: nothing can drive the winch")
 
 
 def part_of_fit(flight, start=None, end=None):
@@ -93,7 +93,7 @@ def part_of_fit(flight, start=None, end=None):
 
 
 def replay(flight, lead, tethers=tuple(runs.TETHERS), wanted=("offset",), fit_part=None, segments=runs.SEGMENTS):
-    """`Replay` of a `Flight` led by "tension", "length" or "speed".
+    """`Replay` of a `Flight` driven by "tension", "length" or "speed".
 
     tethers : names of `runs.TETHERS`.  wanted : what is fitted, see `fitting.fit`; () for nothing.  fit_part : the `Flight`
     on which it is; None: `part_of_fit`.  LogError if the log has not what that needs, a tether cannot start, or none flies.
@@ -117,7 +117,7 @@ def replay(flight, lead, tethers=tuple(runs.TETHERS), wanted=("offset",), fit_pa
     table = comparison.residuals(flight, flown)
     errors = comparison.errors(table, flight.start, lead)
     if not flight.has_whole_length:
-        errors = errors.drop(columns="length: mean m", errors="ignore")
+        errors = errors.drop(columns="length: mean [m]", errors="ignore")
     return Replay(flight, lead, flown, found, tested, table, errors, tuple(not_flown))
 
 
@@ -138,7 +138,7 @@ def text(made, table):
     if made.fit:
         lines += [str(made.fit), made.tested]
     lines += [
-        f"led by the {made.lead} from {flight.start:.1f} to {flight.end:.1f} s:",
+        f"driven by the {made.lead} from {flight.start:.1f} to {flight.end:.1f} s:",
         "",
         markdown(comparison.rounded(table)),
         "",

@@ -33,7 +33,7 @@ UNUSUAL = re.compile(r"[^\w .~-]", re.ASCII)  # characters that some hosts canno
 def series(made):
     """Inputs of a tether along a `Replay`, a DataFrame with the column `time` from 0 on, and how many times it leaves out.
 
-    The winch gets the length that led it, or that the finest tether found; led by the speed, it gets that. Left out are
+    The winch gets the length that drove it, or that the finest tether found; driven by the speed, it gets that. Left out are
     times at which that is not known: no reading, or a step that the tether refused.
     """
     flight, times = made.flight, made.flight.times
