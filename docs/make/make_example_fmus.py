@@ -3,7 +3,7 @@
 import sys
 from pathlib import Path
 
-from make_interface import table
+from make_variables import table
 from tetherfmu.export import documents
 from tetherfmu.export.documents import allowed, folded, meaning, unit
 from tetherfmu.libraries.examples import example
