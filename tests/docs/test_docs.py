@@ -45,7 +45,7 @@ def cited_sections():
     return found
 
 
-@pytest.mark.parametrize("name", ["make_variables", "make_keys_of_maps", "make_scene_files"])
+@pytest.mark.parametrize("name", ["make_variables", "make_keys_of_maps", "make_materials", "make_scene_files"])
 def test_pages_are_what_their_scripts_write(name):
     script = importlib.import_module(name)
     assert script.PAGE.read_text(encoding="utf-8") == script.page()
