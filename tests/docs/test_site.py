@@ -138,7 +138,9 @@ def test_the_menu_opens(site, browser):
         chromium.wait_until(browser, "document.querySelector('.sidebar-drawer').getBoundingClientRect().left >= 0.0")
     left, right = browser.execute_script(edges)
     assert 0.0 <= left < right <= PHONE
-    browser.find_element("css selector", ".sidebar-tree a[href='models/theory.html']").click()
+    link = browser.find_element("css selector", ".sidebar-tree a[href='models/theory.html']")
+    browser.execute_script("arguments[0].scrollIntoView({block: 'center', behavior: 'instant'})", link)
+    link.click()
     assert browser.title.startswith("Theory")
 
 
