@@ -7,7 +7,7 @@ from make_variables import limits, table
 from tetherfmu.export import documents
 from tetherfmu.export.documents import folded, meaning
 from tetherfmu.libraries.examples import example
-from tetherfmu.runtime.variables import INPUT, OUTPUT, PARAMETER
+from tetherfmu.runtime.variables import INPUT, OUTPUT, PARAMETER, variables
 
 example_fmus = example("shared.example_fmus")
 
@@ -21,6 +21,7 @@ def start(each):
 PAGE = Path(__file__).resolve().parents[1] / "use" / "example_fmus.md"
 HEAD = ("name", "unit", "start", "allowed", "meaning")
 ROLES = {INPUT: "in", OUTPUT: "out", PARAMETER: "parameter"}
+OF_TETHERS = {each.quantity for each in variables("dynamic", 0) if each.causality == PARAMETER}
 WITHOUT_EQUATIONS = ("TurbulentWind",)  # whose section above the tables has them
 TEXT = """# Example FMUs
 
@@ -176,18 +177,24 @@ in the tether:
 
 ## Parameters
 
-Parameters of several FMUs:
+Both kites have the [parameters of air and wind](../reference/variables.md#parameters) of the tethers, `FlyingKite` also
+`gravity`. Others of several FMUs:
 
 {shared}"""
 
 
 def declared():
-    """Variables and vectors: maps (role, name, unit, start, allowed, meaning) to the FMUs that declare them so."""
+    """Variables and vectors: maps (role, name, unit, start, allowed, meaning) to the FMUs that declare them so.
+
+    Without the parameters of the tethers, which mean the same here.
+    """
     found = {}
     for name in example_fmus.SLAVES:
         for causality, role in ROLES.items():
             listed = [variable for variable in example_fmus.table_of(name) if variable.causality == causality]
             for vector, each in folded(listed):
+                if each[0].quantity in OF_TETHERS:
+                    continue
                 is_parameter = causality == PARAMETER
                 begins = start(each) if each[0].start is not None else ""
                 allowed = limits(each[0].quantity) if is_parameter else ""
