@@ -9,3 +9,10 @@ field.addEventListener("input", () => {
     table.hidden = rows.every(row => row.hidden);
   }
 });
+// On a phone, where a row is a card, its numbers say what they are.
+for (const table of tables) {
+  table.classList.add("labelled");
+  const heads = [...table.querySelectorAll("th")].map(head => head.textContent);
+  for (const row of table.querySelectorAll("tbody tr"))
+    [...row.cells].forEach((cell, k) => cell.dataset.label = heads[k]);
+}
