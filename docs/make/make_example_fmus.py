@@ -3,11 +3,11 @@
 import sys
 from pathlib import Path
 
-from make_interface import table
+from make_variables import limits, table
 from tetherfmu.export import documents
-from tetherfmu.export.documents import allowed, folded, meaning, unit
+from tetherfmu.export.documents import folded, meaning
 from tetherfmu.libraries.examples import example
-from tetherfmu.runtime.variables import INPUT, OUTPUT, PARAMETER
+from tetherfmu.runtime.variables import INPUT, OUTPUT, PARAMETER, variables
 
 example_fmus = example("shared.example_fmus")
 
@@ -19,21 +19,23 @@ def start(each):
 
 
 PAGE = Path(__file__).resolve().parents[1] / "use" / "example_fmus.md"
-COLUMNS = {INPUT: (unit, start, meaning), OUTPUT: (unit, meaning), PARAMETER: (unit, start, allowed, meaning)}
-TITLES = {INPUT: "Inputs", OUTPUT: "Outputs", PARAMETER: "Parameters"}
+HEAD = ("name", "unit", "start", "allowed", "meaning")
+ROLES = {INPUT: "in", OUTPUT: "out", PARAMETER: "parameter"}
+OF_TETHERS = {each.quantity for each in variables("dynamic", 0) if each.causality == PARAMETER}
+WITHOUT_EQUATIONS = ("TurbulentWind",)  # whose section above the tables has them
 TEXT = """# Example FMUs
 
 <!-- Written by docs/make/make_example_fmus.py from the sources: edit those, and run it again. -->
 
-Partners for a tether: kites, a winch, a flight controller, a prescribed flight, turbulent wind. They are PythonFMU slaves of
-70 to 150 lines (`examples/fmus/`), to fly at once and to put your own model into. They need what a tether FMU of PythonFMU
-needs, and no kernels; `TurbulentWind` alone needs numpy as well.
+For those who need partners for a tether: kites, a winch, a flight controller, a prescribed flight, turbulent wind. Fly them
+at once, or put your own model into one.
 
 ```text
 tetherfmu build --examples
 ```
 
-builds them beside the tethers, and five systems of them as SSP files.
+builds them beside the tethers, and five systems of them as SSP files. They are PythonFMU slaves of 70 to 150 lines
+(`examples/fmus/`) without kernels; `TurbulentWind` needs numpy.
 
 | FMU | in | out | for |
 |---|---|---|---|
@@ -45,24 +47,14 @@ builds them beside the tethers, and five systems of them as SSP files.
 | `KiteOnPath` | | motion of the kite | tethers with a driven kite end |
 | `TurbulentWind` | position of the kite, `shape` | `wind_velocity`, `kite_wind`, `wind_at` | tethers and kites |
 
-Wiring: variables of the same name belong together. What no FMU gives is set by name in each FMU that has it: the wind,
-its profile, the air density. The ground station is the origin.
+Connect variables with the same name. Set everything else (wind, profile, air density) to the same value in every FMU. The
+ground station is the origin. `PointMassKite` is the better kite: `FlyingKite` gets the force one communication step late,
+which limits the step to some milliseconds ([Coupling](coupling.md)).
 
-Both kites have the same aerodynamics. The one without mass is the better partner: the coupling of kite and tether is stiff,
-and `TetherDynamicFree` solves it inside. `FlyingKite` gets the force one communication step late, which limits the
-step to some milliseconds, unless it steps after the tether or the importer repeats steps ([Coupling](coupling.md)): its
-state can be saved and restored bit for bit, as that of every example FMU.
-
-## Exchange
-
-Inputs belong to the start of a communication step, outputs to its end, as in the tethers. `input_continuation` says how
-the inputs change within the step: `linear` (1), extrapolated from their last two values, is for importers in which all FMUs
-step from the same communication point; `held` (2) keeps them constant; `interpolated` (3) is for importers that step one
-FMU after the other and pass on outputs of the end of the step.
-
-A step is refused (`fmi2Discard`) with a message if an input is not finite or out of its range, or if the step is not
-positive; the state then does not change. The winch brakes, with a message, where the tether reaches its shortest or longest
-length. It refuses the step if its torque is not enough to stop there.
+Inputs belong to the start of a communication step, outputs to its end. `input_continuation`: `linear` (1) if all FMUs step
+from the same communication point, `held` (2), `interpolated` (3) if your tool steps one FMU after the other. A step is
+refused (`fmi2Discard`) with a message if an input is not finite or out of range; the state then does not change. States are
+saved and restored bit for bit.
 
 ## A kite power system
 
@@ -73,37 +65,26 @@ through FMPy:
 
 ![Path of the kite in space, coloured by force](../figures/pumping_path.png)
 
-Two cycles in a wind of 8 m/s at 10 m (`--cycles 2`; AMD EPYC, 2 cores, Linux, Python 3.11, 2026-11-22):
+Two cycles in a wind of 8 m/s at 10 m (`--cycles 2`):
 
 | exchange | step | segments | mean power | mean force | peak force |
 |---|---|---|---|---|---|
 | `--master jacobi` | 20 ms | 10 | 4038 W | 1808 N | 3531 N |
 | `--master gauss_seidel` | 20 ms | 10 | 4039 W | 1808 N | 3536 N |
-| `--master jacobi --step 0.005` | 5 ms | 10 | 4036 W | 1806 N | 3528 N |
 | `--master jacobi --step 0.001` | 1 ms | 10 | 4034 W | 1806 N | 3527 N |
 | `--segments 30` | 20 ms | 30 | 4038 W | 1808 N | 3530 N |
 | `--segments 1` | 20 ms | 1 | 4167 W | 1818 N | 3694 N |
 
-The load on the kite is delayed, so there is a longest step, which falls as the apparent wind grows
-([Coupling](coupling.md#the-ways)). With the Jacobi exchange steps of 30 ms hold at 8 m/s and steps of 35 ms diverge; at
-10, 12 and 14 m/s 30 ms diverge and 20 ms hold. The example recognizes divergence and names a shorter step; Gauss-Seidel
-held with 60 ms at 8 m/s. It flies in 6 to 14 m/s: in 5 m/s the kite comes down while it is reeled in, and from 11 m/s on
-it says for how long the motor of the winch is too weak.
-
-In steps of 20 ms with 10 segments a second of flight took 12 to 17 ms in five runs, with other load on the
-machine (60 to 86 times real time, as the example prints it).
-Over a cycle the work at both ends, drag, damping and stored energy balance within 1 % of what the drum gains
-(`tests/physics/test_pumping_energy.py`). The coefficients are those of the sources below; the flight is plausible, but not a
-measured one.
+The load on the kite is delayed, so there is a longest step ([Coupling](coupling.md#the-ways)). With the Jacobi exchange 30
+ms hold and 35 ms diverge at 8 m/s; at 10 to 14 m/s 30 ms diverge and 20 ms hold. The example recognizes divergence. It
+flies in 6 to 14 m/s; from 11 m/s on it says for how long the motor of the winch is too weak. The work over a cycle balances
+within 1 % (`tests/physics/test_pumping_energy.py`). The flight is plausible, but not a measured one.
 
 ## The winch inside the tether
 
-`python examples/power_system/winch_inside.py` flies the same system twice: with the `Winch` FMU, and with the drum
-inside the tether, `winch_control` = force. Then `winch_mass` is the inertia of the drum over the square of its radius,
-301 kg, `winch_damping` and `winch_friction` are its friction, and the only thing left outside is the motor, the FMU
-`WinchMotor`: from the speed of the drum and the tension at the end of a step it computes the `winch_force` of the next one,
-which brings the drum to the pairs of tension and speed that the flight controller wants. Mean power over a cycle in 8 m/s
-[W]:
+`python examples/power_system/winch_inside.py` flies the same system with the `Winch` FMU, and with the drum inside the
+tether (`winch_control` = force). Then only the motor is outside: `WinchMotor` computes the `winch_force` of the next step.
+Mean power over a cycle in 8 m/s [W]:
 
 | exchange | winch | 20 ms | 100 ms | 200 ms |
 |---|---|---|---|---|
@@ -115,61 +96,44 @@ which brings the drum to the pairs of tension and speed that the flight controll
 
 ![Reel-out speed over a cycle in three steps: the winch FMU swings in 200 ms](../figures/winch_inside.png)
 
-Two signals are delayed in this system. What makes `pumping_cycle.py` diverge in steps of 100 ms is the load on the kite,
-wherever the winch is; so tether and kite repeat each step here until the load on the kite agrees within 1 N
-(`agreement.py`), 2 steps of the tether for each of 100 ms. Then the winch is left: the FMU gets the tension after the
-step and gives its speed to the next one. That holds for 100 ms; in 200 ms its motor pulls with all it can, to and fro,
-as soon as it reels in. Inside the tether nothing swings, because the drum feels the tension at every instant.
-
-The motor makes the drum feel a third of its mass, so it follows the controller within half a second while it reels in;
-the FMU follows it at once. Over a cycle of 150 m that makes a difference of up to 1 % (6 to 12 m/s, 20 and 100 ms), over
-one of 25 m 3 %. The stops of a drum inside the tether, `shortest_length` and `longest_length`, have the names of
-parameters of `FlightController` that mean something else: set those of the tether to 0.
+Two signals are delayed. The load on the kite makes steps of 100 ms diverge, unless tether and kite iterate. The tension at
+the winch is the other one: at 200 ms the motor of the `Winch` FMU saturates and the speed oscillates during reel-in. A drum
+inside the tether feels the tension at every instant. `shortest_length` and `longest_length` of the tether are the stops of
+that drum, those of `FlightController` turn the phases: set those of the tether to 0.
 
 ## Turbulent wind
 
-`TurbulentWind` reads a box of turbulence and lets the mean wind carry it past the kite and the tether. A file of any size
-opens at once: it is mapped into memory, and a step reads what it needs.
+`TurbulentWind` lets the mean wind U e carry a box of turbulence past kite and tether, at the height z over the reference
+height h:
+
+    v(x, t) = U (z/h)^alpha e + fluctuations of the box
 
 | `file` ends in | written by | what it is |
 |---|---|---|
 | `.bts` | TurbSim | contains its mean wind, which replaces `mean_speed` and `wind_reference_height` |
-| `u.bin`, `u.turb` | Mann generators, HAWC2, hipersim | 32-bit numbers, v and w in files beside it; its grid is set |
+| `u.bin`, `u.turb` | Mann generators, HAWC2, hipersim | 32-bit numbers, v and w in files beside it; set its grid |
 | `.npz` | `numpy.savez` (not `savez_compressed`) | `velocity` (along, across, up, 3) [m/s] and `spacing` (3,) [m] |
 
-The grid of a Mann box is not in its files: set `points_along`, `spacing_along` and those across and upwards.
+`file` is a String parameter: set it before the initialization, or build the FMU with it (`build("TurbulentWind", folder,
+[("file", path)])` of `examples/shared/example_fmus.py`). A path that begins with `resources/` leads into the FMU; without a
+file there is the mean wind alone. The file is mapped into memory: it must not change during a run.
 
-`file` is a String parameter: set it before the initialization, or build the FMU with it
-(`build("TurbulentWind", folder, [("file", path)])` of `examples/shared/example_fmus.py`). Without a file the FMU gives the
-mean wind with its profile. A file that is missing, cut off or of another kind is refused at the initialization, a number in
-it that is no wind when it is read; each in one sentence. A saved state holds the name of the file, not its content; the file
-must not change during a run.
+- **Wiring.** Connect `kite_position`, and `shape` of a tether that is built with `--wind-points 21`, which gets `wind_at`
+  (set `wind_points` to 2). Without `shape` the points are on the straight line from the origin to the kite. `wind_velocity`
+  is the mean along the tether, for one with `wind_profile` = uniform, in which gusts that are shorter than the tether
+  cancel. `kite_wind` goes to `wind_velocity` of a kite with a uniform profile.
+- **Axes.** x of the box is downwind, y to the left when looking downwind, z up; `wind_direction` is where the wind blows
+  *to*. `box_origin` is where the front of the box has its middle at the start. The height of the lowest row is that in a
+  TurbSim file, otherwise 0, plus `box_origin[3]`.
+- **Order of planes.** In space in files of Mann generators and numpy, so the last one is the front; in time in those of
+  TurbSim. Planes in the wrong order turn time back, which the spectra do not show. PyConTurb 2.7.4 writes the points of a
+  `.bts` plane upwards first, TurbSim and this reader have them across first.
+- **Outside of the box.** `outside` = periodic (1) repeats it in all directions; seams are smooth only if it was made
+  periodic (in TurbSim: `UsableTime` = "ALL"). refused (2) refuses the step: the grid of TurbSim begins above the ground, so
+  a tether that reaches down to it needs the first choice.
 
-Axes: x of the box is downwind, y to the left when looking downwind, z up; `wind_direction` is where the wind blows *to*,
-from the x axis. `box_origin` is where the front of the box, the plane that arrives first, has its middle at the start.
-Planes are in the order of space in the files of Mann generators and of numpy, so the last one is the front, and in the order
-of time in those of TurbSim. Programs differ here: planes in the wrong order turn time back, which the spectra do not show.
-PyConTurb 2.7.4 writes the points of a `.bts` plane upwards first, TurbSim and this reader have them across first. The height
-of the lowest row is that in a TurbSim file, otherwise 0, plus `box_origin[3]`.
-
-Outside of the box: `outside` = periodic (1) repeats it in all three directions; the seams are smooth only if it was made
-periodic (of a TurbSim file, in time: `UsableTime` = "ALL"). The fluctuations are repeated; the mean wind continues as
-U(z/h)^`wind_exponent`. refused (2) refuses a step after which a point would be outside, the start included: the grid of
-TurbSim begins above the ground, so a tether that reaches down to it needs the first choice. The tower points of TurbSim are
-not read.
-
-Wiring: `shape` and `kite_position` from the tether or the kite (without `shape` keep `wind_points` = line (1): 21 points on
-the straight line from the origin to the kite). `wind_velocity` is the mean along the tether, for a tether with
-`wind_profile` = uniform; `kite_wind` goes to `wind_velocity` of a kite with a uniform profile. The wind at the points
-themselves, `wind_at`, goes to a tether that is built with `tetherfmu build --wind-points 21`: these inputs replace
-`wind_velocity` and the profile. A tether with a single wind has that of the mean: gusts that are shorter than the tether
-cancel on it, in its shape and its waves as well as in its drag, to which the wind near a fast kite contributes more than
-the mean says. The turbulence is frozen: it does not change while it passes. numpy takes about 30 µs for
-21 points (`tests/benchmarks/wind_points.py`).
-
-`python examples/wind/turbulence.py` flies a parked kite (`TetherDynamicFree`, `PointMassKite`) and a kite on a circle
-(`KiteOnPath`, `TetherDynamic`) through FMPy, in a box that it makes (isotropic, 15 % of 8 m/s at 10 m; `--box FILE` takes
-one of yours):
+`python examples/wind/turbulence.py` flies a parked kite and a kite on a circle, in a box that it makes (15 % of 8 m/s at 10
+m; `--box FILE` takes yours):
 
 ![Wind at the kite and along the tether, and tension at the ground, over 120 s](../figures/turbulence.png)
 
@@ -180,24 +144,21 @@ one of yours):
 | circle | 11.7 ± 1.2 m/s | 10.1 ± 0.6 m/s | 2003 ± 118 N | 2209 N |
 | circle, mean wind alone | 11.6 ± 0.6 m/s | 10.0 ± 0.5 m/s | 2005 ± 120 N | 2186 N |
 
-Means and standard deviations from 20 s on. The parked kite feels the gusts, and flies up and down in them; the kite on the
-circle has a prescribed path, so only the drag of the tether itself changes. Sampling 22 points takes 30 to 55 µs in numpy,
-a step of the FMU with FMPy 0.1 ms (AMD EPYC, 2 cores with other load, Linux, Python 3.11, 2026-11-23).
+Means and standard deviations from 20 s on. The kite on the circle has a prescribed path, so only the drag of the tether
+changes.
 
 ## A model of your own
 
-Copy a file of `examples/fmus`: a class that declares inputs, outputs and records of parameters, and has two methods,
-`first` and `next`, from numbers to numbers. `model_slave.py` does the rest: range checks, refusals, states, the model
-description. Add its name to `SLAVES` in `examples/shared/example_fmus.py`, or call `build` there. A kite that need not be an
-FMU is ten lines of Python in `examples/first_flight/fly_your_kite.py`.
+Copy a file of `examples/fmus`: a class that declares inputs, outputs and parameters, and has two methods, `first` and
+`next`, from numbers to numbers. `model_slave.py` does the rest. Add its name to `SLAVES` in
+`examples/shared/example_fmus.py`, or call `build` there. A kite that need not be an FMU is ten lines of Python in
+`examples/first_flight/fly_your_kite.py`.
 
 ## Systems as SSP files
 
-`kite_power_system.ssp` is the system above, `winch_inside.ssp` the same with
-[the winch inside the tether](#the-winch-inside-the-tether), its motor in the place of the winch;
-`circular_flight.ssp` is `KiteOnPath` and `TetherDynamic`: the circle of
-`examples/first_flight/circular_flight.py`. The FMUs in them carry their start values, because not every importer sets
-enumerations or reads parameter sets. Three system structures of the power system differ in the parameter set of the tether:
+`kite_power_system.ssp` and `winch_inside.ssp` are the systems above; `circular_flight.ssp` is `KiteOnPath` and
+`TetherDynamic`. FMUs carry their start values, because not every importer sets enumerations. Three system structures differ
+in the tether:
 
 | system structure | segments | relative_tolerance |
 |---|---|---|
@@ -205,29 +166,62 @@ enumerations or reads parameter sets. Three system structures of the power syste
 | `SystemStructure.ssd` | 10 | 1e-4 |
 | `SystemStructure_fine.ssd` | 30 | 1e-6 |
 
-libcosim (`CosimExecution.from_ssp_file` of libcosimpy, on the extracted file) flies them as the Jacobi master of the
-example does, to ten digits; so does Ecos (`EcosSimulation(ssp_path=...)` of ecospy). fmu-manipulation-toolbox makes one
-FMU of a system (`fmucontainer -container kite_power_system.ssp:0.02`); its signals are local variables. It starts the kite
-without its first steering, which moves the path by centimetres. `simulate_ssp` of FMPy sets all connected inputs to 0 in
-the first step. A kite refuses to be at the ground station; `circular_flight.ssp` and `turbulent_circle.ssp`, where only the
-tether gets these inputs, run on from a tension of 1e6 and 4e5 N (libcosim: 104 N in the circle). Use one of the others.
+- libcosim (`CosimExecution.from_ssp_file`, on the extracted file) and Ecos (`EcosSimulation(ssp_path=...)`) agree with the
+  Jacobi master of the example to ten digits.
+- fmu-manipulation-toolbox makes one FMU of a system (`fmucontainer -container kite_power_system.ssp:0.02`); it starts the
+  kite without its first steering, which moves the path by centimetres.
+- `simulate_ssp` of FMPy sets all connected inputs to 0 in the first step: a kite refuses that, and the circles begin with a
+  false tension of 4e5 N and more. Use another tool.
+- `extra/com.open-simulation-platform` in each file is the system for the Open Simulation Platform
+  (`CosimExecution.from_osp_config_file`), in which each FMU may have steps of its own.
 
-Each file also has its system for the Open Simulation Platform, in `extra/com.open-simulation-platform`
-(`CosimExecution.from_osp_config_file` of libcosimpy, on that folder of the extracted file). There each FMU may have steps
-of its own: in `winch_inside.ssp` controller and motor have 100 ms, tether and kite 20 ms. So the winch may be delayed; the
-load on the kite, which must not be, is exchanged often."""
+## Parameters
+
+Both kites have the [parameters of air and wind](../reference/variables.md#parameters) of the tethers, `FlyingKite` also
+`gravity`. Others of several FMUs:
+
+{shared}"""
+
+
+def declared():
+    """Variables and vectors: maps (role, name, unit, start, allowed, meaning) to the FMUs that declare them so.
+
+    Without the parameters of the tethers, which mean the same here.
+    """
+    found = {}
+    for name in example_fmus.SLAVES:
+        for causality, role in ROLES.items():
+            listed = [variable for variable in example_fmus.table_of(name) if variable.causality == causality]
+            for vector, each in folded(listed):
+                if each[0].quantity in OF_TETHERS:
+                    continue
+                is_parameter = causality == PARAMETER
+                begins = start(each) if each[0].start is not None else ""
+                allowed = limits(each[0].quantity) if is_parameter else ""
+                row = role, f"`{vector}`", each[0].quantity.unit, begins, allowed, meaning(each)
+                found.setdefault(row, []).append(name)
+    return found
+
+
+def shared():
+    """Table of the parameters that several FMUs declare in the same way."""
+    rows = [(name, ", ".join(fmus), *rest) for (role, name, *rest), fmus in declared().items() if is_shared(role, fmus)]
+    return table(("name", "FMU", *HEAD[1:]), rows)
+
+
+def is_shared(role, fmus):
+    """Whether a row stands in the table of shared parameters."""
+    return role == ROLES[PARAMETER] and len(fmus) > 1
 
 
 def section(name):
-    """Equations, sources and tables of an FMU."""
+    """Equations, sources and variables of an FMU; those of `shared` aside."""
     module = sys.modules[example_fmus.slave(name).__module__]
-    parts = [f"## {name}", f"```text\n{module.__doc__.partition(': ')[2].strip()}\n```"]
-    for causality, columns in COLUMNS.items():
-        listed = folded([variable for variable in example_fmus.table_of(name) if variable.causality == causality])
-        if listed:
-            rows = [(f"`{vector}`", *(column(each) for column in columns)) for vector, each in listed]
-            parts += [f"{TITLES[causality]}:", table(("name", *(column.__name__ for column in columns)), rows)]
-    return "\n\n".join(parts)
+    equations = "" if name in WITHOUT_EQUATIONS else f"```text\n{module.__doc__.partition(': ')[2].strip()}\n```\n\n"
+    own = [row for row, fmus in declared().items() if name in fmus and not is_shared(row[0], fmus)]
+    in_order = sorted(own, key=lambda row: list(ROLES.values()).index(row[0]))
+    rows = [(vector, role, *rest) for role, vector, *rest in in_order]
+    return f"## {name}\n\n{equations}{table(('name', 'role', *HEAD[1:]), rows)}"
 
 
 def aerodynamics():
@@ -238,7 +232,7 @@ def aerodynamics():
 
 def page():
     """Text of docs/use/example_fmus.md."""
-    return "\n\n".join([TEXT.strip(), aerodynamics(), *map(section, example_fmus.SLAVES)]) + "\n"
+    return "\n\n".join([TEXT.format(shared=shared()).strip(), aerodynamics(), *map(section, example_fmus.SLAVES)]) + "\n"
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 """Measure docs/data/fmus.csv and write the table of README.md from it: `python docs/make/make_fmu_table.py`.
 
-Errors are those of the force on the kite, as docs/use/how_much_tether.md defines them, with 20 segments, a communication
+Errors are those of the force on the kite, as docs/use/quality_of_advice.md defines them, with 20 segments, a communication
 step of 20 ms and the default tolerance, against a reference that is refined until it is exact to 0.1 % or better. Costs are
 read from docs/data/benchmarks.csv, "FMUs in FMPy".
 """

@@ -1,4 +1,4 @@
-"""Measure and write docs/use/how_much_tether.md, its tables and figures; also, how often the advisor is right.
+"""Measure and write docs/use/how_much_tether.md and quality_of_advice.md, with tables and figures.
 
 python docs/make/make_how_much_tether.py examples/scenes/*.toml
 """
@@ -14,7 +14,7 @@ from tetherfmu.console.options import Parser, folder
 def parse(arguments):
     """Command line options."""
     parser = Parser(
-        prog="make_how_much_tether.py", description="measure and write the page on how much tether a scene needs"
+        prog="make_how_much_tether.py", description="measure and write the pages on how much tether a scene needs"
     )
     option = parser.add_argument
     option("scenes", metavar="SCENE", nargs="+", help="scene files (TOML)")

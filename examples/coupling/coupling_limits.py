@@ -43,12 +43,12 @@ def main(arguments=None):
     tables = {
         "errors": study.errors((0.02,), 0.2) if quick else study.errors(),
         "growth": study.growths((0.01,), 1.0) if quick else study.growths(),
-        "knots": study.knots((0.01,), 0.04) if quick else study.knots(),
+        "knots": study.knots((study.OF_KNOTS,), 0.04) if quick else study.knots(),
         "limits": study.limits((100.0,), (10.0,)) if quick else study.limits(),
     }
     printed = {
         f"Error of the tether force in steps of {1e3 * study.PRINTED:g} ms [%]": study.percent_table(tables["errors"]),
-        "Error of the forces on a knot [%]": study.knot_table(tables["knots"]),
+        f"Error of the forces on a knot in steps of {1e3 * study.OF_KNOTS:g} ms [%]": study.knot_table(tables["knots"]),
         "Largest stable communication step [ms]": study.limit_table(tables["limits"]),
         "Rules": study.rule_table(tables["limits"]),
     }

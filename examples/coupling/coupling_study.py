@@ -19,6 +19,7 @@ WIND, MASS, DURATION = np.array([8.0, 0.0, 0.0]), 10.0, 4.0  # m/s, kg, s
 UPWARDS = np.array([0.58, 0.15, 0.8]) / np.linalg.norm([0.58, 0.15, 0.8])  # from the ground station to the kite
 STEPS = (0.001, 0.002, 0.004, 0.008, 0.01, 0.016, 0.02, 0.04, 0.08)  # parts of the last one [s]
 PRINTED = 0.02  # step of the table [s]
+OF_KNOTS = 0.005  # step of the table of knots [s]
 LENGTHS, MASSES = (30.0, 100.0, 300.0, 500.0), (1.0, 3.0, 10.0, 30.0, 100.0)  # of the tether [m], of the kite [kg]
 GROWTH_STEPS = (0.001, 0.002, 0.004, 0.007, 0.01, 0.015)  # [s]
 SAFE = {"parallel, linear": 0.1, "sequential": 0.2, "sequential, linear": 0.2, "two iterations": 0.2}  # of sqrt(M/k)
@@ -152,12 +153,9 @@ def percent_table(table):
 
 
 def knot_table(table):
-    """Markdown: error [%] of each way, a column for each scene and step."""
-    mine = table[table.step > 0.001]
-    mine = mine.assign(
-        percent=100.0 * mine.error, case=[f"{a}, {1e3 * b:g} ms" for a, b in zip(mine.scene, mine.step, strict=True)]
-    )
-    wide = mine.pivot(index="way", columns="case", values="percent").loc[list(WAYS), list(mine.case.unique())]
+    """Markdown: at the step `OF_KNOTS`, error [%] of each way for each scene."""
+    mine = table[np.isclose(table.step, OF_KNOTS)]
+    wide = 100.0 * mine.pivot(index="way", columns="scene", values="error").loc[list(WAYS), list(mine.scene.unique())]
     return wide.map(shown).to_markdown(disable_numparse=True)
 
 

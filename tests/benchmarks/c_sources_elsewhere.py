@@ -9,8 +9,8 @@ warnings in the sources of a system of tethers.
 steps : fixed steps of 5 ms in communication steps of 20 ms, in a host in C compiled by gcc, as a table: the circle, on which
 the tether is taut, and one on which it goes slack and snaps taut every 4 s. By the clock, and of the processor, with 0.5 us
 of the measurement in it; what the operating system does to caches in between counts in both. Run it on a core that nothing
-else uses (`taskset` keeps it on one, `chrt` first in the queue for it): eight minutes. With `--into docs/use/real_time.md`
-the table goes into the manual.
+else uses (`taskset` keeps it on one, `chrt` first in the queue for it): eight minutes. With
+`--into docs/data/c_sources_steps.csv` the table goes to the manual.
 """
 
 import argparse
@@ -47,7 +47,6 @@ PLACES = {
     "ITERATIONS_AT": "solver_iterations",
 }
 BRIDLE = Path(__file__).resolve().parents[2] / "examples" / "systems" / "y_bridle.toml"
-BEGIN, END = "<!-- steps of the C sources -->", "<!-- end of the steps of the C sources -->"
 SNAPPED = (483.0, 23.0, 4.0)  # mean distance of the kite [m], amplitude [m] and period [s]: the tether is 505 m long
 PROCESSORS = {  # target of the compiler, its options, and what runs the program
     "x86_64": ("x86_64-linux-musl", (), ()),
@@ -113,26 +112,21 @@ def systems_without_warnings(folder):
 
 
 def steps(sources, options, count, segments):
-    """How long steps take, and the bound of their work: lines of a page."""
+    """How long steps take, and how many iterations: a table (DataFrame)."""
     importer.run(["gcc", *options, HOST.name, "-lm", "-o", "host"], sources)
     cases = [(n, flight) for n in segments for flight in FLIGHTS]
     rows = [(*case, *printed(sources, ["./host"], case[1], count, STEP, case[0], FIXED_STEP)) for case in cases]
     columns = ["segments", "flight", "clock: median [us]", "99.99 % [us]", "longest [us]"]
     columns += ["processor: median [us]", "99.99 %  [us]", "longest  [us]", "iterations, at most"]
+    return pd.DataFrame(rows, columns=columns)
+
+
+def described(count):
+    """Where and how often steps were taken, and the bound of their work."""
     at_most = round(STEP / FIXED_STEP) * WORST_WORK
-    return [
-        f"{count:_} communication steps each, of which the code bounds the iterations to {at_most}.".replace("_", " "),
-        f"{datetime.now(UTC):%Y-%m-%d}, {processor()}, {os.cpu_count()} cores, {system()}; load {os.getloadavg()[0]:.1f}.",
-        "",
-        markdown(pd.DataFrame(rows, columns=columns)),
-    ]
-
-
-def write_into(page, lines):
-    """Put lines between the marks of a page."""
-    before, _, rest = page.read_text(encoding="utf-8").partition(BEGIN)
-    _, _, after = rest.partition(END)
-    page.write_text("\n".join([f"{before}{BEGIN}", "", *lines, "", f"{END}{after}"]), encoding="utf-8")
+    machine = f"{datetime.now(UTC):%Y-%m-%d}, {processor()}, {os.cpu_count()} cores, {system()}"
+    bound = f"{count:_} communication steps each, of which the code bounds the iterations to {at_most}.".replace("_", " ")
+    return f"{bound}\n{machine}; load {os.getloadavg()[0]:.1f}.\n"
 
 
 if __name__ == "__main__":
@@ -140,7 +134,7 @@ if __name__ == "__main__":
     parser.add_argument("what", choices=("processors", "steps"))
     parser.add_argument("--steps", type=int, default=1_000_000)
     parser.add_argument("--segments", default="5,10,20,40")
-    parser.add_argument("--into", type=Path, metavar="PAGE", help="page that gets the table of steps between its marks")
+    parser.add_argument("--into", type=Path, metavar="FILE", help="CSV file for the table of steps")
     wanted = parser.parse_args()
     with tempfile.TemporaryDirectory() as temporary:
         made = prepared(Path(temporary))
@@ -149,6 +143,6 @@ if __name__ == "__main__":
             systems_without_warnings(Path(temporary))
         else:
             table = steps(*made, wanted.steps, [int(each) for each in wanted.segments.split(",")])
-            print("\n".join(table))
+            print(described(wanted.steps), markdown(table), sep="\n")
             if wanted.into:
-                write_into(wanted.into, table)
+                table.to_csv(wanted.into, index=False)

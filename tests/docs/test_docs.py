@@ -45,9 +45,9 @@ def cited_sections():
     return found
 
 
-@pytest.mark.parametrize("name", ["make_interface", "make_value_references", "make_keys_of_maps"])
+@pytest.mark.parametrize("name", ["commands", "variables", "keys_of_maps", "materials", "scene_files"])
 def test_pages_are_what_their_scripts_write(name):
-    script = importlib.import_module(name)
+    script = importlib.import_module(f"make_{name}")
     assert script.PAGE.read_text(encoding="utf-8") == script.page()
 
 
@@ -219,6 +219,14 @@ def test_parameters_of_the_crane_are_those_of_its_wire(name):
     damping = 2.0 * 0.01 * np.sqrt(500.0 * 80.0 * wire.axial_stiffness)  # 1 % of critical: c = 2 zeta sqrt(k m), D = c L
     number = float(re.search(rf"^\| `{name}` \| (\S+) \|$", page("cranes_and_drones"), re.MULTILINE)[1])
     assert number == pytest.approx(damping if name == "axial_damping" else getattr(wire, name), rel=1e-3)
+
+
+def test_each_picture_of_the_gallery_has_the_command_that_draws_it():
+    shown = re.findall(r"^!\[[^\]]+\]\(\.\./figures/(\w+)\.png\)\n\n```text\n(.*)\n```$", page("gallery"), re.MULTILINE)
+    assert len(shown) == 9
+    for name, command in shown:
+        script = ROOT / command.split()[1]
+        assert command.startswith("tetherfmu fly") or f"{name}" in script.read_text(encoding="utf-8"), command
 
 
 def test_both_pages_have_the_same_command():

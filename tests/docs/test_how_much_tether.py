@@ -1,4 +1,4 @@
-"""The page on how much tether a scene needs has the words and the tables of the sources that write it."""
+"""The pages on how much tether a scene needs have the words and the tables of the sources that write them."""
 
 import csv
 import re
@@ -12,31 +12,45 @@ import pytest
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
+import make_scene_files
 from advice.figures import draw_scenes, questions
-from advice.page import BY_SCENE, declared
+from advice.page import BY_REFERENCE, BY_SCENE, TEMPLATES, choice, limits
 from tetherfmu.console.colours import COLOUR
 from tetherfmu.runtime.variants import VARIANTS
 from tetherfmu.study.measuring.tables import templates_of
 
-TEMPLATE = "page.md.j2"
 DOCS = Path(__file__).resolve().parents[2] / "docs"
-TEMPLATES = templates_of(DOCS / "make" / "advice")
-PAGE = (DOCS / "use" / "how_much_tether.md").read_text(encoding="utf-8")
+QUALITY = (DOCS / "use" / "quality_of_advice.md").read_text(encoding="utf-8")
+OF_QUALITY = templates_of(TEMPLATES).get_template("quality.md.j2")
 
 
-@pytest.mark.parametrize("part", ["opening", "advice", "scene_files", "errors", "tolerance", "thresholds"])
-def test_words_keys_and_thresholds_are_those_of_the_sources(part):
-    """What is not measured for the page: its words, the keys of a scene file, and the thresholds that the advisor reads."""
-    template = TEMPLATES.get_template(TEMPLATE)
-    written = "".join(template.blocks[part](template.new_context(declared())))
+def test_the_choice_is_what_its_template_says():
+    assert (DOCS / "use" / "how_much_tether.md").read_text(encoding="utf-8") == choice()
+
+
+@pytest.mark.parametrize("part", ["errors", "tolerance", "thresholds"])
+def test_words_on_the_quality_are_those_of_the_template(part):
+    """What is not measured for the page."""
+    written = "".join(OF_QUALITY.blocks[part](OF_QUALITY.new_context()))
     assert len(written) > 90
-    assert written in PAGE
+    assert written.strip() in QUALITY
 
 
 def test_sections_come_in_the_order_of_the_template():
-    source, _, _ = TEMPLATES.loader.get_source(TEMPLATES, TEMPLATE)
-    heads = [re.findall(r"^#+ .*", text, re.MULTILINE) for text in (source, PAGE)]
+    source = (TEMPLATES / "quality.md.j2").read_text(encoding="utf-8")
+    heads = [re.findall(r"^#+ .*", text, re.MULTILINE) for text in (source, QUALITY)]
     assert heads[0] == heads[1]
+
+
+def written_table(name):
+    """Text of a table in `docs/data`."""
+    return (DOCS / "data" / f"{name}.csv").read_text(encoding="utf-8")
+
+
+def test_tables_beside_the_pages_are_those_of_the_sources():
+    """The keys of a scene file, and the thresholds that the advisor reads."""
+    assert written_table("scene_keys") == make_scene_files.keys()
+    assert written_table("advice_thresholds") == limits().to_csv(index=False)
 
 
 def test_the_decision_chart_ends_at_each_variant_once():
@@ -44,9 +58,9 @@ def test_the_decision_chart_ends_at_each_variant_once():
     assert sorted([*(variant for *_, variant in asked), last]) == sorted(COLOUR)
 
 
-def test_the_file_of_the_advice_has_the_columns_of_the_sources():
-    text = (DOCS / "data" / "advice_by_scene.csv").read_text(encoding="utf-8")
-    assert next(csv.reader(text.splitlines())) == list(BY_SCENE)
+@pytest.mark.parametrize(("name", "columns"), [("advice_by_scene", BY_SCENE), ("advice_references", BY_REFERENCE)])
+def test_the_files_of_the_advice_have_the_columns_of_the_sources(name, columns):
+    assert next(csv.reader(written_table(name).splitlines())) == list(columns)
 
 
 def test_letters_of_the_scenes_are_large_enough(monkeypatch, tmp_path):

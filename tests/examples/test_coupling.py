@@ -171,7 +171,7 @@ def test_the_rules_are_on_the_safe_side():
 
 
 @pytest.mark.parametrize(
-    ("name", "table"), [("errors", limits.percent_table), ("knots", limits.knot_table), ("limits", limits.limit_table)]
+    ("name", "table"), [("errors", limits.percent_table), ("knots", limits.knot_table), ("limits", limits.rule_table)]
 )
 def test_tables_of_the_page_are_those_of_the_files(name, table):
     page = (ROOT / "docs" / "use" / "coupling.md").read_text(encoding="utf-8")

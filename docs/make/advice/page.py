@@ -1,4 +1,4 @@
-"""The page docs/use/how_much_tether.md and its tables; also, how often the advice holds."""
+"""The pages docs/use/how_much_tether.md and quality_of_advice.md and their tables; also, how often the advice holds."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -6,9 +6,7 @@ from time import process_time
 
 import pandas as pd
 
-from tetherfmu.input_files import spellings
 from tetherfmu.results import StepRefused
-from tetherfmu.runtime.quantities import quantities
 from tetherfmu.study.advice.advise import BUDGET, FAST_BUDGET, advise
 from tetherfmu.study.advice.reasons import TABLE
 from tetherfmu.study.advice.tradeoff import LEVELS, REFERENCE_ERROR, cheapest, measure, study
@@ -16,13 +14,12 @@ from tetherfmu.study.measuring.errors import converged, worst
 from tetherfmu.study.measuring.executors import executor_of, progress_bar
 from tetherfmu.study.measuring.store import POINTS, Store, keeping
 from tetherfmu.study.measuring.tables import factor, page, percent
-from tetherfmu.study.scenes.files import OUTPUTS, RECORDS, Scene, load
-from tetherfmu.study.scenes.flights import KINDS
-from tetherfmu.study.scenes.winds import Box
+from tetherfmu.study.scenes.files import load
 
 from .figures import draw_chart, draw_scenes, draw_sweeps
-from .random_scenes import SEED, random_scenes
+from .random_scenes import random_scenes
 
+TEMPLATES = Path(__file__).parent
 NAMES = ("kite_force",)
 UNSEEN = 40
 BY_SCENE = (  # columns of the table of the cheapest tethers and the advised ones
@@ -36,6 +33,7 @@ BY_SCENE = (  # columns of the table of the cheapest tethers and the advised one
     "error of the advised",
     "cost ratio",
 )
+BY_REFERENCE = ("scene", "reference", "half the segments", "double step, 10 x tolerance", "together", "points")
 SHOWN = ("straight", "catenary", "quasi_steady 4", "quasi_steady 11", "quasi_steady 32", "dynamic 32")  # tethers, segments
 
 
@@ -72,12 +70,10 @@ def summary(verdicts):
     return pd.DataFrame(
         {
             "": name,
-            "scenes": len(table),
             "claimed as met": table.claimed.sum(),
             "and was not": table.wrong.sum(),
             "true error as predicted": f"{table.inside.sum()} ({table.inside.mean():.0%})",
             "processor time [s]: median": f"{table.seconds.median():.2f}",
-            "90 % below": f"{table.seconds.quantile(0.9):.2f}",
             "longest": f"{table.seconds.max():.2f}",
             "most configurations tried": table.tried.max(),
         }
@@ -98,18 +94,28 @@ def at_all_levels(scene, reference):
     return [judged(asking(scene, level), reference) for level in LEVELS]
 
 
-def declared():
-    """What the page says that is not measured for it; the keys of a scene file are the quantities of its records."""
-    table = pd.read_csv(TABLE)
+def limits():
+    """Table of where each tether ceases to be adequate: a row for each number and tether, a column for each error."""
+    table = pd.read_csv(TABLE).astype({"stretch": str}).replace({"stretch": {"0.0": "-"}})
     tethers = (table.variant + " " + table.segments.astype(str)).str.removesuffix(" 0")
     table = table.assign(tether=tethers, text=table.value.map("{:.2g}".format).replace("inf", "never"))
-    rows = table[tethers.isin(SHOWN)].groupby(["group", "stretch", "tether"], sort=False).text.apply(list)
-    names = list(RECORDS)
-    names.insert(names.index("wind") + 1, "wind.box")
-    records = {name: (RECORDS | {"wind.box": Box})[name] for name in names}
-    facts = {"thresholds": rows, "records": {"": Scene} | records, "flights": KINDS, "outputs": OUTPUTS}
-    facts |= {"names": NAMES, "seed": SEED, "budget": BUDGET, "fast_budget": FAST_BUDGET}
-    return facts | {"quantities": quantities, "spellings": spellings, "worst": worst}
+    shown = table[tethers.isin(SHOWN)].assign(error=table.level.map("{:.1%}".format))
+    keys = {"index": ["group", "stretch", "tether"], "columns": "error", "values": "text", "sort": False}
+    return shown.pivot_table(aggfunc="first", **keys).reset_index()
+
+
+def by_reference(results):
+    """Table of how good the references are; `results` are as of `write`."""
+    rows = []
+    for scene, (reference, points, _) in results.items():
+        errors = worst(reference.space, NAMES), worst(reference.time, NAMES), reference.own_error(NAMES)
+        rows.append((scene.name, reference.config.words(), *map(percent, errors), len(points)))
+    return pd.DataFrame(rows, columns=BY_REFERENCE)
+
+
+def choice():
+    """Text of docs/use/how_much_tether.md; its figures are measured, its words are not."""
+    return page("choose.md.j2", TEMPLATES, budget=BUDGET, fast_budget=FAST_BUDGET)
 
 
 def by_scene(cases):
@@ -139,7 +145,7 @@ def by_unseen(verdicts):
 
 
 def write(results, verdicts, folder):
-    """Write the page and its tables to a folder (Path).
+    """Write the pages and their tables to a folder (Path).
 
     results : maps scenes to (reference, table of points, verdicts on the advice by level).  verdicts : on unseen scenes,
     None where no reference could be flown.
@@ -155,14 +161,15 @@ def write(results, verdicts, folder):
     pages, data = folder / "use", folder / "data"
     for each in (pages, data):
         each.mkdir(parents=True, exist_ok=True)
-    text = page("page.md.j2", Path(__file__).parent, **declared(), **facts, results=results)
-    (pages / "how_much_tether.md").write_text(text, encoding="utf-8")
-    by_scene(cases).to_csv(data / "advice_by_scene.csv", index=False)
-    by_unseen(unseen).to_csv(data / "advice_unseen.csv", index=False)
+    (pages / "how_much_tether.md").write_text(choice(), encoding="utf-8")
+    (pages / "quality_of_advice.md").write_text(page("quality.md.j2", TEMPLATES, **facts), encoding="utf-8")
+    tables = {"by_scene": by_scene(cases), "unseen": by_unseen(unseen), "references": by_reference(results)}
+    for name, table in (tables | {"thresholds": limits()}).items():
+        table.to_csv(data / f"advice_{name}.csv", index=False)
 
 
 def run(options):
-    """Measure all and write the page and its figures; options : of `make_how_much_tether.py`."""
+    """Measure all and write the pages and their figures; options : of `make_how_much_tether.py`."""
     scenes, figures = [asking(load(path), 0.01) for path in options.scenes], options.out / "figures"
     stores = [Store(options.store / scene.name / POINTS) for scene in scenes]
     with keeping(), executor_of() as executor:

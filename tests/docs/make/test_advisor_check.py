@@ -1,4 +1,4 @@
-"""The advisor keeps its word in scenes that it has not seen; all 40 are judged in docs/use/how_much_tether.md."""
+"""The advisor keeps its word in scenes that it has not seen; all 40 are judged in docs/use/quality_of_advice.md."""
 
 import pytest
 

@@ -1,6 +1,6 @@
 """Errors of a flight against a reference flight of the same scene, and the reference.
 
-See docs/use/how_much_tether.md, "Errors and cost".
+See docs/use/quality_of_advice.md, "Errors and cost".
 
 With F of a flight, R of the reference, rms over the output times after `settled`:
 

@@ -1,4 +1,4 @@
-"""Scenes as files: what is flown with which tether in which wind; see docs/use/how_much_tether.md, "Scene files"."""
+"""Scenes as files: what is flown with which tether in which wind; see docs/use/scene_files.md."""
 
 import hashlib
 import sys
@@ -68,7 +68,7 @@ def yes_or_no(value):
 
 @dataclass(frozen=True)
 class Wanted:
-    """What the user asks for; errors are relative, see docs/use/how_much_tether.md, "Errors and cost"."""
+    """What the user asks for; errors are relative, see docs/use/quality_of_advice.md, "Errors and cost"."""
 
     outputs: tuple = field(default=("kite_force",), metadata={"read": output_names})
     allowed_error: float = quantity(0.01, "", "of each output", minimum=1e-4, maximum=0.5)

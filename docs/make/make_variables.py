@@ -1,0 +1,211 @@
+"""Write docs/reference/variables.md from the table of FMI variables: `python docs/make/make_variables.py`."""
+
+from pathlib import Path
+
+from tetherfmu.export.documents import folded, meaning, start
+from tetherfmu.export.native.arrays import arrays
+from tetherfmu.export.native.host_header import TYPES
+from tetherfmu.fmi.resources import DEFAULT_OPTIONS
+from tetherfmu.fmi.selection import GROUPS, in_order
+from tetherfmu.fmi.wiring import of_tether
+from tetherfmu.lean import PRESETS, Lean
+from tetherfmu.runtime.inputs import WIND_AT
+from tetherfmu.runtime.variables import INPUT, LOCAL, OUTPUT, PARAMETER, variables
+from tetherfmu.runtime.variants import TABLE, class_name
+
+PAGE = Path(__file__).resolve().parents[1] / "reference" / "variables.md"
+POINTS = DEFAULT_OPTIONS["shape_points"]
+DYNAMIC, FREE = "dynamic", "dynamic_free"
+LETTERS = {variant.name: "".join(filter(str.isupper, class_name(variant.name)[len("Tether") :])) for variant in TABLE}
+TEXT = """---
+hide-toc: true
+---
+
+# Variables
+
+<!-- Written by docs/make/make_variables.py from the sources: edit those, and run it again. -->
+
+For everyone who connects a tether FMU: every variable with unit, start value, limits and value reference, and the FMUs
+that have it. How they are exchanged, and all signs: [Interface](../use/interface.md).
+
+```{{raw}} html
+<p class="filter"><input type="search" placeholder="Filter: winch, force, DF, N/m ..." aria-label="Filter the variables"></p>
+<script defer src="../_static/filter.js"></script>
+```
+
+FMUs: {letters}. In brackets: the FMU ignores the parameter, but checks its range.
+
+Value references (VR) are the same in all FMUs, in PythonFMU and native ones. A vector is one array in FMI 3 with the VR
+of its first element. With K points of the shape (`--shape-points`) the VR of parameters are greater by 3 (K - {points}).
+Types: Real, in FMI 3 Float64; where the column says so, {integer}. A [group](#groups-and-presets) stands for its
+variables in the options for lean FMUs.
+
+## Inputs
+
+{inputs}
+
+`wind_at` is there only in an FMU that is built with `--wind-points K` ([Wind at
+points](../use/interface.md#wind-at-points)).
+
+## Outputs
+
+{outputs}
+
+## Local variables
+
+They are read and plotted, not connected. K is the build option `--shape-points`, {points} by default; 0 leaves the shape
+out. With `--wind-points` the shape is an output.
+
+{local}
+
+## Parameters
+
+All are fixed: set them before the initialization ends.
+
+{parameters}
+
+More rules: with `wind_profile` 3 or 4 `surface_roughness` must be less than `wind_reference_height`; `initial_length`
+must be at least 0.01 m for each segment; `shortest_length` must be less than `longest_length`, unless that is 0, and with
+force control `initial_length` must lie between them. `segments` starts at the build option `--segments`, {segments} by
+default.
+
+The time of FMI 3 has the VR {time}, in `TetherDynamicFree.fmu` {free_time}.
+
+## In some FMUs
+
+These outputs and local variables have another meaning there:
+
+{meanings}
+
+Why some FMUs ignore parameters:
+
+{ignored}
+
+## Groups and presets
+
+{groups}.
+
+Variables that FMI 2 counts, of full FMUs and with each `--preset`:
+
+{presets}
+
+## Names in C
+
+`tetherfmu build --native --header` writes a C header with the value references
+([Hosts in C and C++](../use/importing.md#hosts-in-c-and-c-tested)). A name is `TETHER_` and the variable in capitals;
+for FMI 2 an element has its index behind it: `TETHER_KITE_POSITION_1`.
+"""
+
+
+def table(head, rows):
+    """Markdown table of rows of texts."""
+    lines = ["|" + "|".join(row) + "|" for row in (head, *rows)]
+    return "\n".join([lines[0], "|---" * len(head) + "|", *lines[1:]])
+
+
+def limits(quantity):
+    """The allowed range of a quantity, its unit aside; of an enumeration the meanings of its choices."""
+    lowest, highest = (f"{limit:g}" for limit in (quantity.minimum, quantity.maximum))
+    if quantity.choices or (lowest, highest) == ("-inf", "inf"):
+        return quantity.in_words()
+    return f">= {lowest}" if highest == "inf" else f"[{lowest}, {highest}]"
+
+
+def has(variant, name, causality):
+    """Whether a tether has a variable; the wind at points is of one that is built with it."""
+    tables = variables(variant.name, POINTS), variables(variant.name, POINTS, wind_points=2)
+    return (name, causality) in {(each.name, each.causality) for each in tables[name.startswith(f"{WIND_AT.name}[")]}
+
+
+def letters(name, causality):
+    """A cell for each FMU: its letters if it has a variable, in brackets where it ignores it."""
+    cells = [LETTERS[variant.name] if has(variant, name, causality) else "" for variant in TABLE]
+    return [f"({cell})" if name in variant.ignored else cell for variant, cell in zip(TABLE, cells, strict=True)]
+
+
+def wiring(variant):
+    """Where the variables of a tether stand."""
+    return of_tether(variant, variables(variant, POINTS), POINTS)
+
+
+def references():
+    """Value references by name and causality."""
+    found = {}
+    for array in (*arrays(wiring(DYNAMIC)), *arrays(wiring(FREE))):
+        last = array.reference + len(array.variables) - 1
+        key = array.name, array.variables[0].causality
+        found[key] = str(array.reference) if last == array.reference else f"{array.reference}-{last}"
+    return found
+
+
+def with_those_of_the_free_end(causality):
+    """Variables of a causality of the two dynamic tethers."""
+    listed = {v.name: v for v in in_order(variables(DYNAMIC, POINTS)) if v.causality == causality}
+    listed |= {v.name: v for v in in_order(variables(FREE, POINTS)) if v.causality == causality}
+    if causality == INPUT:
+        at_points = variables(DYNAMIC, 0, wind_points=2)
+        listed |= {v.name: v for v in at_points if v.name.startswith(f"{WIND_AT.name}[")}
+    return listed.values()
+
+
+def rows_of(causality):
+    """Table of the variables of a causality."""
+    head = ["name", "unit", "start", "allowed", *LETTERS.values(), "VR", "group", "meaning"]
+    placed, rows = references(), []
+    for name, each in folded(with_those_of_the_free_end(causality)):
+        first, key = each[0], name.partition("[")[0]
+        kind = "" if first.kind == "Real" else f" {first.kind}"
+        begins = start(each) if first.start is not None else ""
+        allowed = limits(first.quantity) if causality == PARAMETER else ""
+        place = placed.get((key, causality), "") + kind
+        has_it = letters(first.name, causality)
+        rows.append([f"`{name}`", first.quantity.unit, begins, allowed, *has_it, place, f"`{first.group}`", meaning(each)])
+    shown = [k for k in range(len(head)) if any(row[k] for row in rows)]
+    return table([head[k] for k in shown], [[row[k] for k in shown] for row in rows])
+
+
+def by_tether(field, last_column):
+    """Table of what a field of `variants.Variant` says of variables, equal texts in one row."""
+    fmus, names = {}, {}
+    for variant in TABLE:
+        for name, text in getattr(variant, field).items():
+            fmus.setdefault((name, text), []).append(LETTERS[variant.name])
+    for (name, text), found in fmus.items():
+        names.setdefault((" ".join(found), text), []).append(f"`{name}`")
+    rows = [(", ".join(listed), found, text) for (found, text), listed in names.items()]
+    return table(("name", "FMU", last_column), rows)
+
+
+def presets():
+    """Table of how many variables FMI 2 counts with each preset."""
+    rows = []
+    for preset in (None, *PRESETS):
+        counts = []
+        for variant in (DYNAMIC, FREE):
+            full = variables(variant, POINTS)
+            missing = Lean(preset=preset).left_out(full)
+            counts.append(str(sum(each.name not in missing for each in full)))
+        rows.append((f"`{preset}`" if preset else "full", *counts))
+    return table(("preset", class_name(DYNAMIC), class_name(FREE)), rows)
+
+
+def page():
+    """Text of docs/reference/variables.md."""
+    kinds = {"inputs": INPUT, "outputs": OUTPUT, "local": LOCAL, "parameters": PARAMETER}
+    return TEXT.format(
+        letters=", ".join(f"{LETTERS[each.name]} `{class_name(each.name)}`" for each in TABLE),
+        integer=" and ".join(f"{kind} ({TYPES[2][kind]}, in FMI 3 {TYPES[3][kind]})" for kind in ("Integer", "Enumeration")),
+        **{key: rows_of(causality) for key, causality in kinds.items()},
+        meanings=by_tether("meanings", "meaning"),
+        ignored=by_tether("ignored", "why"),
+        groups="; ".join(f"`{key}`: {what}" for key, what in GROUPS.items()),
+        presets=presets(),
+        points=POINTS,
+        segments=DEFAULT_OPTIONS["segments"],
+        time=wiring(DYNAMIC).ends[2],
+        free_time=wiring(FREE).ends[2],
+    )
+
+
+if __name__ == "__main__":
+    PAGE.write_text(page(), encoding="utf-8")
