@@ -11,6 +11,7 @@ from sphinx.util import logging
 
 HIDDEN, KERNELS = "contributors/functions", "tetherfmu.kernels."  # page, and how the names of its objects begin
 WORDS = {  # page#section: what a reader may type
+    "course/01_fly_an_fmu": ("notebook", "Jupyter", "example", "course", "tutorial"),
     "contributors/developing#release": ("publish", "wheel"),
     "measurements/benchmarks": ("speed", "performance"),
     "measurements/measured_flights": ("experiment",),
@@ -37,7 +38,7 @@ WORDS = {  # page#section: what a reader may type
     "use/start#how-to-cite": ("citation", "cite", "BibTeX"),
     "use/sweeps": ("parameter study", "batch"),
     "use/systems": ("bridle", "MoorDyn", "network"),
-    "use/tutorial": ("notebook", "Jupyter", "example", "course"),
+    "use/tutorial": ("Tethers.jl lessons", "mass on a spring"),
     "use/your_log": ("replay", "flight log", "CSV"),
 }
 PLACES = {place: place.partition("#")[::2] for place in WORDS}  # page#section -> (page, section)

@@ -112,7 +112,7 @@ def test_the_manual_has_formulas(site, browser):
         ("reel in", "use/interface.html#the-winch"),
         ("MATLAB", "use/importing.html#simulink-not-tested"),
         ("Simulink", "use/importing.html#simulink-not-tested"),
-        ("notebook", "use/tutorial.html#tutorial"),
+        ("notebook", "course/01_fly_an_fmu.html#fly-an-fmu"),
         ("citation", "use/start.html#how-to-cite"),
         ("elastic modulus", "use/interface.html#parameters"),
         ("turbulence", "reference/api.html#turbulence"),
