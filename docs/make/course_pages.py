@@ -33,7 +33,8 @@ c.HistoryManager.enabled = False
 c.IPKernelApp.log_level = "ERROR"  # else each kernel warns that it talks to Sphinx unencrypted, on this machine
 c.InlineBackend.figure_formats = {"svg"}
 c.InlineBackend.rc = {
-    "figure.figsize": (7.0, 3.5),
+    "figure.figsize": (6.0, 3.3),
+    "font.size": 11.0,
     "figure.constrained_layout.use": True,
     "axes.grid": True,
     "grid.alpha": 0.3,
@@ -56,6 +57,8 @@ def write_notebooks(docs, folder):
         for cell in notebook.cells:
             if cell.cell_type == "markdown":
                 cell.source = LINK.sub(r"\1", cell.source)
+            elif "tags" in cell.metadata:
+                cell.metadata["jupyter"] = {"source_hidden": True}  # the answer
         jupytext.write(notebook, folder / f"{page.stem}.ipynb", fmt="ipynb")
 
 
@@ -78,8 +81,8 @@ def without_warnings(app, doctree):
     """Leave out what FMPy prints of each input that has no signal: many lines, and the lessons say so."""
     for block in list(doctree.findall(nodes.literal_block)):
         if "stream" in block["classes"]:
-            lines = [line for line in block.astext().splitlines(keepends=True) if not line.startswith(WARNING)]
-            block.replace_self(nodes.literal_block("", "".join(lines), **block.attributes))
+            text = "".join(line for line in block.astext().splitlines(keepends=True) if not line.startswith(WARNING))
+            block.replace_self(nodes.literal_block(text, text, **block.attributes))
 
 
 def add_link(app, doctree, docname):

@@ -4,6 +4,7 @@ A word of `WORDS` leads to its place first, whether the page has the word or not
 the pages of equations, which have links to them.
 """
 
+from docutils import nodes
 from sphinx import addnodes
 from sphinx.domains.python import PythonDomain
 from sphinx.transforms import SphinxTransform
@@ -57,7 +58,7 @@ class Entries(SphinxTransform):
                 entry.parent.remove(entry)
         for place, (where, section) in PLACES.items():
             if where == page:
-                target = section or self.document[0]["ids"][0]
+                target = section or next(self.document.findall(nodes.section))["ids"][0]
                 if target not in self.document.ids:
                     logging.getLogger(__name__).warning("words_of_search: %s has no section %s", page, target)
                 entries = [("single", word, target, "main", None) for word in WORDS[place]]
