@@ -63,7 +63,7 @@ def write_notebooks(docs, folder):
 
 
 def prepare(app):
-    """Build the FMUs, and lead the kernels of Jupyter to them."""
+    """Build the FMUs, and lead the kernels of Jupyter to them; without compiled kernels of tethers that takes minutes."""
     app.course_folder = Path(tempfile.mkdtemp())
     work, profile = app.course_folder / "work", app.course_folder / "ipython" / "profile_default"
     (profile / "startup").mkdir(parents=True)
