@@ -18,6 +18,7 @@ os.environ["NUMBA_DISABLE_JIT"] = "1"  # kernels as the plain functions that the
 DOCS = Path(__file__).resolve().parent
 sys.path[:0] = [str(DOCS / "make"), str(DOCS.parent / "fmu_sources")]
 
+import course_pages  # noqa: E402
 from tetherfmu.libraries import webassembly  # noqa: E402
 from tetherfmu.runtime import __version__ as release  # noqa: E402
 from tetherfmu.web import page  # noqa: E402
@@ -25,7 +26,8 @@ from tetherfmu.web import page  # noqa: E402
 project, author, copyright = "TetherFMU", "TetherFMU developers", "TetherFMU developers"
 version = release
 extensions = [
-    "myst_parser",
+    "course_pages",
+    "myst_nb",
     "numpydoc",
     "sphinx.ext.autodoc",
     "sphinx.ext.mathjax",
@@ -39,6 +41,13 @@ exclude_patterns = ["data", "make", "publishing", "site_files"]
 myst_enable_extensions = ["amsmath", "attrs_block", "colon_fence", "deflist", "dollarmath"]
 myst_heading_anchors = 4
 myst_links_external_new_tab = True
+
+nb_execution_mode = "force"  # of the lessons, each time that they are read
+nb_execution_raise_on_error = True
+nb_execution_timeout = 120  # s
+nb_output_stderr = "remove"  # warnings of FMPy
+nb_merge_streams = True
+nb_code_prompt_show, nb_code_prompt_hide = "Show the answer", "Hide the answer"
 
 autodoc_member_order = "bysource"
 autodoc_typehints = "none"  # numpydoc has the types
@@ -55,7 +64,7 @@ MATHJAX = DOCS / distribution("sphinx-mathjax-offline").locate_file("sphinx-math
 html_static_path = ["site_files", str(MATHJAX)]  # formulas without the web: this one file has all that MathJax needs
 mathjax_path = MATHJAX.name
 html_css_files = ["wide.css"]
-FLOWN = Path(tempfile.mkdtemp())  # with the page of `tetherfmu web`
+FLOWN = Path(tempfile.mkdtemp())  # with the page of `tetherfmu web`, and the lessons as notebooks
 html_extra_path = [str(FLOWN)]
 KERNELS = webassembly.place_of("webassembly", webassembly.FILE, webassembly.VARIANTS, [webassembly.__file__])
 if KERNELS.exists():
@@ -63,6 +72,7 @@ if KERNELS.exists():
     tags.add("flown")  # noqa: F821 (Sphinx defines it here)
 else:
     print("the site goes without the page of tetherfmu web: its kernels are not compiled; tetherfmu web compiles them, once")
+course_pages.write_notebooks(DOCS, FLOWN / "course")
 html_copy_source = False
 html_domain_indices = False  # modules are those of the kernels
 pygments_style, pygments_dark_style = "default", "monokai"

@@ -4,6 +4,7 @@ A word of `WORDS` leads to its place first, whether the page has the word or not
 the pages of equations, which have links to them.
 """
 
+from docutils import nodes
 from sphinx import addnodes
 from sphinx.domains.python import PythonDomain
 from sphinx.transforms import SphinxTransform
@@ -11,6 +12,7 @@ from sphinx.util import logging
 
 HIDDEN, KERNELS = "contributors/functions", "tetherfmu.kernels."  # page, and how the names of its objects begin
 WORDS = {  # page#section: what a reader may type
+    "course/01_fly_an_fmu": ("notebook", "Jupyter", "example", "course", "tutorial"),
     "contributors/developing#release": ("publish", "wheel"),
     "measurements/benchmarks": ("speed", "performance"),
     "measurements/measured_flights": ("experiment",),
@@ -43,7 +45,7 @@ WORDS = {  # page#section: what a reader may type
     "use/start#how-to-cite": ("citation", "cite", "BibTeX"),
     "use/sweeps": ("parameter study", "batch"),
     "use/systems": ("bridle", "MoorDyn", "network"),
-    "use/tutorial": ("notebook", "Jupyter", "example", "course"),
+    "use/tutorial": ("Tethers.jl lessons", "mass on a spring"),
     "use/your_log": ("replay", "flight log", "CSV"),
 }
 PLACES = {place: place.partition("#")[::2] for place in WORDS}  # page#section -> (page, section)
@@ -62,7 +64,7 @@ class Entries(SphinxTransform):
                 entry.parent.remove(entry)
         for place, (where, section) in PLACES.items():
             if where == page:
-                target = section or self.document[0]["ids"][0]
+                target = section or next(self.document.findall(nodes.section))["ids"][0]
                 if target not in self.document.ids:
                     logging.getLogger(__name__).warning("words_of_search: %s has no section %s", page, target)
                 entries = [("single", word, target, "main", None) for word in WORDS[place]]

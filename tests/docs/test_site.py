@@ -3,12 +3,14 @@
 Needs the extra `docs`, and Chromium with its driver (Debian's packages `chromium` and `chromium-driver`).
 """
 
+import json
 import re
 import subprocess
 import sys
 from pathlib import Path
 from types import SimpleNamespace
 from urllib.parse import quote
+from urllib.request import urlopen
 
 import numpy as np
 import pytest
@@ -37,7 +39,7 @@ def write_flight(file):
 @pytest.fixture(scope="module")
 def site(tmp_path_factory):
     """Address of a folder with the site in `manual` and a page of a flight, served on this machine."""
-    for needed in ("sphinx", "myst_parser", "plotly"):
+    for needed in ("sphinx", "myst_nb", "jupytext", "plotly"):
         pytest.importorskip(needed, reason="needs the extras docs and html")
     folder = tmp_path_factory.mktemp("site")
     build = [sys.executable, "-m", "sphinx", "-W", "--keep-going", "-q", "-b", "html", "-d", folder / "read"]
@@ -112,7 +114,7 @@ def test_the_manual_has_formulas(site, browser):
         ("reel in", "use/interface.html#the-winch"),
         ("MATLAB", "use/importing.html#simulink-not-tested"),
         ("Simulink", "use/importing.html#simulink-not-tested"),
-        ("notebook", "use/tutorial.html#tutorial"),
+        ("notebook", "course/01_fly_an_fmu.html#fly-an-fmu"),
         ("citation", "use/start.html#how-to-cite"),
         ("elastic modulus", "reference/variables.html#parameters"),
         ("turbulence", "reference/api.html#turbulence"),
@@ -138,10 +140,10 @@ def test_the_menu_opens(site, browser):
         chromium.wait_until(browser, "document.querySelector('.sidebar-drawer').getBoundingClientRect().left >= 0.0")
     left, right = browser.execute_script(edges)
     assert 0.0 <= left < right <= PHONE
-    link = browser.find_element("css selector", ".sidebar-tree a[href='models/theory.html']")
+    link = browser.find_element("css selector", ".sidebar-tree a[href='course/01_fly_an_fmu.html']")
     browser.execute_script("arguments[0].scrollIntoView({block: 'center', behavior: 'instant'})", link)
     link.click()
-    assert browser.title.startswith("Theory")
+    assert browser.title.startswith("1. Fly an FMU")
 
 
 def test_the_meaning_of_a_variable_is_not_cut(site, browser):
@@ -187,6 +189,26 @@ def test_letters_of_the_decision_chart_can_be_read(site, browser):
         "const chart = document.querySelector(\"img[src$='decision.png']\"); return chart.clientWidth / chart.naturalWidth"
     )
     assert 11.0 / 72.0 * 110.0 * scale > 10.0  # px
+
+
+@pytest.mark.parametrize("page", [page for page in PAGES if page.startswith("course/")])
+def test_a_lesson_has_been_run_and_is_a_notebook(site, chromium_of_module, page):
+    """What it prints, a picture, and an answer that is hidden; the notebook has the same code, and no outputs."""
+    browser = chromium_of_module
+    opened(browser, f"{site}/manual/{page}")
+    printed, pictures, hidden, code, link = browser.execute_script(
+        "const texts = what => [...document.querySelectorAll(what)].map(each => each.textContent.trim());"
+        "return [texts('.cell_output pre'), document.querySelectorAll('.cell_output img').length,"
+        "        document.querySelectorAll('.cell details:not([open])').length, texts('.cell_input pre'),"
+        "        document.querySelector('p.notebook a').href]"
+    )
+    assert len(printed) == len(code) == 2
+    assert not any("Warning" in text for text in printed)
+    assert (pictures, hidden) == (1, 1)
+    with urlopen(link) as file:
+        cells = [cell for cell in json.load(file)["cells"] if cell["cell_type"] == "code"]
+    assert ["".join(cell["source"]).strip() for cell in cells] == code
+    assert not any(cell["outputs"] for cell in cells)
 
 
 def test_page_of_a_flight(site, browser):
