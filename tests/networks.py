@@ -89,6 +89,11 @@ class Network:
         force[:, 2] -= self.masses(time) * self.environment.gravity
         for name, load in self.loads.items():
             force[self.names.index(name)] += load
+        for line in self.lines:  # rope flows where the winch turns as its record says
+            if line.reel_out_speed != 0.0:
+                length = line.tether.initial_length + line.reel_out_speed * time
+                nodes, of_flow, *_ = self.flow(line.name, x, v, length, line.reel_out_speed)
+                np.add.at(force, nodes, of_flow)
         return force
 
     def flow(self, name, x, v, length, speed):

@@ -151,7 +151,7 @@ def fly(fmu_file, scene, inputs, parameters):
     moved = variables.of(*inputs)
     with running(fmu_file, variables.description) as (fmu, stop_if_pressed):
         fmu.setupExperiment(startTime=0.0)
-        NamedFmu(variables, fmu).set(**parameters)
+        NamedFmu(variables, fmu).set(**variables.completed(parameters))
         fmu.enterInitializationMode()
         given, wall_time = co_simulate(fmu, moved, references, rows.__getitem__, step, len(rows), stop_if_pressed)
         fmu.terminate()

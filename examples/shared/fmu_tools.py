@@ -18,6 +18,7 @@ from tetherfmu.check.inspection import MADE_BY_PYTHONFMU, crashing_characters
 from tetherfmu.console.ending import WrongUse, one_line
 from tetherfmu.console.options import file
 from tetherfmu.libraries.children import ctrl_c_waits
+from tetherfmu.runtime.parameters import SCALED
 
 WIND, WIND_AT = "wind_", "wind_at"  # begins the names of what an FMU with wind at points ignores, and the wind at these
 SLAVES = {"2.0": FMU2Slave, "3.0": ScalarsOfFmi3}  # by version of FMI
@@ -67,6 +68,14 @@ class Variables(NamedTuple):
                     f"{self.file} has no variable {name}; take one of tetherfmu build {points}that has all variables"
                 )
         return [reference for references in found.values() for reference in references]
+
+    def completed(self, parameters):
+        """Values of parameters, dict by name, with the stiffness and damping that a diameter alone scales."""
+        starts = {each.name: each.start for each in self.description.modelVariables}
+        if "diameter" not in parameters:
+            return parameters
+        area = (parameters["diameter"] / float(starts["diameter"])) ** 2
+        return {name: area * float(starts[name]) for name in SCALED if name in starts} | parameters
 
     def those_of(self, *names):
         """Dict name -> value references, of the variables and vectors of any size that the FMU has."""

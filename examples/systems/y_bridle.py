@@ -11,9 +11,12 @@ Knot and tips are a triangle, of height h above a wing of width b, that turns ab
 lift F more at one half than at the mean and tips that are spread with P, it rolls by
 
     tan(roll) = s (b/2) / (h + b P/F)
+
+and by s F l^3/(h^2 b EA) more, as the lines of length l stretch: one by more than the other.
 """
 
 import sys
+from dataclasses import replace
 
 import numpy as np
 
@@ -26,6 +29,7 @@ from tetherfmu.runtime.layout import GROUND_TENSION
 MAIN, BRIDLE, WIDTH = 200.0, 10.0, 6.0  # m
 LIFT, SPREAD, TIP_MASS, KNOT_MASS = 2000.0, 500.0, 2.0, 0.5  # N, N, kg, kg
 ELEVATION, AZIMUTH, SHIFT = np.radians(45.0), np.radians(30.0), 0.3  # of the lift; largest part s [-]
+ROPE = Tether(diameter=2.5e-3)  # of the bridle
 TURN, STEERING, DURATION, STEP = 60.0, 20.0, 60.0, 0.02  # periods [s], s, s
 COLOURS = {"main": BLACK, "bridle_left": BLUE, "bridle_right": VERMILLION}
 
@@ -53,13 +57,13 @@ def loads(time):
 def kite_on_bridle():
     """The system at rest under the first load."""
 
-    def line(name, start, end, length, segments, diameter):
-        return Line(name, start, end, Tether(segments=segments, initial_length=length, diameter=diameter))
+    def line(name, start, end, length, segments, rope):
+        return Line(name, start, end, replace(rope, segments=segments, initial_length=length))
 
     points = [Point("ground", (0.0, 0.0, 0.0)), Point("knot", mass=KNOT_MASS)]
     points += [Point(name, mass=TIP_MASS) for name in ("left", "right")]  # without positions: in equilibrium
-    lines = [line("main", "ground", "knot", MAIN, 12, 4e-3), line("wing", "left", "right", WIDTH, 2, 4e-3)]
-    lines += [line(f"bridle_{name}", "knot", name, BRIDLE, 3, 2.5e-3) for name in ("left", "right")]
+    lines = [line("main", "ground", "knot", MAIN, 12, Tether()), line("wing", "left", "right", WIDTH, 2, Tether())]
+    lines += [line(f"bridle_{name}", "knot", name, BRIDLE, 3, ROPE) for name in ("left", "right")]
     system = TetherSystem(points, lines)
     system.initialize(loads=loads(0.0))
     return system
@@ -81,7 +85,8 @@ def roll_of(flown, time):
 def roll_at_rest(time):
     """The same [rad] by statics."""
     height = np.sqrt(BRIDLE**2 - 0.25 * WIDTH**2)
-    return np.arctan(shift(time) * 0.5 * WIDTH / (height + WIDTH * SPREAD / LIFT))
+    stretched = LIFT * BRIDLE**3 / (height**2 * WIDTH * ROPE.axial_stiffness)
+    return np.arctan(shift(time) * 0.5 * WIDTH / (height + WIDTH * SPREAD / LIFT)) + shift(time) * stretched
 
 
 def draw(time, flown, path):

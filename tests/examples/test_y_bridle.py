@@ -13,7 +13,7 @@ from systems import y_bridle
 
 def test_the_kite_rolls_as_statics_say(tmp_path, capsys):
     y_bridle.main(["--out", str(tmp_path)])
-    assert "(at rest 4.66 deg)" in capsys.readouterr().out
+    assert "(at rest 4.92 deg)" in capsys.readouterr().out
     assert_is_drawn(tmp_path / "y_bridle.png")
     time, flown = y_bridle.fly()
     roll, at_rest = y_bridle.roll_of(flown, time), y_bridle.roll_at_rest(time)

@@ -56,7 +56,7 @@ class ChainProblem:
             end_motion.curve(tuple(nodes[n]), (6.0, 4.0, -3.0), tuple(nodes[n]), (6.0, 5.0, -3.0), (1.0, 0.0, 2.0), 0.4),
             1,
             n if kite_is_free else n - 1,
-            (self.length, reeling, 0.5 * acceleration, 0.0),
+            (self.length, reeling, 0.5 * acceleration, 0.0, 0.0),
             0.0,
             0.0,
             self.wind,

@@ -102,7 +102,8 @@ def test_differences_of_steps_that_are_done_again(native_folder, name):
 def test_by_the_force_of_a_winch(native_folder, name, mass):
     """Without mass T = 2 W - W_last at the end of equal steps, so 2 of the tension; else by steps that are done again.
 
-    Those are extrapolated over changes of 1 N. A tether in equilibrium takes changes of 6 N, 1 % of the force: their third
+    Those are extrapolated over changes of 1 N. Of the tension at the kite, which no wave has reached, 1e-7 is noise. A tether
+    in equilibrium takes changes of 6 N, 1 % of the force: their third
     order is felt in its length, 2e-4.
     """
     host = Host(native_folder / f"{name}.fmu").start(winch_control=2, winch_mass=mass, initial_length=500.0)
@@ -120,7 +121,7 @@ def test_by_the_force_of_a_winch(native_folder, name, mass):
 
     wide, narrow = ((values(used + c) - values(used - c)) / (2.0 * c) for c in (1.0, 0.5))
     expected = (4.0 * narrow - wide) / 3.0
-    np.testing.assert_allclose(found, expected, rtol=1e-3, atol=1e-9)
+    np.testing.assert_allclose(found, expected, rtol=1e-3, atol=1e-7)
     if mass == 0.0:
         assert found[0] == pytest.approx(2.0, rel=1e-6)
 

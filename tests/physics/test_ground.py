@@ -315,7 +315,7 @@ def test_powers_of_the_ground_are_the_rates_of_its_energy():
 
 
 def test_energy_balance_of_a_drag_over_the_ground():
-    """With reeling, at steps of 1 ms; a node that begins to slide does so within less than a step."""
+    """With reeling that speeds up, at steps of 1 ms; a node that begins to slide does so within less than a step."""
     step = 0.001
     tether = Tether(segments=6, initial_length=10.0, diameter=0.01)
     model = TetherDynamic(tether, solver=Solver(initial_shape=3, relative_tolerance=1e-8), **ground())
@@ -326,6 +326,6 @@ def test_energy_balance_of_a_drag_over_the_ground():
     for k in range(1000):
         time = (k + 1) * step
         kite, velocity = (9.9 + 0.5 * time**2, 0.1 * time**2, 0.3), (time, 0.2 * time, 0.0)
-        audit.step(step, kite_position=kite, kite_velocity=velocity, ground_position=(0.0, 0.0, 0.2), reel_out_speed=1.0)
+        audit.step(step, kite_position=kite, kite_velocity=velocity, ground_position=(0.0, 0.0, 0.2), reel_out_speed=time)
     assert audit.work["sliding_loss"] > 0.1
     assert abs(audit.residual) < 5e-3 * audit.work["sliding_loss"]

@@ -93,7 +93,10 @@ def test_the_environment_is_that_of_the_object():
 @pytest.mark.parametrize(
     ("change", "says"),
     [
-        ({"diameter": 0.005}, r"mass per length \[kg/m\] is 0\.00909\d*, that of this one 0\.0142"),
+        (
+            {"diameter": 0.005, "axial_stiffness": 614600.0, "axial_damping": 473.0},
+            r"mass per length \[kg/m\] is 0\.00909\d*, that of this one 0\.0142",
+        ),
         ({"density": 900.0}, "mass per length"),
         ({"initial_length": 506.0}, "initial_length is 505, that of this one 506"),
         ({"axial_stiffness": 1e6}, r"axial_stiffness \[N\] is 614600, that of this one 1e\+06"),

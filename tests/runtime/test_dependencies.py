@@ -64,7 +64,7 @@ def not_seen(fmu, output, known):
         return True  # a whole number, which few inputs change in these scenes
     if known == "shortest_length":  # as longest_length, which is seen
         return True
-    if name == "kite_position" and known in BALANCE:  # no length is in balance where a free kite rests
+    if name == "kite_position" and known in (*BALANCE, "damping_law"):  # no length is in balance where a free kite rests
         return True
     if name in OF_LENGTH and (known.startswith("kite_") or known in ("ground_contact", "slack_stiffness_ratio")):
         return True  # which a length in balance depends on as tension and shape do

@@ -11,7 +11,7 @@ POSITIONS = ("kite_position", "ground_position")
 # of a winch that starts in balance, its length depends on all that the shape does
 WINCH = (
     *("initial_length", "winch_control", "winch_length", "winch_start"),
-    *("winch_force", "winch_damping", "winch_friction", "shortest_length", "longest_length"),
+    *("winch_force", "winch_damping", "winch_friction", "shortest_length", "longest_length", "damping_law"),
 )
 STRETCH = (*POSITIONS, *WINCH, "axial_stiffness", "diameter", "density", "gravity")
 AIR_AT_REST = (
@@ -26,7 +26,7 @@ WHERE_KITE_RESTS = (
     *(*STRETCH, *AIR_AT_REST, *GROUND, "segments", "slack_stiffness_ratio"),
     *("kite_load", "kite_mass", "kite_start"),  # these of a free kite alone
 )
-FORCE = (*FORM, "axial_damping", "slack_damping_ratio", "damping_law", *REELING)
+FORCE = (*FORM, "axial_damping", "slack_damping_ratio", *REELING)
 
 
 def depends_on(variant, output, element, shape_points, wind_points=0):

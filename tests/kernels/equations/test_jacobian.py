@@ -67,7 +67,7 @@ def test_forces_differentiate_to_the_matrices(damping_law, wind_profile, slack):
     assembly.node_masses(chain, w.mass)
     force_rate = linearize(chain, problem.x, problem.v, w)
     if flow.flows(chain):
-        flow.add_rates(chain, 0.0, problem.x, problem.v, force_rate)
+        flow.add_rates(chain, chain.acceleration, 0.0, problem.x, problem.v, force_rate)
     np.testing.assert_array_equal(w.modes, segment.SLACK if slack else segment.TAUT)
     by_position = differences(lambda x: forces(problem, x, problem.v, length), problem.x)
     by_velocity = differences(lambda v: forces(problem, problem.x, v, length), problem.v)

@@ -34,10 +34,12 @@ def test_driven_at_both_ends(fixed_step):
     )
     half_drag = 0.5 * drag(np.array([0.0 * kite, kite]), np.array([0.0 * velocity, velocity]), wind, ONE, Environment())
     half_weight = np.array([0.0, 0.0, -0.5 * 9.81 * line_density(ONE) * rest])
+    # rope that flows from the winch into half of the segment ("Rope that flows"), at both ends alike where there is one
+    half_flow = -0.5 * line_density(ONE) * reeling * (velocity - reeling / rest * kite)
     # rounding of a position near 100 m, 1e-14 m times EA/L, over 50 steps
     assert out.ground_tension == pytest.approx(tension, abs=1e-6)
-    np.testing.assert_allclose(out.ground_force, tension * e + half_drag + half_weight, rtol=0, atol=1e-6)
-    np.testing.assert_allclose(out.kite_force, -tension * e + half_drag + half_weight, rtol=0, atol=1e-6)
+    np.testing.assert_allclose(out.ground_force, tension * e + half_drag + half_weight + half_flow, rtol=0, atol=1e-6)
+    np.testing.assert_allclose(out.kite_force, -tension * e + half_drag + half_weight + half_flow, rtol=0, atol=1e-6)
 
 
 @pytest.mark.parametrize("wind", [(0.0, 0.0, 0.0), (20.0, 5.0, 0.0)], ids=str)

@@ -188,8 +188,9 @@ def test_numbers_with_units_and_in_si_are_the_same_scene(tmp_path):
 def test_a_scene_may_say_the_mass_of_a_metre(tmp_path):
     """1 mm with 140 g/m; the density follows, and stiffness and damping follow the diameter unless they are given."""
     text = SCENE.replace('"505 m"', '"505 m"\ndiameter = "1 mm"\nmass_per_length = "140 g/m"')
-    rope = Tether(initial_length=505.0, diameter=0.001, mass_per_length=0.14)
-    sixteenth = {"axial_stiffness": 614600.0 / 16.0, "axial_damping": 473.0 / 16.0}
+    stays = {"axial_stiffness": 614600.0, "axial_damping": 473.0}
+    rope = Tether(initial_length=505.0, diameter=0.001, mass_per_length=0.14, **stays)
+    sixteenth = {name: value / 16.0 for name, value in stays.items()}
     assert load(written(tmp_path, text)).tether == replace(rope, **sixteenth)
     given = text.replace('"1 mm"', '"1 mm"\naxial_stiffness = 614600.0\naxial_damping = 473.0')
     assert load(written(tmp_path, given)).tether == rope

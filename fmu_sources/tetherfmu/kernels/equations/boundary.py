@@ -34,7 +34,7 @@ from .end_motion import (
     velocity_at,
 )
 from .properties import chain_in_motion, chain_of
-from .winch import acceleration_at, force_rate, length_at, rate_at, reeling_of_step, winch_speed
+from .winch import force_rate, gain_at, length_at, rate_at, reeling_of_step, winch_speed, with_jump
 
 StepInputs = namedtuple(
     "StepInputs",
@@ -208,7 +208,7 @@ def inputs_of_step(parameters, inputs, step, state):
         correction,
         motion_of_end(parameters, inputs, at.GROUND_POSITION, 3, ground, of_ground, correction, state),
         motion_of_end(parameters, inputs, at.KITE_POSITION, 0, kite, of_kite, correction, state),
-        reeling_of_step(parameters, inputs, speed, of_winch, correction, state),
+        with_jump(parameters, reeling_of_step(parameters, inputs, speed, of_winch, correction, state), step, state),
         force,
         force_rate(parameters, inputs, of_winch[2] if continued else 0.0, step, state),
         wind_of(inputs),
@@ -264,7 +264,7 @@ def chain_with(conditions, length, speed):
 def chain_during(conditions, time):
     """The `Chain` at a time [s] of the communication step."""
     reeling = conditions.reeling
-    return chain_moving(conditions, length_at(reeling, time), rate_at(reeling, time), acceleration_at(reeling, time))
+    return chain_moving(conditions, length_at(reeling, time), rate_at(reeling, time), gain_at(reeling, time))
 
 
 @kernel

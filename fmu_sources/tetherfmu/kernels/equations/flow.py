@@ -42,16 +42,16 @@ def slopes(chain, s, part):
 
 
 @kernel
-def slope_rates(chain, s, part, jerk):
-    """Rates of these numbers per second; jerk : L''' [m/s3]."""
+def slope_rates(chain, s, part, acceleration, jerk):
+    """Rates of these numbers per second; acceleration, jerk : L'' [m/s2], L''' [m/s3]."""
     half, share = 0.5 * property_of(chain, s, at.LINE_DENSITY), property_of(chain, s, at.SHARE)
     next_part, rest = part - share, rest_length(chain, s)
     square = part * part + next_part * next_part
-    rate = 2.0 * chain.reeling * chain.acceleration - chain.reeling * chain.reeling * chain.growth
+    rate = 2.0 * chain.reeling * acceleration - chain.reeling * chain.reeling * chain.growth
     return (
         -half * (part * jerk + square * rate / rest),
         -half * (next_part * jerk - square * rate / rest),
-        -half * (part + next_part) * chain.acceleration,
+        -half * (part + next_part) * acceleration,
     )
 
 
@@ -159,11 +159,11 @@ def energy_of_flow(chain, x, v, end_is_free):
 
 
 @kernel
-def add_rates(chain, jerk, x, v, force_rate):
-    """Add df/dt [N/s] at constant x [m], v [m/s] to `force_rate` (modified), all flat; jerk : L''' [m/s3]."""
+def add_rates(chain, acceleration, jerk, x, v, force_rate):
+    """Add df/dt [N/s] at constant x [m], v [m/s] to `force_rate` (modified), all flat; others as of `slope_rates`."""
     part = 1.0
     for s in range(chain.n):
-        of_p, of_q, by_rate = slope_rates(chain, s, part, jerk)
+        of_p, of_q, by_rate = slope_rates(chain, s, part, acceleration, jerk)
         r, along = sub(get(x, s + 1), get(x, s)), scale(by_rate, sub(get(v, s + 1), get(v, s)))
         put(force_rate, s, add(get(force_rate, s), add_scaled(along, of_p, r)))
         put(force_rate, s + 1, add(get(force_rate, s + 1), add_scaled(along, of_q, r)))

@@ -44,9 +44,9 @@ load_rate : rates of the loads in the communication step [N/s], m.
 """
 
 # what `store_conditions` writes, and the room for it: an even number as in `system_room.line_work_size`
-_CURVE, _VECTOR, _PAD = 12, 3, 1
-GROUND, KITE, REELING, WIND, LOAD, LOAD_RATE, FIRST, LAST, FORCE, FORCE_RATE, _, CONDITIONS = places_of(
-    _CURVE, _CURVE, 4, _VECTOR, _VECTOR, _VECTOR, 1, 1, 1, 1, _PAD
+_CURVE, _REELING, _VECTOR = 12, 5, 3
+GROUND, KITE, REELING, WIND, LOAD, LOAD_RATE, FIRST, LAST, FORCE, FORCE_RATE, CONDITIONS = places_of(
+    _CURVE, _CURVE, _REELING, _VECTOR, _VECTOR, _VECTOR, 1, 1, 1, 1
 )
 
 
@@ -218,7 +218,7 @@ def store_conditions(conditions, room):
     for place, end in ((GROUND, conditions.ground), (KITE, conditions.kite)):
         for i in range(len(end)):
             put_at(room, place + _VECTOR * i, end[i])
-    room[REELING], room[REELING + 1], room[REELING + 2], room[REELING + 3] = conditions.reeling
+    room[REELING], room[REELING + 1], room[REELING + 2], room[REELING + 3], room[REELING + 4] = conditions.reeling
     put_at(room, WIND, conditions.wind)
     put_at(room, LOAD, conditions.load)
     put_at(room, LOAD_RATE, conditions.load_rate)
@@ -230,7 +230,7 @@ def store_conditions(conditions, room):
 def put_reeling(system, k, reeling):
     """Let the unstretched length of line k have these coefficients, see `winch.py`, in what `store_conditions` wrote."""
     room = room_of(system, k)
-    room[REELING], room[REELING + 1], room[REELING + 2], room[REELING + 3] = reeling
+    room[REELING], room[REELING + 1], room[REELING + 2], room[REELING + 3], room[REELING + 4] = reeling
 
 
 @kernel
@@ -244,7 +244,7 @@ def conditions_of(system, k):
     """`BoundaryConditions` of line k as `store_conditions` wrote them."""
     n, r = segments_of(system, k), room_of(system, k)
     ends = curve_at(r, GROUND), curve_at(r, KITE), int(r[FIRST]), int(r[LAST])
-    reeling = r[REELING], r[REELING + 1], r[REELING + 2], r[REELING + 3]
+    reeling = r[REELING], r[REELING + 1], r[REELING + 2], r[REELING + 3], r[REELING + 4]
     loads = vector_at(r, WIND), vector_at(r, LOAD), vector_at(r, LOAD_RATE)
     return BoundaryConditions(n, parameters_of(system, k), *ends, reeling, r[FORCE], r[FORCE_RATE], *loads)
 

@@ -143,11 +143,9 @@ def tension_of_rope(chain, x, v):
 def spring_at_winch(n, parameters, state):
     """Tension where the rope leaves the winch [N] of a chain in equilibrium, from the spring of its first segment.
 
-    That spring less the weight of the half segment below it; by the stretch_rate law the spring alone.
+    That spring less the weight of the half segment below it.
     """
     spring, (x, _) = spring_at_ground(n, parameters, state), positions_and_velocities(n, state)
-    if not feels_rope(parameters):
-        return spring
     chain = chain_at(n, parameters, state[at.LENGTH], 0.0, ZERO_VECTOR)
     _, along = segment.geometry(sub(get(x, 1), get(x, 0)))
     return spring - half_density(chain, 0) * rest_length(chain, 0) * chain.gravity * along[2]
@@ -157,10 +155,12 @@ def spring_at_winch(n, parameters, state):
 def tension_at_winch(n, parameters, state):
     """Tension where the rope leaves the winch [N], of a chain at rest in a state.
 
-    Where positions do not hold the tensions, `spring_at_winch`.
+    Where positions do not hold the tensions, `spring_at_winch`; by the stretch_rate law the spring of the first segment.
     """
     held, (x, _) = vector_at(state, at.GROUND_TENSION_VECTOR), positions_and_velocities(n, state)
-    if norm(held) > 0.0 or not feels_rope(parameters):
+    if not feels_rope(parameters):
+        return spring_at_ground(n, parameters, state)
+    if norm(held) > 0.0:
         return spring_at_winch(n, parameters, state)
     chain = chain_at(n, parameters, state[at.LENGTH], 0.0, ZERO_VECTOR)
     total, part, lowest = 0.0, 1.0, get(x, 0)[2]

@@ -8,6 +8,9 @@
     length    the length follows its input as a driven end follows its position (`end_motion.py`), from the length and the
               speed that it has reached; the winch starts with the reel-out speed
 
+Where the speed jumps at the start of a step, the rope gains it during the step: a fifth number, the jump over the step
+[m/s2], is added to its acceleration in what is due to its mass (`flow.py`). So its momentum is right however speeds come.
+
 A derivative that the importer gives replaces the estimate: of the reel-out speed and of the force its rate, of the length
 its speed.
 
@@ -45,6 +48,19 @@ def acceleration_at(reeling, time):
 
 
 @kernel
+def gain_at(reeling, time):
+    """Acceleration [m/s2] with which the rope gains its speed: with what it has jumped by at the start of the step."""
+    return acceleration_at(reeling, time) + reeling[4]
+
+
+@kernel
+def with_jump(parameters, reeling, step, state):
+    """Coefficients of the length in a step of `step` [s] from a state, and the jump of the speed over the step [m/s2]."""
+    jump = NEUTRAL if follows_force(parameters) else (reeling[1] - state[at.REELING]) / step
+    return reeling[0], reeling[1], reeling[2], reeling[3], jump
+
+
+@kernel
 def jerk_of(reeling):
     """Its third derivative [m/s3]."""
     return 6.0 * reeling[3]
@@ -59,7 +75,7 @@ def is_reeling(reeling):
 @kernel
 def shortest_length(reeling, step):
     """Least unstretched length [m] during a step [s]: at its end, or where the reeling turns round."""
-    _, c1, c2, c3 = reeling
+    _, c1, c2, c3, _ = reeling
     least = length_at(reeling, step)
     square = c2 * c2 - 3.0 * c3 * c1
     if square > 0.0:

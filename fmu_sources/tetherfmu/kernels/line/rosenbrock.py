@@ -119,9 +119,10 @@ def form(conditions, chain, turns, time, h, x, v, w):
     if turns:
         for k in range(3 * (n + 1)):
             w.q[k] = 0.0
-    assembly.add_rate_from_acceleration(chain, winch.acceleration_at(conditions.reeling, time), x, w.records, w.q)
+    acceleration = winch.acceleration_at(conditions.reeling, time)
+    assembly.add_rate_from_acceleration(chain, acceleration, x, w.records, w.q)
     if flow.flows(chain) and not turns:
-        flow.add_rates(chain, winch.jerk_of(conditions.reeling), x, v, w.q)
+        flow.add_rates(chain, acceleration, winch.jerk_of(conditions.reeling), x, v, w.q)
     add_explicit_rates(conditions, chain, time, w)
     assemble(conditions, chain, GAMMA * h, x, v, w)
     if has_ground(chain.parameters) and not turns:

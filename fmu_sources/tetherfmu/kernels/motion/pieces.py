@@ -33,7 +33,7 @@ from ..points.system_room import (
     length_of,
     numbers_of,
 )
-from .reeling_jumps import put_reeling_speed
+from .stopped_drums import put_reeling_speed
 
 MOST_IDLE = 100  # pieces one after the other, in which no drum turns, that are so short that rounding keeps its tension
 AT_ONCE = 1e-6  # part of the communication step in which a drum without mass makes good a jump of its force

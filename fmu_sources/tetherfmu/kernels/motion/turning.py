@@ -40,7 +40,7 @@ from ..points.system_room import (
     numbers_of,
     put_length,
 )
-from .reeling_jumps import put_reeling_speed
+from .stopped_drums import put_reeling_speed
 
 # --- a step that is attempted
 
@@ -48,7 +48,7 @@ from .reeling_jumps import put_reeling_speed
 @kernel
 def hold(system, k, length):
     """Let the length [m] of line k (modified) not change by itself."""
-    put_reeling(system, k, (length, 0.0, 0.0, NEUTRAL))
+    put_reeling(system, k, (length, 0.0, 0.0, NEUTRAL, NEUTRAL))
 
 
 @kernel
@@ -105,7 +105,7 @@ def turn_evenly(system, time):
     for k in range(lines_of(system)):
         if has_drum(system, k):
             (length, _), speed = length_of(system, k), numbers_of(system, k)[TRIAL]
-            put_reeling(system, k, (length - speed * time, speed, 0.0, NEUTRAL))
+            put_reeling(system, k, (length - speed * time, speed, 0.0, NEUTRAL, NEUTRAL))
 
 
 # --- stages
@@ -148,7 +148,7 @@ def end_stage(system, time, h, reach):
             at_stops += not (speed == 0.0 or numbers[LOWEST] < speed < numbers[HIGHEST])
             put_length(system, k, length + reach * speed, speed)
             rate = (length + reach * speed - numbers[START_LENGTH]) / h
-            put_reeling(system, k, (numbers[START_LENGTH] - rate * time, rate, 0.0, 0.0))
+            put_reeling(system, k, (numbers[START_LENGTH] - rate * time, rate, 0.0, 0.0, 0.0))
     return at_stops == 0
 
 

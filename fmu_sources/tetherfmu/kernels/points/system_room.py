@@ -253,7 +253,7 @@ def length_in_motion(system, k, step):
         (length, before), speed = length_of(system, k), numbers_of(system, k)[TRIAL]
         return length + step.h * speed, speed, (speed - before) / step.h
     reeling, end = conditions_of(system, k).reeling, step.time + step.h
-    return winch.length_at(reeling, end), winch.rate_at(reeling, end), winch.acceleration_at(reeling, end)
+    return winch.length_at(reeling, end), winch.rate_at(reeling, end), winch.gain_at(reeling, end)
 
 
 @view

@@ -29,7 +29,7 @@ from ..equations.rope_at_drum import feels_rope
 from ..line import step_control
 from ..line.backward_euler import FixedSteps, given_steps
 from ..line.moving_drum import Instant
-from ..motion import adaptive_steps, fallback, fixed_steps, reeling_jumps
+from ..motion import adaptive_steps, fallback, fixed_steps
 from ..points import drum_tension, system_room
 from ..rest import compressed_chain, end_tensions
 from ..step.plausibility import note_pressing, note_stiff_and_slack, note_unconverged
@@ -79,7 +79,6 @@ def move_coarsely(system, step, before):
     """
     h = step * adaptive_steps.work_of(system) / at.COARSE_WORK
     go_back(system, before)
-    reeling_jumps.take(system, before)
     method = at.BACKWARD_EULER if fallback.stiff_swing(system, h) > 0.0 else at.SECOND_ORDER
     status = move(system, FixedSteps(h, float(method)), step)
     memory = state_of(system, 0)
@@ -96,7 +95,6 @@ def advance(system, step, before):
     """
     if not system_room.does_any_move(system):
         return OK
-    reeling_jumps.take(system, before)
     status = move(system, given_steps(parameters_of(system, 0)), step)
     if status == STEP_BUDGET_SPENT and move_coarsely(system, step, before) == OK:
         return OK

@@ -9,7 +9,7 @@ import numpy as np
 
 from tetherfmu.input_files import GROUND, factors, ground_of, record, require, tables_of
 from tetherfmu.runtime.naming import meant_or_all
-from tetherfmu.runtime.parameters import Environment, Ground, Tether, changed
+from tetherfmu.runtime.parameters import SCALED, Environment, Ground, Tether, changed
 from tetherfmu.runtime.quantities import check, quantity
 from tetherfmu.study.scenes import csv_files
 from tetherfmu.study.scenes.files import NOT_OF_A_SCENE, RECORDS, SceneError
@@ -279,8 +279,16 @@ def read_records(table, base):
     found = {section: given(kind, table, section) for section, kind in kinds.items()}
     whole = vars(ground_of(RECORDS["ground"](**found["ground"]), Environment()))
     found["ground"] = {GROUND + name: whole[GROUND + name] for name in found["ground"]}
+    if "diameter" in found["tether"]:
+        found["tether"] = own_stiffness(base.tether) | found["tether"]
     records = {section: changed(getattr(base, section), values) for section, values in found.items()}
     return records | {"names_tether": base.names_tether or bool(found["tether"])}
+
+
+def own_stiffness(tether):
+    """Stiffness and damping of the tether of a map, dict, unless they are those of the default material."""
+    default = Tether(diameter=tether.diameter)
+    return {name: getattr(tether, name) for name in SCALED if getattr(tether, name) != getattr(default, name)}
 
 
 def given(kind, table, section):

@@ -1,18 +1,19 @@
-"""Jumps of the speed with which a winch reels: nothing pulls at the rope at such an instant, so that it keeps its momentum.
+"""A drum that comes to a stop: nothing pulls at the rope at such an instant, so that it keeps its momentum.
 
 Half segments move with v_i + c_i r/l0, where c_i = w_i u is the rope that flows past node i (`equations/flow.py`). When u
 jumps, nodes that move freely jump with it:
 
     m_i (v_i+ - v_i-) = (u+ - u-) col_i,   col_i = -sum 1/2 mu w_i r over the segments of the node
 
-So the change begins at the winch, as a wave. m_i of a free point is the mass of all that meets there. The speed jumps where
-its input does (at communication points), and where a drum comes to a stop. Theory: docs/models/theory.md, "Rope that flows".
+So the change begins at the winch, as a wave. m_i of a free point is the mass of all that meets there. Where the speed of a
+winch is given and jumps, its rope gains it during a step: `equations/winch.py`. Theory: docs/models/theory.md, "Rope that
+flows".
 """
 
 from tetherfmu.runtime import layout as at
 
 from ..compilation import kernel
-from ..equations import rope_at_drum, winch
+from ..equations import rope_at_drum
 from ..equations.boundary import chain_with
 from ..equations.lines import (
     add_at,
@@ -24,11 +25,10 @@ from ..equations.lines import (
     point_at,
     segments_of,
     state_of,
-    with_states,
 )
 from ..equations.properties import point_mass, rest_length
 from ..linear_algebra.vectors import ZERO_VECTOR, add, get, scale, sub
-from ..points.system_room import has_drum, put_length
+from ..points.system_room import put_length
 
 
 @kernel
@@ -67,17 +67,6 @@ def jump(system, k, length, change):
         elif s >= conditions.first:
             add_at(v, s, scale(1.0 / (mass_below + half + point_mass(chain, s)), impulse))
         below, mass_below, part = of_q, half, rope_at_drum.next_part(chain, s, part)
-
-
-@kernel
-def take(system, before):
-    """Let all lines (modified) take the jumps of their reel-out speeds at the start of a step from the states `before`."""
-    for k in range(lines_of(system)):
-        if not has_drum(system, k) and rope_at_drum.feels_rope(parameters_of(system, k)):
-            old, reeling = state_of(with_states(system, before), k), conditions_of(system, k).reeling
-            change = winch.rate_at(reeling, 0.0) - old[at.REELING]
-            if change != 0.0:
-                jump(system, k, old[at.LENGTH], change)
 
 
 @kernel
