@@ -17,9 +17,11 @@ def test_the_kite_rolls_as_statics_say(tmp_path, capsys):
     assert_is_drawn(tmp_path / "y_bridle.png")
     time, flown = y_bridle.fly()
     roll, at_rest = y_bridle.roll_of(flown, time), y_bridle.roll_at_rest(time)
-    # the tips weigh 2 % of the lift, the bridle stretches, and the roll swings with some 1.5 Hz: the frequency of the
-    # steering over that, squared, is 1 %
-    assert np.abs(roll - at_rest).max() < 0.05 * np.abs(at_rest).max()
+    # the tips weigh 2 % of the lift, and the roll swings with some 1.5 Hz: the frequency of the steering over that, squared,
+    # is 1 %; at first it also swings because the steering begins abruptly, with 5 % and for some seconds
+    error = np.abs(roll - at_rest) / np.abs(at_rest).max()
+    assert error.max() < 0.06
+    assert error[time > 10.0].max() < 0.025
     tension = {name: flown.outputs[name][:, y_bridle.GROUND_TENSION] for name in y_bridle.COLOURS}
     # moments about the other tip: what the right line carries over what the left one does, at the largest shift
     row = np.argmax(y_bridle.shift(time))

@@ -102,9 +102,8 @@ def test_differences_of_steps_that_are_done_again(native_folder, name):
 def test_by_the_force_of_a_winch(native_folder, name, mass):
     """Without mass T = 2 W - W_last at the end of equal steps, so 2 of the tension; else by steps that are done again.
 
-    Those are extrapolated over changes of 1 N. Of the tension at the kite, which no wave has reached, 1e-7 is noise. A tether
-    in equilibrium takes changes of 6 N, 1 % of the force: their third
-    order is felt in its length, 2e-4.
+    Those are extrapolated over changes of 1 N. Of the tension at the kite, which no wave has reached, 1e-7 is noise. A
+    tether in equilibrium takes changes of 6 N, 1 % of the force: their third order is felt in its length, 2e-4.
     """
     host = Host(native_folder / f"{name}.fmu").start(winch_control=2, winch_mass=mass, initial_length=500.0)
     for k in range(6):

@@ -12,7 +12,8 @@ turns, so that it leaves it without a thrust:
 
 with s the share of a segment in L, w_i = c_i/u the part that flows past a node, W all that the drum sets against the rope
 (motor, damping, friction), m its mass. u' makes the force col_i u' on node i. T is the tension where the rope leaves the
-drum, T^2/(2 EA) the energy of the strain that it has there. Theory: docs/models/theory.md, "Rope that flows".
+drum, T^2/(2 EA) the energy of the strain that it has there: none where dampers press it, T < 0.
+Theory: docs/models/theory.md, "Rope that flows".
 """
 
 from math import sqrt
@@ -117,14 +118,15 @@ def force_slopes(chain, s, part, r, u):
 
 @kernel
 def with_strain(stiffness, force):
-    """T + T^2/(2 EA) [N] of a tension T [N], and its slope [-]; EA [N] of the first segment."""
-    return force + 0.5 * force * force / stiffness, 1.0 + force / stiffness
+    """T + T^2/(2 EA) [N] of a tension T [N], and its slope [-]; EA [N] of the first segment. T alone below 0."""
+    pulled = max(force, 0.0)
+    return force + 0.5 * pulled * pulled / stiffness, 1.0 + pulled / stiffness
 
 
 @kernel
 def tension_of(stiffness, pull):
-    """T [N] of T + T^2/(2 EA) = R; EA [N]."""
-    return stiffness * (sqrt(max(1.0 + 2.0 * pull / stiffness, 0.0)) - 1.0)
+    """T [N] of R [N], the inverse of `with_strain`; EA [N]."""
+    return pull if pull <= 0.0 else stiffness * (sqrt(1.0 + 2.0 * pull / stiffness) - 1.0)
 
 
 @kernel

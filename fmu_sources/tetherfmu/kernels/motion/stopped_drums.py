@@ -6,8 +6,8 @@ jumps, nodes that move freely jump with it:
     m_i (v_i+ - v_i-) = (u+ - u-) col_i,   col_i = -sum 1/2 mu w_i r over the segments of the node
 
 So the change begins at the winch, as a wave. m_i of a free point is the mass of all that meets there. Where the speed of a
-winch is given and jumps, its rope gains it during a step: `equations/winch.py`. Theory: docs/models/theory.md, "Rope that
-flows".
+winch is given and jumps, its rope gains it during a step: `equations/winch.py`.
+Theory: docs/models/theory.md, "Rope that flows".
 """
 
 from tetherfmu.runtime import layout as at

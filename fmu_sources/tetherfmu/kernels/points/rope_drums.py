@@ -86,8 +86,10 @@ def counter_force(system, k, direction, speed, time):
 def acceleration_with(system, k, counter, pull, inertia):
     """u' [m/s2] of the drum of line k: T + T^2/(2 EA) = R - I u', T = W + m u'; W, R [N], I [kg]."""
     mass, stiffness = mass_of(system, k), stiffness_of(system, k)
-    stored, slope = rope.with_strain(stiffness, counter)
-    total, free = slope * mass + inertia, pull - stored
+    pressed = (pull - counter) / (mass + inertia)
+    if counter + mass * pressed <= 0.0:
+        return pressed
+    total, free = (1.0 + counter / stiffness) * mass + inertia, pull - counter * (1.0 + 0.5 * counter / stiffness)
     return 2.0 * free / (total + sqrt(max(total * total + 2.0 * mass * mass / stiffness * free, 0.0)))
 
 
