@@ -19,6 +19,11 @@ from scipy.integrate import solve_ivp
 G, RHO = 9.81, 1.225
 
 
+def rope_tension(stiffness, along):
+    """T [N] at a drum, of R = T + T^2/(2 EA) or T where that is below 0; EA, R [N]."""
+    return along if along <= 0.0 else stiffness * (np.sqrt(1.0 + 2.0 * along / stiffness) - 1.0)
+
+
 @dataclass
 class Drum:
     """A tether on its drum; SI units."""
@@ -87,8 +92,9 @@ class Drum:
         gain = 0.0
         for _ in range(6):  # Newton's method
             tension = held + self.mass * gain
-            wrong = tension + 0.5 * tension**2 / self.stiffness + inertia * gain - motor
-            gain -= wrong / (self.mass * (1.0 + tension / self.stiffness) + inertia)
+            pulled = max(tension, 0.0)
+            wrong = tension + 0.5 * pulled**2 / self.stiffness + inertia * gain - motor
+            gain -= wrong / (self.mass * (1.0 + pulled / self.stiffness) + inertia)
         a = np.zeros_like(x)
         a[1:-1] = free[0] + gain * free[1]
         moving = np.concatenate((np.zeros((1, 3)), v[1:]))

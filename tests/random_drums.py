@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from drums import rope_tension
 from networks import Network
 from random_systems import random_network
 from tetherfmu import Environment, Solver, TetherSystem, Winch
@@ -100,7 +101,7 @@ def left(network, told, system, number, h):
         if line.name in told["winch_forces"]:
             pull += (column * accelerations[nodes]).sum() - inertia * gained
             stiffness = line.tether.axial_stiffness
-            tension = stiffness * (np.sqrt(1.0 + 2.0 * pull / stiffness) - 1.0)
+            tension = rope_tension(stiffness, pull)
             drums.append(_left_of_drum(line, tension, told, old, new, h))
     rest = force - network.masses(0.0)[:, None] * accelerations
     largest = max(1.0, np.abs(tension).max(), np.abs(network.forces(0.0, x, v)[network.free]).max())

@@ -25,6 +25,7 @@ LINK = re.compile(r"(?<!!)\[([^\]]*)\]\((?!https:)[^)]*\)")  # to another page o
 STARTUP = """\
 import os, sys
 os.environ.pop({no_jit!r}, None)
+os.environ["MPLBACKEND"] = "module://matplotlib_inline.backend_inline"
 os.chdir({work!r})
 sys.path.insert(0, {package!r})
 """

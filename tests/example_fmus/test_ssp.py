@@ -233,4 +233,5 @@ def test_kite_power_system_as_a_container(ssp_folder, fmu_folder, example_folder
     expected = np.array(by_the_example(SHOWN, {}, fmus))
     # the steering that is missing in the first step, 0.25 for 20 ms, turns the kite by 0.3 deg: 5 cm after some seconds
     np.testing.assert_allclose(found[:, :3], expected[:, :3], rtol=0.0, atol=0.05)
-    np.testing.assert_allclose(found[:, 3], expected[:, 3], rtol=0.02)
+    # and at first the winch turns otherwise, which accelerates the rope
+    np.testing.assert_allclose(found[10:, 3], expected[10:, 3], rtol=0.02)

@@ -3,7 +3,7 @@
 No node moves freely, so all that the transition can get wrong is the drum:
 
     m du/dt = T - W - c u,   dL/dt = u,   k = EA/L taut, r EA/L slack
-    T + T^2/(2 EA) = k (l^2 - L^2)/(2 L) + D/L (dl/dt - u l/L) l/L
+    T + T^2/(2 EA) (T alone below 0) = k (l^2 - L^2)/(2 L) + D/L (dl/dt - u l/L) l/L
 
 Reference: scipy's DOP853 at 1e-11, from one transition to the next, on the equations above.
 """
@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from drums import rope_tension
 from tetherfmu import Line, Point, Solver, Tether, TetherDynamic, TetherSystem, Winch
 
 TIMES = 0.02 * np.arange(251)  # of communication [s]
@@ -67,7 +68,7 @@ def exact(scene):
         stiffness = tether.axial_stiffness / length * (1.0 if is_taut else tether.slack_stiffness_ratio)
         damper = tether.axial_damping / length * (rate - speed * distance / length)
         along = stiffness * (distance**2 - length**2) / (2.0 * length) + damper * distance / length
-        return tether.axial_stiffness * (np.sqrt(1.0 + 2.0 * along / tether.axial_stiffness) - 1.0)
+        return rope_tension(tether.axial_stiffness, along)
 
     def slope(time, state, is_taut):
         pull = tension(time, *state, is_taut)
