@@ -61,7 +61,7 @@ def test_the_whole_rope_is_accelerated(segments, control, method):
 
 
 def test_a_speed_that_is_held_from_step_to_step_accelerates_the_whole_rope():
-    """Mean over 50 steps, within 1 N: the damper of 2.5 kN s/m feels each step of the speed. Without the jumps it is 10 N."""
+    """Mean over 50 steps, within 1 N: the damper of 2.5 kN s/m feels each step of the speed; 10 N without the jumps."""
     options = {"kite_start": "equilibrium", "input_continuation": "held"}
     tether = TetherDynamicFree(segments=10, kite_mass=MASS, **ROPE, **options)
     outputs, step, found = tether.initialize(kite_position=(0.0, 0.0, -LENGTH), ground_position=(0.0, 0.0, 0.0)), 0.005, []
