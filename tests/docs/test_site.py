@@ -42,7 +42,7 @@ def site(tmp_path_factory):
     for needed in ("sphinx", "myst_nb", "jupytext", "plotly"):
         pytest.importorskip(needed, reason="needs the extras docs and html")
     folder = tmp_path_factory.mktemp("site")
-    build = [sys.executable, "-m", "sphinx", "-W", "--keep-going", "-q", "-b", "html", "-d", folder / "read"]
+    build = [sys.executable, "-m", "sphinx", "-W", "--keep-going", "-q", "-j", "2", "-b", "html", "-d", folder / "read"]
     done = subprocess.run([*build, ROOT / "docs", folder / "manual"], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     write_flight(folder / "flight.html")
