@@ -17,8 +17,8 @@ from shared.scalars_of_fmi3 import ScalarsOfFmi3, scalars
 from tetherfmu.check.inspection import MADE_BY_PYTHONFMU, crashing_characters
 from tetherfmu.console.ending import WrongUse, one_line
 from tetherfmu.console.options import file
+from tetherfmu.lean import scaled
 from tetherfmu.libraries.children import ctrl_c_waits
-from tetherfmu.runtime.parameters import SCALED
 
 WIND, WIND_AT = "wind_", "wind_at"  # begins the names of what an FMU with wind at points ignores, and the wind at these
 SLAVES = {"2.0": FMU2Slave, "3.0": ScalarsOfFmi3}  # by version of FMI
@@ -71,11 +71,10 @@ class Variables(NamedTuple):
 
     def completed(self, parameters):
         """Values of parameters, dict by name, with the stiffness and damping that a diameter alone scales."""
-        starts = {each.name: each.start for each in self.description.modelVariables}
         if "diameter" not in parameters:
             return parameters
-        area = (parameters["diameter"] / float(starts["diameter"])) ** 2
-        return {name: area * float(starts[name]) for name in SCALED if name in starts} | parameters
+        starts = {each.name: each.start for each in self.description.modelVariables}
+        return parameters | scaled(parameters, starts)
 
     def those_of(self, *names):
         """Dict name -> value references, of the variables and vectors of any size that the FMU has."""

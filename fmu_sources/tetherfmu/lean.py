@@ -75,10 +75,18 @@ class Lean:
         for name, value in self.starts:
             found |= _starts_of(name, value, given)
         for name in [each for each in found if own_name(each) == "diameter"]:
-            line = name.removesuffix("diameter")
-            share = (found[name] / given[name].start) ** 2
-            found |= {line + each: share * given[line + each].start for each in SCALED if line + each not in found}
+            found |= scaled(found, {each: variable.start for each, variable in given.items()}, name.removesuffix("diameter"))
         return tuple(found.items())
+
+
+def scaled(given, starts, line=""):
+    """Stiffness and damping that a diameter alone scales, dict by name, from the start values (dict) of an FMU.
+
+    given : values of parameters by name, with the diameter.  line : what the names of a line in a system begin with.
+    """
+    area = (given[f"{line}diameter"] / float(starts[f"{line}diameter"])) ** 2
+    names = [line + each for each in SCALED]
+    return {name: area * float(starts[name]) for name in names if name in starts and name not in given}
 
 
 _ENDS = ("kite_position", "kite_velocity", "ground_position", "ground_velocity")

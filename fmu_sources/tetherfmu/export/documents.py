@@ -39,7 +39,8 @@ def documents(name, variant, description, options, given, native=None):
         more = filled("evidence_of_winch.txt", name=name) if kinds.issuperset(evidence.GIVEN) else ""
         words = {"scene": evidence.SCENES[BY_NAME[variant].kite_is_free], "more": more}
         sets = evidence.files(name, made, native == 3, model=name, **words) if made else {}
-        physics = asset(f"physics/{variant}.html").strip()
+        shared = asset("physics/chain_in_motion.html") if BY_NAME[variant].has_waves else ""
+        physics = (asset(f"physics/{variant}.html") + shared).strip()
         coupling = asset("free_kite.html" if BY_NAME[variant].kite_is_free else "driven_kite.html").strip()
         body = filled("tether.html", name=name, physics=physics, coupling=coupling, **about(description, native))
     groups = osp.model_description(selection.shown(table, given["left_out"]))
