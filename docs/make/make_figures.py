@@ -46,7 +46,7 @@ def of_example(name):
 
 
 def circle():
-    """Shapes in space at the left, forces over time at the right: the circle of the example with `TetherDynamic.fmu` in wind."""
+    """Shapes in space at the left, forces over time at the right: the circle of the example in wind."""
     from first_flight.circular_flight import find_fmu, fly
     from shared.flight_figures import ENDS, draw_components, draw_shapes, plt, times_of
 
