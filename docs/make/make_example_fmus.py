@@ -115,7 +115,7 @@ height h:
 | `.npz` | `numpy.savez` (not `savez_compressed`) | `velocity` (along, across, up, 3) [m/s] and `spacing` (3,) [m] |
 
 `file` is a String parameter: set it before the initialization, or build the FMU with it (`build("TurbulentWind", folder,
-[("file", path)])` of `examples/shared/example_fmus.py`). A path that begins with `resources/` leads into the FMU; without a
+[("file", path)])` of `examples/shared/example_fmus.py`). A path that begins with `resources/` refers to the FMU; without a
 file there is the mean wind alone. The file is mapped into memory: it must not change during a run.
 
 - **Wiring.** Connect `kite_position`, and `shape` of a tether that is built with `--wind-points 21`, which gets `wind_at`
@@ -173,7 +173,7 @@ in the tether:
 - `simulate_ssp` of FMPy sets all connected inputs to 0 in the first step: a kite refuses that, and the circles begin with a
   false tension of 4e5 N and more. Use another tool.
 - `extra/com.open-simulation-platform` in each file is the system for the Open Simulation Platform
-  (`CosimExecution.from_osp_config_file`), in which each FMU may have steps of its own.
+  (`CosimExecution.from_osp_config_file`), in which each FMU may have its own step.
 
 ## Parameters
 
