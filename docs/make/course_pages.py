@@ -23,6 +23,7 @@ FMUS = ("TetherDynamic", "TetherCatenary")
 WARNING = "Warning: missing input for variable"  # of FMPy
 NO_JIT = "NUMBA_DISABLE_JIT"  # which conf.py sets for the docstrings of kernels
 LINK = re.compile(r"(?<!!)\[([^\]]*)\]\((?!https:)[^)]*\)")  # to another page of the manual
+ANIMATION = re.compile(r"^!\[[^\]]*\]\([^)]*\)\n*", re.MULTILINE)
 
 STARTUP = """\
 import os, sys
@@ -53,13 +54,13 @@ def lessons(docs):
 
 
 def write_notebooks(docs, folder):
-    """Write each lesson as a notebook to a folder; links to other pages of the manual become their text there."""
+    """Write each lesson as a notebook to a folder, without animations; links to other pages become their text there."""
     folder.mkdir(parents=True, exist_ok=True)
     for page in lessons(docs):
         notebook = jupytext.read(page, fmt="md:myst")
         for cell in notebook.cells:
             if cell.cell_type == "markdown":
-                cell.source = LINK.sub(r"\1", cell.source)
+                cell.source = ANIMATION.sub("", LINK.sub(r"\1", cell.source))
             elif "tags" in cell.metadata:
                 cell.metadata["jupyter"] = {"source_hidden": True}  # the answer
         jupytext.write(notebook, folder / f"{page.stem}.ipynb", fmt="ipynb")

@@ -77,8 +77,8 @@ Two cycles in a wind of 8 m/s at 10 m (`--cycles 2`):
 
 The load on the kite is delayed, so there is a longest step ([Coupling](coupling.md#the-ways)). With the Jacobi exchange 30
 ms hold and 35 ms diverge at 8 m/s; at 10 to 14 m/s 30 ms diverge and 20 ms hold. The example recognizes divergence. It
-flies in 6 to 14 m/s; from 11 m/s on it says for how long the motor of the winch is too weak. The work over a cycle balances
-within 1 % (`tests/physics/test_pumping_energy.py`). The flight is plausible, but not a measured one.
+flies in 6 to 14 m/s; from 11 m/s on it prints for how long the motor of the winch is too weak. The work over a cycle
+balances within 1 % (`tests/physics/test_pumping_energy.py`). The flight is plausible, but not a measured one.
 
 ## The winch inside the tether
 

@@ -14,7 +14,7 @@ from pictures import save
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "fmu_sources" / "tetherfmu"
 FIGURE = ROOT / "docs" / "figures" / "house.svg"
-FLOOR = 1.1  # height of a floor [inch]
+FLOOR = 1.15  # height of a floor [inch]
 APART = ("check", "console")  # rooms at the right
 SHIPPED = ("fmi", "runtime")  # rooms that every FMU has
 ROOMS_OF_FILES = {  # modules that stand beside the folders
@@ -134,8 +134,8 @@ def draw(path):
             shape = FancyBboxPatch((left, bottom), width, 0.6, "round,pad=0,rounding_size=0.01", fc=colour, ec="#555555")
             axis.add_patch(shape)
             axis.text(middle, -level + 0.18, room, ha="center", va="center", fontsize=12, weight="bold")
-            text = fill(contents(room), int(120 * width))
-            axis.text(middle, -level - 0.08, text, ha="center", va="center", fontsize=9, linespacing=1.1)
+            text = fill(contents(room), int(140 * width))
+            axis.text(middle, -level - 0.08, text, ha="center", va="center", fontsize=8.2, linespacing=1.1)
     heights = {room: -level for level, rooms in enumerate(levels) for room in rooms}
     style = {"arrowstyle": "-|>", "color": "#1f5a92", "shrinkA": 0, "shrinkB": 0, "lw": 1.3}
     for start, end in sorted(without_detours(arrows())):
