@@ -15,6 +15,8 @@ from pathlib import Path
 import jupytext
 from docutils import nodes
 
+from pictures import themed
+
 ROOT = Path(__file__).resolve().parents[2]
 COURSE = "course"  # folder of the lessons, in docs and on the site
 FMUS = ("TetherDynamic", "TetherCatenary")
@@ -95,8 +97,10 @@ def add_link(app, doctree, docname):
         section.insert(1, nodes.paragraph("", "", link, classes=["notebook"]))
 
 
-def clean_up(app, exception):
-    """Remove what was made for the build."""
+def finish(app, exception):
+    """Let the figures of the lessons follow the theme of the reader; remove what was made for the build."""
+    for path in (Path(app.outdir) / app.builder.imagedir).glob("*.svg"):
+        path.write_text(themed(path.read_text(encoding="utf-8")), encoding="utf-8")
     shutil.rmtree(app.course_folder, ignore_errors=True)
 
 
@@ -105,5 +109,5 @@ def setup(app):
     app.connect("builder-inited", prepare)
     app.connect("doctree-read", without_warnings)
     app.connect("doctree-resolved", add_link)
-    app.connect("build-finished", clean_up)
+    app.connect("build-finished", finish)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

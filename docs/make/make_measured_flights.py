@@ -128,7 +128,7 @@ def draw_drop(ground, flights, path):
     upper.legend(loc="upper right", frameon=False)
     for axes in (upper, lower):
         axes.grid(alpha=0.3)
-    figure.savefig(path, dpi=90, metadata={"Software": None})
+    figure.savefig(path, dpi=180, metadata={"Software": None})
 
 
 def fly_2019():
