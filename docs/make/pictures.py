@@ -1,7 +1,8 @@
 """Figures of the site as SVG files that follow the theme of their reader, light or dark.
 
-matplotlib draws them on white. `themed` adds a style sheet to such a file, which counts on a dark theme only: black and
-white change places, and the colours of `DARK` become others. All else, such as a colour map, stays.
+matplotlib draws them on white. `themed` adds a style sheet to such a file. On a dark theme black and white change places,
+and the colours of `DARK` become others. On a light one letters in pale colours become darker. All else, such as a colour
+map, stays.
 """
 
 import re
@@ -10,6 +11,7 @@ from pathlib import Path
 from unittest.mock import patch
 
 import matplotlib as mpl
+import numpy as np
 from matplotlib.figure import Figure
 
 PAPER, INK = 0x14, 0xE0  # greys that white and black become
@@ -26,7 +28,9 @@ DARK = {  # what other colours become: dark lines, then pale areas
     "#dceaf7": "#1d3448",
     "#f3ead7": "#3d3422",
 }
+CONTRAST = 4.5  # least of letters on white (WCAG 2.1, level AA)
 MARK = "prefers-color-scheme"
+LETTERS = re.compile(r'<g style="fill: (#[0-9a-f]{6})')  # text; marks and areas are no groups
 COLOUR = re.compile(r"(fill|stroke): (#[0-9a-f]{6})\b")
 PLACE = re.compile(r"(-?\d+\.\d\d)\d+")  # of a number with more than two decimals
 RULES = {"svg.fonttype": "path", "svg.hashsalt": "tetherfmu"}  # letters need no font; equal figures are equal files
@@ -41,8 +45,26 @@ def darkened(colour):
     return "#" + 3 * f"{grey:02x}"
 
 
-def rules(picture):
-    """Rules of CSS for the colours of a picture; what has no colour in its file is black."""
+def luminance(colour):
+    """Relative luminance (WCAG 2.1) of red, green and blue, array (3,)."""
+    return np.where(colour <= 0.04045, colour / 12.92, ((colour + 0.055) / 1.055) ** 2.4) @ (0.2126, 0.7152, 0.0722)
+
+
+def legible(colour):
+    """Colour of letters on white that are pale in this one, as `#rrggbb`; None if it stays."""
+    shades = np.linspace(1.0, 0.0, 101)[:, None] * mpl.colors.to_rgb(colour)
+    first = next(k for k, shade in enumerate(shades) if 1.05 / (luminance(shade) + 0.05) >= CONTRAST)
+    return mpl.colors.to_hex(shades[first]) if first and colour != "#ffffff" else None
+
+
+def rules_for_light(picture):
+    """Rules of CSS for the letters of a picture on white."""
+    found = {colour: legible(colour) for colour in sorted(set(LETTERS.findall(picture)))}
+    return "\n".join(f'g[style*="fill: {colour}"] {{fill: {dark} !important}}' for colour, dark in found.items() if dark)
+
+
+def rules_for_dark(picture):
+    """Rules of CSS for the colours of a picture on dark paper; what has no colour in its file is black."""
     found = {(what, colour): darkened(colour) for what, colour in sorted(set(COLOUR.findall(picture)))}
     lines = [f"svg {{fill: {darkened('#000000')}}}"]
     lines += [f'[style*="{what}: {colour}"] {{{what}: {dark} !important}}' for (what, colour), dark in found.items() if dark]
@@ -50,12 +72,13 @@ def rules(picture):
 
 
 def themed(picture):
-    """Text of an SVG file, with rules for a dark theme and its coordinates in hundredths of a point."""
+    """Text of an SVG file, with rules for both themes and its coordinates in hundredths of a point."""
     if MARK in picture:
         return picture
     short = re.sub(r'\b(d|x|y)="[^"]*"', lambda found: PLACE.sub(r"\1", found[0]), picture)
-    style = f"<style>@media ({MARK}: dark) {{\n{rules(short)}\n}}</style>"
-    return re.sub(r"(<svg\b[^>]*>)", lambda found: f"{found[0]}\n {style}", short, count=1)
+    themes = {f"({MARK}: dark)": rules_for_dark(short), f"not all and ({MARK}: dark)": rules_for_light(short)}
+    style = "\n".join(f"@media {theme} {{\n{rules}\n}}" for theme, rules in themes.items() if rules)
+    return re.sub(r"(<svg\b[^>]*>)", lambda found: f"{found[0]}\n <style>{style}</style>", short, count=1)
 
 
 def save(figure, path):

@@ -7,7 +7,8 @@ import matplotlib as mpl
 import pytest
 from matplotlib.figure import Figure
 
-from pictures import DARK, as_svg, darkened, save, themed
+from pictures import DARK, as_svg, darkened, legible, save, themed
+from tetherfmu.console.colours import BLACK, GREY, PALETTE
 
 FIGURES = Path(__file__).resolve().parents[2] / "docs" / "figures"
 LEAST = 4.5  # contrast of text by WCAG 2.1, level AA
@@ -35,6 +36,22 @@ def test_colours_can_be_read_on_dark_paper(colour):
     """Lines become lighter than paper, pale areas darker than ink."""
     other = darkened("#ffffff") if contrast(colour, "#ffffff") > 3.0 else darkened("#000000")
     assert contrast(darkened(colour), other) > LEAST
+
+
+@pytest.mark.parametrize("colour", [*map(str.lower, PALETTE.values()), GREY, BLACK])
+def test_letters_can_be_read_on_white(colour):
+    """In each colour of the project, as in one that is as little darker as possible."""
+    shown = legible(colour) or colour
+    assert contrast(shown, "#ffffff") >= LEAST
+    assert shown == colour or contrast(shown, "#ffffff") < 1.05 * LEAST
+
+
+def test_letters_of_figures_are_legible(tmp_path):
+    figure = Figure()
+    figure.text(0.5, 0.5, "wind", color="#56B4E9")
+    save(figure, tmp_path / "letters.svg")
+    rule = f'g[style*="fill: #56b4e9"] {{fill: {legible("#56b4e9")} !important}}'
+    assert rule in (tmp_path / "letters.svg").read_text(encoding="utf-8")
 
 
 def test_colours_of_a_map_stay():
