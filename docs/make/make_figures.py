@@ -30,6 +30,7 @@ EXAMPLES = {  # module, its options, and its figures: name that it writes -> nam
     ),
     "set_down": ("cranes.set_down", [], {}),
     "turbulence": ("wind.turbulence", [], {}),
+    "steered_kite": ("systems.steered_kite", [], {}),
     "two_kites": ("systems.two_kites", [], {}),
     "winch_inside": ("power_system.winch_inside", [], {}),
     "y_bridle": ("systems.y_bridle", [], {}),

@@ -154,18 +154,27 @@ class TetherSlave(BaseSlave):
             given, values = self._instance.values, self.values
             for place, reference, _, _ in self._wiring.inputs:
                 given[place] = values[reference]
+            for place, *_ in self._wiring.held:
+                given[place] = 0.0
+            for place, reference, _, _, factor in self._wiring.held:
+                given[place] += factor * values[reference]
 
     def _shown(self, problem):
         """Put the outputs of a system into the values, if nothing is wrong; returns what is."""
         if problem or self._is_direct:
             return problem
         values, found, state = self.values, self._instance.values, self._instance.state
+        first = self._instance.outputs_at
         for reference, place in self._alone:
             values[reference] = found[place]
         for reference, places in self._sums:
             values[reference] = sum(found[place] for place in places)
         for reference, place in self._motion:
             values[reference] = state[place]
+        for reference, *_ in self._wiring.turned:
+            values[reference] = 0.0
+        for reference, place, factor, less in self._wiring.turned:
+            values[reference] += factor * (found[first + place] - (0.0 if less < 0 else values[less]))
         return problem
 
     # --- state

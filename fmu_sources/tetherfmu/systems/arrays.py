@@ -16,16 +16,18 @@ from tetherfmu.runtime.packing import pack_lines
 from tetherfmu.runtime.parameters import numbers_of
 
 from .ordering import ordered
+from .shared_winches import Turned, as_built, with_controls
 
 
-def instance_of(points, lines, environment, solver, ground, wind_points=0):
+def instance_of(points, lines, environment, solver, ground, wind_points=0, winches=()):
     """`Instance` of a system of records, set up; ValueError names the line if a quantity is not allowed."""
+    lines = with_controls(lines, winches)
     free, band = ordered([point.name for point in points if not point.is_driven], lines)
     planned = [
         Line(line.name, line.start, line.end, {}, sum(each.segments for each in line.tethers) + 1, wind_points)
         for line in lines
     ]
-    structure = SimpleNamespace(lines=planned, free=tuple(free))
+    structure = SimpleNamespace(lines=planned, free=tuple(free), winches=as_built(winches))
     made = Instance(ready.kernels(SYSTEM), lines_of(structure), structure.free, band)
     masses = {point.name: point.mass for point in points} | {None: 0.0}
     packed = (
@@ -45,8 +47,9 @@ def instance_of(points, lines, environment, solver, ground, wind_points=0):
 class Arrays:
     """Views of the arrays of an `Instance` of lines between points: `inputs` and `state`, as `plan_layout.py` has them."""
 
-    def __init__(self, instance, lines, wind_profile):
+    def __init__(self, instance, lines, wind_profile, winches):
         self.instance, self.lines, self._profile = instance, lines, wind_profile
+        self.turned = Turned(winches, lines)
         self.inputs = np.frombuffer(instance.values)[: instance.outputs_at]
         self.state, self.plan = np.frombuffer(instance.state), np.frombuffer(instance.plan, dtype=np.int64)
 

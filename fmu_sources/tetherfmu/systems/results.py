@@ -25,6 +25,21 @@ class PointOutputs(NamedTuple):
     force: np.ndarray
 
 
+class WinchOutputs(NamedTuple):
+    """A winch that holds several lines, at an instant.
+
+    Attributes
+    ----------
+    winch_speed : float
+        Reel-out speed of a line with the ratio 1 [m/s].
+    payout : float
+        Length of such a line that it has paid out since the start [m].
+    """
+
+    winch_speed: float
+    payout: float
+
+
 class SystemOutputs(NamedTuple):
     """A system at an instant.
 
@@ -37,11 +52,14 @@ class SystemOutputs(NamedTuple):
     solver_iteration_limit : int
         The most iterations of all lines together that the last communication step could take with its fixed steps (before
         the first: one fixed step); 0 with adaptive steps.
+    winches : dict of str to WinchOutputs
+        By the names of the winches that hold several lines.
     """
 
     points: dict[str, PointOutputs]
     lines: dict[str, Outputs]
     solver_iteration_limit: int
+    winches: dict[str, WinchOutputs]
 
 
 class SystemEnergy(NamedTuple):
@@ -87,6 +105,8 @@ class SystemFlown(NamedTuple):
         Steps that could not be done, see `on_refusal` of `TetherSystem.fly`.
     time : (rows,) array
         As that of `tetherfmu.Flown`.
+    winches : dict of str to WinchOutputs
+        Of each winch that holds several lines, with arrays (rows,).
     """
 
     points: dict[str, PointOutputs]
@@ -95,6 +115,7 @@ class SystemFlown(NamedTuple):
     seconds: float
     refusals: tuple
     time: np.ndarray
+    winches: dict[str, WinchOutputs]
 
     def __repr__(self):
         """How much there is, instead of all its numbers."""
