@@ -32,6 +32,7 @@ class Input:
     scale: str  # one of `SCALES`
     terminal: str = ""  # of FMI 3 and name there, "kite.position"; "" for none
     of: str = EVERY_TETHER  # or DRIVEN_KITE, FREE_KITE
+    kind: str = "Real"  # or "Boolean": 0 or 1 in the array
 
     @property
     def size(self):
@@ -99,6 +100,15 @@ INPUT_TABLE = (
         (0.0,),
         SEGMENT_LENGTH,
         "winch.length",
+    ),
+    Input(
+        "release",
+        "",
+        "the tether lets go at its kite end, at the beginning of the first step with true, for good (dynamic tethers only)",
+        (0.0,),
+        SEGMENT_LENGTH,
+        "kite.release",
+        kind="Boolean",
     ),
 )
 # with the build option --wind-points: at each point its wind; behind the inputs of the table in the array
