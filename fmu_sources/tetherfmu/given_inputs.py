@@ -42,6 +42,8 @@ class Inputs(TypedDict, total=False):
         reels in.
     winch_length : float
         Unstretched length [m] that the winch should have paid out, with `winch_control` = length; 0: `initial_length`.
+    release : bool
+        True lets the tether go at its kite end, at the beginning of the step and for good (dynamic tethers only).
     wind_at : (wind_points, 3) array
         Wind [m/s] at the wind points of a tether that has them, and no other wind.
     """
@@ -51,6 +53,7 @@ class Inputs(TypedDict, total=False):
     kite_load: ArrayLike
     winch_force: float
     winch_length: float
+    release: bool
     wind_at: ArrayLike
 
 

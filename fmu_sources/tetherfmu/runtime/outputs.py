@@ -160,7 +160,11 @@ class Outputs(NamedTuple):
         group="forces",
     )
     broken: bool = output(
-        "", "whether the tether has broken or has been released (dynamic tethers only)", (), terminal="kite.broken", group="forces"
+        "",
+        "whether the tether has broken or has been released (dynamic tethers only)",
+        (),
+        terminal="kite.broken",
+        group="forces",
     )
     break_time: float = output("s", "when the first of the two was, since the start; -1: not yet", (), group="forces")
 

@@ -184,12 +184,6 @@ def motion_of(system, k):
 
 
 @view
-def nodes_of(system, k):
-    """The same as one array."""
-    return part(state_of(system, k), at.STATE_HEADER, 6 * (segments_of(system, k) + 1))
-
-
-@view
 def room_of(system, k):
     """Scratch space of line k: its conditions, then that of its integrator."""
     return behind(number_of_line(system, k, places.WORK_AT), system.work)

@@ -91,14 +91,18 @@ def stop_winch(system, k, time):
 
 
 @kernel
+def time_since_start(state, time):
+    """Time since the start [s] of a time [s] in the communication step; the clock of the state is at the end of that."""
+    return state[at.CLOCK] - state[at.LAST_STEP] + time
+
+
+@kernel
 def break_line(system, k, s, tension, time):
     """Let segment s of line k (modified) break under a tension [N] at a time [s] of the communication step."""
     state, chain, (x, _) = state_of(system, k), chain_now(system, k, time), motion_of(system, k)
     length, _ = segment.geometry(sub(get(x, s + 1), get(x, s)))
     elongation, stiffness = segment.spring(chain, s, length, False)
-    if state[at.LET_GO] == 0.0:
-        state[at.TORN_AT] = state[at.CLOCK] + time
-    state[at.TORN_SEGMENT] = s + 1.0
+    state[at.TORN_SEGMENT], state[at.TORN_AT] = s + 1.0, time_since_start(state, time)
     state[at.TORN_ENERGY] = segment.elastic_energy(stiffness, elongation)
     note(state, limits.BROKE, tension * tension, 0.0)
     note_peak(state, tension)
@@ -136,7 +140,7 @@ def go_back(system, before):
     for k in range(lines_of(system)):
         state, first = state_of(system, k), state_of(with_states(system, before), k)
         if state[at.TORN_SEGMENT] != 0.0 and first[at.TORN_SEGMENT] == 0.0:
-            state[at.TORN_SEGMENT], state[at.TORN_ENERGY], state[at.TORN_AT] = 0.0, 0.0, first[at.TORN_AT]
+            state[at.TORN_SEGMENT], state[at.TORN_ENERGY], state[at.TORN_AT] = 0.0, 0.0, 0.0
             state[at.WARNED_VALUES + limits.BROKE] = 0.0
             state[at.WARNINGS] -= 1 << limits.BROKE
             torn.mend(segments_of(system, k), parameters_of(system, k))

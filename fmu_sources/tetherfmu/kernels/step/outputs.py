@@ -175,13 +175,23 @@ def outputs_of_chain(chain, state, x, v, shape_points, outputs, mass):
 
 
 @kernel
+def parting(state):
+    """1 if the line has broken or let go, else 0; and when the first of the two was [s] since the start, -1 before."""
+    has_broken, has_let_go = state[at.TORN_SEGMENT] > 0.0, state[at.LET_GO] > 0.0
+    if has_broken and has_let_go:
+        return 1.0, min(state[at.TORN_AT], state[at.LET_GO_AT])
+    if has_broken:
+        return 1.0, state[at.TORN_AT]
+    return (1.0, state[at.LET_GO_AT]) if has_let_go else (0.0, -1.0)
+
+
+@kernel
 def complete(n, state, outputs):
     """Write what all variants read from a state into the outputs (modified); returns OK or OUTPUT_NOT_FINITE."""
     x, v = positions_and_velocities(n, state)
     put_at(outputs, at.OUTPUT_KITE_POSITION, get(x, n))
     put_at(outputs, at.OUTPUT_KITE_VELOCITY, get(v, n))
-    is_parted = state[at.TORN_SEGMENT] + state[at.LET_GO] > 0.0
-    outputs[at.BROKEN], outputs[at.BREAK_TIME] = (1.0, state[at.TORN_AT]) if is_parted else (0.0, -1.0)
+    outputs[at.BROKEN], outputs[at.BREAK_TIME] = parting(state)
     outputs[at.WINCH_SPEED] = state[at.REELING]
     outputs[at.PEAK_TENSION] = max(outputs[at.MAX_TENSION], state[at.PEAK_SO_FAR])
     outputs[at.SOLVER_STEPS] = min(state[at.STEPS], at.LARGEST_INTEGER)

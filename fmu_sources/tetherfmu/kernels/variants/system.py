@@ -157,6 +157,8 @@ def initialize(system):
     Points that are sought get their positions first, see `resting_points.py`.  The plan (modified) says which line a status
     is about.
     """
+    for k in range(lines_of(system)):
+        state_of(system, k)[at.LET_GO] = 0.0
     status = check_loads(system)
     if status == OK:
         status = check_sought(system)
