@@ -127,8 +127,8 @@ SENTENCES = {
         "the ground"
     ),
     RELEASED_WITHOUT_MASS: (
-        "release is true, and what the line lets go of has no mass of its own and moves freely: give it one (kite_mass; in a "
-        "system the mass of the point)"
+        "release is true, and what the line lets go of moves freely without any mass of its own: give it one (kite_mass; "
+        "in a system the mass of the point)"
     ),
 }
 

@@ -50,13 +50,29 @@ def is_torn(parameters):
 
 
 @kernel
+def move_up(count, first, room, numbers):
+    """Move so many numbers of an array (modified) from a place `room` places up; what stood there has no meaning afterwards.
+
+    They change places with it: a loop of copies would become a call of the C library.
+    """
+    for i in range(first + count - 1, first - 1, -1):
+        numbers[i], numbers[i + room] = numbers[i + room], numbers[i]
+
+
+@kernel
+def move_down(count, first, room, numbers):
+    """The same of numbers that stand `room` places above `first`, down to it."""
+    for i in range(first, first + count):
+        numbers[i], numbers[i + room] = numbers[i + room], numbers[i]
+
+
+@kernel
 def put_last(count, first, room, value, numbers):
     """Give an array of so many numbers, which begins at a place, one number more, and move it by `room` (modified).
 
     It becomes longer at its end; what lies behind must have been moved.
     """
-    for i in range(count - 1, -1, -1):
-        numbers[first + room + i] = numbers[first + i]
+    move_up(count, first, room, numbers)
     numbers[first + room + count] = value
 
 
@@ -83,26 +99,22 @@ def add_segment(n, parameters):
 def remove_segment(n, parameters):
     """Undo `add_segment`: n is the number of segments without it."""
     for which in range(1, at.SEGMENT_PROPERTIES):
-        first = at.PARAMETER_SCALARS + n * which
-        for i in range(n):
-            parameters[first + i] = parameters[first + which + i]
+        move_down(n, at.PARAMETER_SCALARS + n * which, which, parameters)
     masses = at.PARAMETER_SCALARS + at.SEGMENT_PROPERTIES * n
     mass = parameters[masses + at.SEGMENT_PROPERTIES + n + 1]
-    for i in range(n):
-        parameters[masses + i] = parameters[masses + at.SEGMENT_PROPERTIES + i]
+    move_down(n, masses, at.SEGMENT_PROPERTIES, parameters)
     parameters[masses + n] = mass
     for axis in range(3):
-        first = masses + (n + 1) * (axis + 1)
-        for i in range(n + 1):
-            parameters[first + i] = parameters[first + at.SEGMENT_PROPERTIES + 1 + axis + i]
+        move_down(n + 1, masses + (n + 1) * (axis + 1), at.SEGMENT_PROPERTIES + 1 + axis, parameters)
+    for i in range(at.SEGMENT_PROPERTIES + 4):
+        parameters[masses + 4 * (n + 1) + i] = 0.0
 
 
 @kernel
 def add_node(n, state):
     """Let the state (modified) of a line of n segments have one node more, which moves as the last one does."""
     x, v = at.STATE_HEADER, at.STATE_HEADER + 3 * (n + 1)
-    for i in range(3 * (n + 1) - 1, -1, -1):
-        state[v + 3 + i] = state[v + i]
+    move_up(3 * (n + 1), v, 3, state)
     for i in range(3):
         state[x + 3 * (n + 1) + i] = state[x + 3 * n + i]
         state[v + 3 + 3 * (n + 1) + i] = state[v + 3 + 3 * n + i]
@@ -112,7 +124,6 @@ def add_node(n, state):
 def remove_node(n, state):
     """Undo `add_node`: n is the number of segments without it."""
     v = at.STATE_HEADER + 3 * (n + 1)
-    for i in range(3 * (n + 1)):
-        state[v + i] = state[v + 3 + i]
+    move_down(3 * (n + 1), v, 3, state)
     for i in range(6):
         state[v + 3 * (n + 1) + i] = 0.0

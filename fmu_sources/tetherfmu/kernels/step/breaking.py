@@ -1,4 +1,4 @@
-"""Lines that broke or let go, at the beginning and at the end of what an entry point does; the law is in `equations/torn.py`.
+"""Lines that broke or let go, when an entry point begins and when it ends; the law is in `equations/torn.py`.
 
 A line lets go at the beginning of the first step in which its input `release` is true.
 """
@@ -82,7 +82,10 @@ def can_let_go(system, k):
 
 @kernel
 def let_go(system, before):
-    """Let those lines go (modified) whose input says so for the first time; a status. The states `before` get their nodes."""
+    """Let those lines go (modified) whose input says so for the first time; a status.
+
+    The states `before` (modified) get their additional nodes, too.
+    """
     for k in range(lines_of(system)):
         state = state_of(system, k)
         if inputs_of(system, k)[at.RELEASE] != 0.0 and state[at.LET_GO] == 0.0:
