@@ -112,7 +112,7 @@ def break_line(system, k, s, tension, time):
 
 @kernel
 def break_lines(system, time):
-    """Break all lines (modified) whose tension is what they bear, at a time [s] of the communication step; whether any did."""
+    """Break lines (modified) whose tension is what they bear, at a time [s] of the communication step; whether any did."""
     count = 0
     for k in range(lines_of(system)):
         if can_break(system, k):
