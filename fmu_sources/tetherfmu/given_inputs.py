@@ -105,6 +105,8 @@ def put(to, given, at_start=False):
         to.places[start:end] = values
     for name, value in numbers.items():
         check_effect(name, value, to.instance.parameters, at_start)
+    if numbers.get("release") and not to.variant.has_waves:
+        raise ValueError(f"release is {numbers['release']!r} and has no effect: a {to.name} cannot let go")
     if given.get("wind_velocity") is not None:
         _put_wind(to, given["wind_velocity"])
     if given.get(WIND_AT.name) is not None:
