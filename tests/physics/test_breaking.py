@@ -18,16 +18,13 @@ from tetherfmu import (
     Environment,
     Ground,
     Line,
-    PlausibilityWarning,
     Point,
-    Solver,
     StepRefused,
     Tether,
     TetherDynamic,
     TetherDynamicFree,
     TetherStraight,
     TetherSystem,
-    Winch,
 )
 
 VOID = Environment(gravity=0.0, air_density=0.0)
@@ -55,7 +52,8 @@ def test_recoil_of_a_released_end_is_that_of_the_elastic_wave():
         speeds.append(-tether.velocities[-1, 0])
     # the damper makes the front a fifth of the rope wide; behind it nothing is left of it (1e-4)
     assert speeds[25:45] == pytest.approx(np.full(20, RECOIL), rel=1e-3)
-    assert outputs.broken and outputs.break_time == 0.0
+    assert outputs.broken
+    assert outputs.break_time == 0.0
     assert outputs.kite_force == pytest.approx(np.zeros(3))
 
 
@@ -64,7 +62,9 @@ def test_recoil_of_a_broken_end_is_that_of_the_elastic_wave():
     tether, kite = stretched(100, breaking_force=FORCE * (1.0 + 1e-3))
     outputs, speeds = tether.outputs(), []
     for k in range(800):
-        outputs = tether.step(step, kite_position=kite + (k * step * pulled, 0.0, 0.0), kite_velocity=(pulled, 0.0, 0.0))
+        outputs = tether.step(
+            step, kite_position=np.add(kite, (k * step * pulled, 0.0, 0.0)), kite_velocity=(pulled, 0.0, 0.0)
+        )
         if outputs.broken:
             speeds.append(-tether.velocities[-2, 0])
     assert speeds[60:100] == pytest.approx(np.full(40, RECOIL), rel=0.01)  # the tension is not quite the same everywhere
@@ -79,7 +79,8 @@ def test_a_segment_breaks_when_its_tension_is_reached():
         assert outputs.peak_tension <= 2500.0 * (1.0 + 1e-7)  # `drum_events.OVERLOAD`
         if outputs.broken:
             break
-    assert outputs.broken and 0.001 * k <= outputs.break_time <= 0.001 * (k + 1)
+    assert outputs.broken
+    assert 0.001 * k <= outputs.break_time <= 0.001 * (k + 1)
     assert outputs.peak_tension == pytest.approx(2500.0, rel=1e-7)
     (said,) = [each for each in tether.implausible if "broke" in each]
     assert f"{outputs.break_time:.6g} s after the start under 2500 N" in said
@@ -87,8 +88,11 @@ def test_a_segment_breaks_when_its_tension_is_reached():
 
 def two_masses(speed, **more):
     """Two masses in empty space on a rope, which fly apart."""
-    points = [Point("a", (0.0, 0.0, 0.0), (-speed, 1.0, 0.0), mass=5.0), Point("b", (50.0, 0.0, 0.0), (speed, 0.5, 2.0), mass=8.0)]
-    line = Line("rope", "a", "b", Tether(segments=10, initial_length=50.2, breaking_force=3000.0, **more))
+    points = [
+        Point("a", (0.0, 0.0, 0.0), (-speed, 1.0, 0.0), mass=5.0),
+        Point("b", (50.0, 0.0, 0.0), (speed, 0.5, 2.0), mass=8.0),
+    ]
+    line = Line("rope", "a", "b", Tether(segments=10, initial_length=50.2, breaking_force=2000.0, **more))
     system = TetherSystem(points, [line], VOID)
     system.initialize()
     return system
@@ -124,7 +128,7 @@ def test_the_energy_of_a_broken_spring_is_a_loss_with_a_name(damping):
     tether, kite = stretched(10, breaking_force=2200.0, axial_damping=damping)
     audit, pulled, step = EnergyAudit(tether), np.array((2.0, 0.0, 0.0)), 2e-5
     outputs = tether.outputs()
-    for k in range(6000):
+    for _k in range(6000):
         moving = not outputs.broken
         kite = kite + moving * step * pulled
         outputs = audit.step(step, kite_position=kite, kite_velocity=moving * pulled)
@@ -162,8 +166,10 @@ def test_a_kite_that_is_released_flies_a_parabola(solver):
     iterated = 1e-6 if solver else 1e-9  # in fixed steps, see `backward_euler.CLOSE_IN_STAGE`
     assert outputs.kite_position == pytest.approx(expected, abs=order_one + 1e-3 if len(solver) > 1 else iterated)
     assert outputs.kite_velocity == pytest.approx(start.kite_velocity + time * acceleration, abs=iterated)
-    assert outputs.broken and outputs.break_time == pytest.approx(0.2)
-    assert outputs.kite_tension == 0.0 and outputs.kite_end_mass == 0.0
+    assert outputs.broken
+    assert outputs.break_time == pytest.approx(0.2)
+    assert outputs.kite_tension == 0.0
+    assert outputs.kite_end_mass == 0.0
     assert np.linalg.norm(kite.positions[-1] - outputs.kite_position) > 1.0
 
 
@@ -185,7 +191,8 @@ def test_what_is_released_falls_onto_the_ground():
     for k in range(600):
         outputs = tether.step(0.02, kite_position=(0.0, 0.0, 29.0 + 0.1 * k), release=True, wind_velocity=(0.0, 0.0, 0.0))
     # all lies but the first segment, which hangs from the ground end 1 m above the ground
-    assert np.all(tether.positions[2:, 2] < 0.01) and np.all(tether.positions[1:, 2] > -0.05)
+    assert np.all(tether.positions[2:, 2] < 0.01)
+    assert np.all(tether.positions[1:, 2] > -0.05)
     assert np.abs(tether.velocities[2:]).max() < 0.02
     assert outputs.grounded_length > 20.0
 
@@ -193,7 +200,7 @@ def test_what_is_released_falls_onto_the_ground():
 def test_a_tether_that_cannot_let_go_says_so():
     straight = TetherStraight()
     straight.initialize()
-    with pytest.raises(ValueError, match="release is .* and has no effect"):
+    with pytest.raises(ValueError, match="and has no effect: a TetherStraight cannot let go"):
         straight.step(0.02, release=True)
 
 
@@ -211,13 +218,16 @@ def test_states_before_and_after_the_event_are_restored_bit_for_bit(event, solve
         for k in range(first, first + count):
             given = {"kite_position": (120.0, 0.0, 159.0 + 0.08 * k), "kite_velocity": (0.0, 0.0, 4.0)}
             outputs = tether.step(0.02, release=event == "release" and k == 12, **given)
-            found.append(np.concatenate((outputs.kite_force, outputs.ground_force, tether.positions.ravel(), [outputs.broken])))
+            found.append(
+                np.concatenate((outputs.kite_force, outputs.ground_force, tether.positions.ravel(), [outputs.broken]))
+            )
         return np.array(found)
 
     fly(0, 5)
     before = tether.get_state()
     first = fly(5, 30)
-    assert not first[0, -1] and first[-1, -1]
+    assert not first[0, -1]
+    assert first[-1, -1]
     after = tether.get_state()
     more = fly(35, 20)
     tether.set_state(before)

@@ -146,8 +146,8 @@ SENTENCES = {
         "no effect: winch_control is not 2 (force)"
     ),
     BROKE: (
-        "segment {segment:.0f}, counted from the winch, broke {time:.6g} s after the start under {value:.6g} N; since then the "
-        "winch is braked, and no other segment breaks"
+        "segment {segment:.0f}, counted from the winch, broke {time:.6g} s after the start under {value:.6g} N; from then "
+        "on the winch is braked, and no other segment breaks"
     ),
     IDLE_RELEASE: _IDLE.format(name="release", why="this tether cannot let go; the dynamic one can"),
 }
