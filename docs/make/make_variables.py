@@ -196,7 +196,9 @@ def page():
     kinds = {"inputs": INPUT, "outputs": OUTPUT, "local": LOCAL, "parameters": PARAMETER}
     return TEXT.format(
         letters=", ".join(f"{LETTERS[each.name]} `{class_name(each.name)}`" for each in TABLE),
-        integer=" and ".join(f"{kind} ({TYPES[2][kind]}, in FMI 3 {TYPES[3][kind]})" for kind in ("Integer", "Enumeration")),
+        integer=" and ".join(
+            f"{kind} ({TYPES[2][kind]}, in FMI 3 {TYPES[3][kind]})" for kind in ("Integer", "Enumeration", "Boolean")
+        ),
         **{key: rows_of(causality) for key, causality in kinds.items()},
         meanings=by_tether("meanings", "meaning"),
         ignored=by_tether("ignored", "why"),

@@ -54,7 +54,8 @@ def take(variant, instance, state):
             raise ValueError(f"state belongs to another tether: its {name} is {theirs:g}, that of this one {ours:g}")
     _take_own(instance, array("d", own))
     instance.values[: instance.outputs_at] = array("d", inputs)
-    winds = slice(at.parameters_size(instance.segments) - 3 * (instance.segments + 1), None)
+    first = at.node_winds_at(instance.segments)
+    winds = slice(first, first + 3 * (instance.segments + 1))
     parameters[winds], parameters[at.WIND_PROFILE] = its_parameters[winds], its_parameters[at.WIND_PROFILE]
 
 

@@ -70,8 +70,8 @@ def test_the_record_says_of_each_output_what_it_is():
     documented = tetherfmu.Outputs.__doc__
     for each in outputs.OUTPUT_TABLE:
         section = documented.partition(f"\n{each.name} : ")[2].partition("\n")
-        kind = {"Integer": "int", "Real": "float"}[each.kind]
+        kind = {"Integer": "int", "Real": "float", "Boolean": "bool"}[each.kind]
         assert section[0] == {(): kind, (3,): "(3,) array", ("points", 3): "(points, 3) array"}[each.shape]
         assert section[2].startswith(f"    {each.quantity.meaning}")
-    with pytest.raises(TypeError, match="missing 25 required"):  # declarations are no defaults
+    with pytest.raises(TypeError, match="missing 27 required"):  # declarations are no defaults
         tetherfmu.Outputs()

@@ -171,11 +171,12 @@ def flight(model, tether, wind_points=0, kite=KITE_AT_START, **others):
     if variant.kite_is_free:
         at = partial(inputs_of_free_kite, kite_force=model(tether, **others).initialize().kite_force.tolist())
     scene = [with_wind_at(rounded(at(k * STEP)), wind_points) for k in range(_STEPS + 1)]
+    listed = variables(model.variant, 0, wind_points=wind_points)
     return EvidenceSet(
         kind="",
         model=lambda tolerance: model(tether, wind_points=wind_points, **{**others, "relative_tolerance": tolerance}),
         scene=scene,
-        inputs=tuple(names_of(variables(model.variant, 0, wind_points=wind_points), INPUT)),
+        inputs=tuple(each.name for each in listed if each.causality == INPUT and each.kind == "Real"),  # nothing is released
         outputs=_recorded(model.variant, (*RECORDED, "kite_position" if variant.kite_is_free else "ground_force")),
         tolerance=variant.evidence_tolerance or DEFAULT_TOLERANCE,
         reference_tolerance=_REFERENCE_TOLERANCE,

@@ -37,6 +37,8 @@ OF_A_LINE = {  # outputs of a tether that a line has, and their names there
     "peak_tension": "peak_tension",
     "slack_segments": "slack_segments",
     "grounded_length": "grounded_length",
+    "broken": "broken",
+    "break_time": "break_time",
 }
 MEANINGS = {
     "tension_from": "tension of the first segment, at {}; with winch_control = force where the line leaves the winch",
@@ -52,7 +54,8 @@ TURNED = {  # their outputs: the output of a tether that they are made of
 }
 SUMMED = ("solver_iterations",)  # of all lines; the others are those of the first line
 GIVEN_TO_ALL = inputs_at("wind")  # vectors that all lines share
-GIVEN = inputs_at("winch")  # inputs of a tether that a line has
+GIVEN = inputs_at("winch")  # inputs of a tether that a line has: of its winch
+RELEASE = "release"  # and the one with which it lets go
 MOTION = inputs.BY_NAME["kite_load"].group  # of variables of points
 HASH_DIGITS = 8  # hexadecimal: with them the name of a structure has the 15 letters that a saved state has room for
 
@@ -164,7 +167,8 @@ def input_name(name, line):
     for end, point in zip(ENDS, (line.start, line.end), strict=True):
         if name.startswith(f"{end}_"):
             return f"{point}.{name.removeprefix(f'{end}_')}"
-    return f"{line.name}.{name}" if name in GIVEN or name.startswith(inputs.WIND_AT.name) else name
+    is_own = name in (*GIVEN, RELEASE) or name.startswith(inputs.WIND_AT.name)
+    return f"{line.name}.{name}" if is_own else name
 
 
 # --- the table
@@ -200,6 +204,10 @@ def _inputs(structure):
         quantity = Quantity(declared.unit, TOLD[winch.input].format(winch.name))
         start = getattr(winch, winch.input, declared.start[0])
         yield Variable(f"{winch.name}.{winch.input}", INPUT, "Real", quantity, 0, start, group=declared.group)
+    for line in structure.lines:
+        declared = inputs.BY_NAME[RELEASE]
+        quantity = Quantity("", _RELEASE.format(line))
+        yield Variable(f"{line.name}.{RELEASE}", INPUT, declared.kind, quantity, 0, 0.0, group=declared.group)
     for each in (inputs.BY_NAME[name] for name in GIVEN_TO_ALL):
         for variable in _vector(each.name, INPUT, Quantity(each.unit, each.meaning), each.group, each.start):
             yield without_effect(variable, structure.has_wind_points, each.name)
@@ -210,6 +218,7 @@ def _inputs(structure):
             yield Variable(name, INPUT, "Real", quantity, 0, 0.0, group=inputs.WIND_AT.group)
 
 
+_RELEASE = "{0.name} lets go of {0.end}, at the beginning of the first step with true, for good"
 _LOAD = "external force on {}: aerodynamics, control; not its weight"
 _START = "start of {}"
 _STARTS = {

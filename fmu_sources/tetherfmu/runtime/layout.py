@@ -41,7 +41,11 @@ GROUND_IS_FREE = len(_SCALARS)
 KITE_IS_FREE = GROUND_IS_FREE + 1
 CALM_LAYER = GROUND_IS_FREE + 2  # thickness [m] of a layer above z = 0, 0 but in `kernels/rest/homotopy.py`
 WIND_POINTS = GROUND_IS_FREE + 3  # at which the wind is an input, 0 for none
-PARAMETER_SCALARS = GROUND_IS_FREE + 4
+# what a line that is torn or has let go has instead of its own while a kernel runs, see `kernels/equations/torn.py`
+TORN_NOW = GROUND_IS_FREE + 4  # number of the segment that holds nothing, from 1 on; 0 for none
+WHOLE_STIFFNESS, WHOLE_DAMPING, WHOLE_DRAG_WIDTH = TORN_NOW + 1, TORN_NOW + 2, TORN_NOW + 3  # what it had before
+WHOLE_CONTROL = TORN_NOW + 4  # `winch_control` before the winch was braked
+PARAMETER_SCALARS = TORN_NOW + 5
 # then one array of n numbers per property of a segment, in this order ...
 SHARE = 0  # of the unstretched length [-]
 STIFFNESS = 1  # E A [N]
@@ -62,9 +66,10 @@ SHAPE = outputs.PLACES["shape"]  # the last one: its size is a build option
 
 # behind the inputs of the table, with wind points: the wind at each of them [m/s]
 
-# state: header, then node positions, then node velocities; with wind points the winds there at the end of the last step
-# [m/s], then their derivatives that are given for the next step [m/s2]
-WARNING_KINDS = 34
+# state: header, then node positions, then node velocities, then room for one node more, which a line that has let go has;
+# with wind points the winds there at the end of the last step [m/s], then their derivatives that are given for the next
+# step [m/s2]
+WARNING_KINDS = 36
 LENGTH = 0  # unstretched [m]
 REELING = 1  # rate of the unstretched length at the end of the last step [m/s]
 WIND = 2  # wind of the last step [m/s]
@@ -100,7 +105,12 @@ RECENT_FALLBACKS = FALLBACKS + 1  # part of about the last 1000 fixed steps that
 PEAK_SO_FAR = FALLBACKS + 2  # largest tension [N] after the internal steps but the last of the last communication step
 ACCELERATION = FALLBACKS + 3  # rate of REELING at the end of the last step [m/s2]
 TENSION_AT_DRUM = FALLBACKS + 4  # [N], where the rope leaves a drum that feels its flow; 0 of other winches
-GIVEN_DERIVATIVES = FALLBACKS + 5  # sum of 2**k, k of the inputs whose derivatives are given for the next step
+TORN_SEGMENT = FALLBACKS + 5  # number of the segment that broke, from 1 on; 0 for none
+LET_GO = TORN_SEGMENT + 1  # 1 since the line has let go at its last end: it then has one node more
+TORN_AT, LET_GO_AT = TORN_SEGMENT + 2, TORN_SEGMENT + 3  # when it broke, and let go [s] since the start; 0 before
+TORN_ENERGY = TORN_SEGMENT + 4  # energy of the spring that broke [J]
+CLOCK = TORN_SEGMENT + 5  # time since the start [s]
+GIVEN_DERIVATIVES = TORN_SEGMENT + 6  # sum of 2**k, k of the inputs whose derivatives are given for the next step
 INPUT_DERIVATIVES = GIVEN_DERIVATIVES + 1  # those derivatives [1/s times the unit of the input], in the order of the inputs
 STATE_HEADER = INPUT_DERIVATIVES + INPUTS
 
@@ -109,8 +119,13 @@ NEVER, AT_ROWS, ALWAYS = 0, 1, 2  # when `fly` computes outputs
 
 
 def parameters_size(segments):
-    """Length of the `parameters` array [-] of a tether with so many segments."""
-    return PARAMETER_SCALARS + SEGMENT_PROPERTIES * segments + 4 * (segments + 1)
+    """Length of the `parameters` array [-] of a tether with so many segments: room for one more."""
+    return PARAMETER_SCALARS + SEGMENT_PROPERTIES * (segments + 1) + 4 * (segments + 2)
+
+
+def node_winds_at(segments):
+    """First place of the wind at the nodes in the `parameters` array of a tether with so many segments."""
+    return PARAMETER_SCALARS + SEGMENT_PROPERTIES * segments + segments + 1
 
 
 def inputs_size(wind_points):
@@ -119,8 +134,11 @@ def inputs_size(wind_points):
 
 
 def state_size(segments, wind_points=0):
-    """Length of the `state` array [-] of a tether with so many segments and points at which the wind is given."""
-    return STATE_HEADER + 6 * (segments + 1) + 6 * wind_points
+    """Length of the `state` array [-] of a tether with so many segments and points at which the wind is given.
+
+    With room for one node more.
+    """
+    return STATE_HEADER + 6 * (segments + 2) + 6 * wind_points
 
 
 def outputs_size(shape_points):

@@ -45,7 +45,8 @@ START_IS_SOUGHT = 8  # given: 1 if `initialize` is to find where the free point 
 END_IS_SOUGHT = 9  # given; all lines at a point say the same
 WIND_POINTS = 10  # given: at which the wind along it is an input, 0 for none; its parameters say so, too
 INPUTS_AT = 11  # its first place in `inputs`
-LINE_NUMBERS = 12
+FREED = 12  # written by the kernels: 1 while they run, if the line has let go: it has one segment more, which holds nothing
+LINE_NUMBERS = 13
 
 DRIVEN = -1  # a point
 ALL_LINES = -1

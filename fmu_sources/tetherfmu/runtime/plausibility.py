@@ -33,7 +33,8 @@ FIXED_STEP_DAMPS, FIXED_STEP_UNCONVERGED, UNRESOLVED, LOAD_OFF_CHORD, STIFF_STEP
 FALLBACK_AT_STOP, FALLBACK_ON_GROUND, FALLBACK_HARD = range(17, 20)
 GROUND_JUMP, KITE_JUMP, LENGTH_JUMP, STARTED_AT_REST, WINCH_OFF_BALANCE, FAST_WINCH, SLACK_PRESSES = range(20, 27)
 LONG_STEP = 27
-IDLE_REEL_OUT_SPEED, IDLE_WINCH_FORCE, IDLE_WINCH_LENGTH, IDLE_VELOCITY, IDLE_WIND, IDLE_DRUM = range(28, at.WARNING_KINDS)
+IDLE_REEL_OUT_SPEED, IDLE_WINCH_FORCE, IDLE_WINCH_LENGTH, IDLE_VELOCITY, IDLE_WIND, IDLE_DRUM = range(28, 34)
+BROKE, IDLE_RELEASE = range(34, at.WARNING_KINDS)
 
 _ACCELERATION = (
     "the {end} end is accelerated by {value:.3g} m/s2, more than 1000 times gravity; check {end}_position and "
@@ -144,6 +145,11 @@ SENTENCES = {
         "a parameter of the drum (winch_start, winch_mass, winch_damping, winch_friction or longest_length) is set and has "
         "no effect: winch_control is not 2 (force)"
     ),
+    BROKE: (
+        "segment {segment:.0f}, counted from the winch, broke {time:.6g} s after the start under {value:.6g} N; from then "
+        "on the winch is braked, and no other segment breaks"
+    ),
+    IDLE_RELEASE: _IDLE.format(name="release", why="this tether cannot let go; the dynamic one can"),
 }
 _END = dict.fromkeys((GROUND_ACCELERATION, GROUND_SPEED, GROUND_RESIDUE, GROUND_JUMP), "ground")
 
@@ -183,6 +189,8 @@ def sentences(state, warned=0):
             **facts(kind),
             value=state[at.WARNED_VALUES + kind],
             percent=100.0 * state[at.WARNED_VALUES + kind],
+            segment=state[at.TORN_SEGMENT],
+            time=state[at.TORN_AT],
             strain=100.0 * (state[at.WARNED_VALUES + kind] - 1.0),
         )
         for kind, sentence in SENTENCES.items()

@@ -15,7 +15,7 @@ from . import refusals
 from .parameters import DEFAULT_TOLERANCE
 from .plausibility import bits
 
-MAGIC = b"tether15"  # with the version
+MAGIC = b"tether16"  # with the version
 HEADER = struct.Struct("<8sII")  # magic, length and checksum of what follows
 FACTS = struct.Struct("<16sIIdd")  # the first five of `SavedState`
 BEFORE, INITIALIZING, STEPPING, TERMINATED = range(4)  # phases of an instance; from STEPPING on it has a state array
@@ -32,6 +32,12 @@ STATE_RANGES = {  # smallest and largest number at a place of the state array; a
     at.STEPS: NOT_NEGATIVE,
     at.REJECTIONS: NOT_NEGATIVE,
     at.ITERATIONS: NOT_NEGATIVE,
+    at.TORN_SEGMENT: (0.0, at.MAX_SEGMENTS),
+    at.LET_GO: (0.0, 1.0),
+    at.TORN_AT: NOT_NEGATIVE,
+    at.LET_GO_AT: NOT_NEGATIVE,
+    at.TORN_ENERGY: NOT_NEGATIVE,
+    at.CLOCK: NOT_NEGATIVE,
     **{at.WARNED_VALUES + kind: NOT_NEGATIVE for kind in range(at.WARNING_KINDS)},
 }
 

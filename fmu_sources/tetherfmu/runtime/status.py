@@ -39,6 +39,8 @@ NO_EQUILIBRIUM_OF_KITE = 24
 NO_BALANCE_AT_START = 25
 KITE_AND_WINCH_SOUGHT = 26
 START_UNDER_GROUND = 27
+# of a line that lets go
+RELEASED_WITHOUT_MASS = 28
 
 SENTENCES = {
     OK: "done",
@@ -123,6 +125,10 @@ SENTENCES = {
     START_UNDER_GROUND: (
         "{name} is {value} m, more than {under:g} m below ground_height ({ground_height} m); a free end cannot start under "
         "the ground"
+    ),
+    RELEASED_WITHOUT_MASS: (
+        "release is true, and what the line lets go of moves freely without any mass of its own: give it one (kite_mass; "
+        "in a system the mass of the point)"
     ),
 }
 

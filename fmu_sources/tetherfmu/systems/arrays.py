@@ -75,8 +75,8 @@ class Arrays:
         """Places in the parameters of all lines: pairs of that of the wind profile, and of the wind at nodes, a slice."""
         for k, segments in enumerate(self.instance.counts):
             first = self.plan[places.PLAN_HEADER + places.LINE_NUMBERS * k + places.PARAMETERS_AT]
-            end = first + at.parameters_size(segments)
-            yield first + at.WIND_PROFILE, slice(end - 3 * (segments + 1), end)
+            winds = first + at.node_winds_at(segments)
+            yield first + at.WIND_PROFILE, slice(winds, winds + 3 * (segments + 1))
 
     def put_profile(self):
         """Let all lines have the wind profile of the environment again, but those with wind points."""

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 
 from tetherfmu.arguments import node_vectors
 from tetherfmu.compiled_flight import put_node_winds
-from tetherfmu.fmi.system_variables import GIVEN
+from tetherfmu.fmi.system_variables import GIVEN, RELEASE
 from tetherfmu.given_inputs import check_effect
 from tetherfmu.results import StepRefused
 from tetherfmu.runtime import layout as at
@@ -36,6 +36,8 @@ class SystemInputs(TypedDict, total=False):
         Of lines with this `Winch.winch_control`, by name: forces with which winches pull [N], from the first step on, and
         unstretched lengths that they should have paid out [m]; 0: `initial_length`. Of winches that hold several lines the
         length paid out since the start [m].
+    releases : dict of str to bool
+        True lets lines, by name, go at their last ends, at the beginning of the step and for good.
     wind_at : dict of str to (wind_points, 3) array
         Wind [m/s] at the wind points of lines, by name.
     """
@@ -44,10 +46,11 @@ class SystemInputs(TypedDict, total=False):
     wind_velocity: ArrayLike | Vectors
     winch_forces: Vectors
     winch_lengths: Vectors
+    releases: Vectors
     wind_at: Vectors
 
 
-_WINCHES = {f"{name}s": name for name in GIVEN}  # arguments: inputs of a line
+_WINCHES = {f"{name}s": name for name in (*GIVEN, RELEASE)}  # arguments: inputs of a line
 _KNOWN = ("positions", "velocities", "loads", *_WINCHES, "wind_velocity", "wind_at")
 
 

@@ -123,6 +123,11 @@ class SystemFlown(NamedTuple):
         return f"<SystemFlown: {rows} rows, {len(self.points)} points, {len(self.outputs)} lines>"
 
 
+def end_of(outputs):
+    """Motion of what is or was at the end of a line, (..., 2, 3), from its outputs (..., outputs_size)."""
+    return outputs[..., at.OUTPUT_KITE_POSITION : at.OUTPUT_KITE_POSITION + 6].reshape(*outputs.shape[:-1], 2, 3)
+
+
 def points_of(points, lines, motions, values):
     """`PointOutputs` by name, from the motion of each line and the outputs of lines by name (..., outputs_size).
 
@@ -135,6 +140,6 @@ def points_of(points, lines, motions, values):
             for node, place, name in ((0, at.GROUND_FORCE, line.start), (-1, at.KITE_FORCE, line.end)):
                 if name == point.name:
                     force = force + values[line.name][..., place : place + 3]
-                    motion = motions[k][..., node, :]
+                    motion = motions[k][..., node, :] if node == 0 else end_of(values[line.name])
         found[point.name] = PointOutputs(motion[..., 0, :].copy(), motion[..., 1, :].copy(), force)
     return found

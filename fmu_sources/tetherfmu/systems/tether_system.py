@@ -309,14 +309,9 @@ class TetherSystem(Running):
         self._check_started()
         found = {line.name: account(self._instance, k)[0] for k, line in enumerate(self.lines)}
         loads = self._arrays.loads_in(self._arrays.inputs)
-        velocities = {name: self._velocity_of(name) for name in self._instance.free}
-        powers = {name: float(load @ velocities[name]) for name, load in zip(velocities, loads, strict=True)}
+        velocities = {name: point.velocity for name, point in self._present().points.items()}
+        powers = {name: float(load @ velocities[name]) for name, load in zip(self._instance.free, loads, strict=True)}
         return SystemEnergy(found, powers)
-
-    def _velocity_of(self, name):
-        """Velocity of a point [m/s]: that of a line there."""
-        k, line = next((k, line) for k, line in enumerate(self.lines) if name in (line.start, line.end))
-        return self._motion(k)[1][0 if line.start == name else -1]
 
     @property
     def positions(self) -> dict[str, NDArray[np.float64]]:

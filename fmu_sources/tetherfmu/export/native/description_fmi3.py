@@ -27,7 +27,7 @@ CAPABILITIES = {
     "mightReturnEarlyFromDoStep": "false",
     "hasEventMode": "false",
 }
-TYPES = {"Real": "Float64", "Integer": "Int32", "Enumeration": "Enumeration"}
+TYPES = {"Real": "Float64", "Integer": "Int32", "Enumeration": "Enumeration", "Boolean": "Boolean"}
 TIME = Variable("time", "independent", "Real", Quantity("s", "simulation time"), 0)
 WIND = "wind"
 TERMINALS = {

@@ -32,7 +32,7 @@ from ..line.backward_euler import given_steps
 from ..motion import adaptive_steps, iteration_limit
 from ..points import system_room
 from ..rest import dynamic_chain, resting_forces, resting_line, resting_points
-from ..step import power_balance, transaction
+from ..step import breaking, power_balance, transaction
 from ..step.outputs import complete
 from . import moving_lines
 from .winch_start import winch_start
@@ -64,7 +64,7 @@ def complete_plan(plan):
         inputs += inputs_size(winds)
         state += state_size(n, winds)
         outputs += outputs_size(plan[row + places.SHAPE_POINTS])
-        work += line_work_size(n)
+        work += line_work_size(n + 1)  # with the segment that it has more once it has let go
     plan[places.STATUS_LINE] = places.ALL_LINES
     plan[places.POINTS_WORK] = work
     work += resting_forces.search_size(plan[places.FREE_POINTS], plan[places.BAND])
@@ -87,7 +87,11 @@ def take_outputs(system, outputs):
     """
     steps, duration = given_steps(parameters_of(system, 0)), state_of(system, 0)[at.LAST_STEP]  # with common iterations
     most = iteration_limit.of_steps(adaptive_steps.work_of(system), steps, system_room.any_drum(system), duration)
+    breaking.fit(system)
+    status = OK
     for k in range(lines_of(system)):
+        if status != OK:
+            continue
         system.plan[places.STATUS_LINE] = k
         n, state, own = segments_of(system, k), state_of(system, k), outputs_of_line(system, k, outputs)
         points = number_of_line(system, k, places.SHAPE_POINTS)
@@ -95,18 +99,20 @@ def take_outputs(system, outputs):
         dynamic_chain.outputs_of(n, parameters_of(system, k), state, points, own, room_of(system, k))
         own[at.SOLVER_ITERATION_LIMIT] = most
         status = complete(n, state, own)
-        if status != OK:
-            return status
-    return OK
+    breaking.unfit(system)
+    return status
 
 
 @kernel
 def energy(system, k, energies):
     """Energies, powers, tensions and velocities (modified) of line k in its state, with its inputs; a status."""
+    breaking.fit(system)
     n, parameters, state = segments_of(system, k), parameters_of(system, k), state_of(system, k)
     _, v = motion_of(system, k)
     wind_points.take_from_state(n, parameters, state)
-    return power_balance.balance(n, parameters, state, v, inputs_of(system, k), True, energies, room_of(system, k))
+    status = power_balance.balance(n, parameters, state, v, inputs_of(system, k), True, energies, room_of(system, k))
+    breaking.unfit(system)
+    return status
 
 
 # --- the start
@@ -151,6 +157,8 @@ def initialize(system):
     Points that are sought get their positions first, see `resting_points.py`.  The plan (modified) says which line a status
     is about.
     """
+    for k in range(lines_of(system)):
+        state_of(system, k)[at.LET_GO] = 0.0
     status = check_loads(system)
     if status == OK:
         status = check_sought(system)
@@ -226,7 +234,9 @@ def advance(system, step, before):
     before (modified) : room for all states.  The plan (modified) says which line a status is about.
     """
     copy(system.state, before)
-    status = begin(system, step, before)
+    status = breaking.begin(system, before)
+    if status == OK:
+        status = begin(system, step, before)
     if status == OK:
         system.plan[places.STATUS_LINE] = places.ALL_LINES
         status = moving_lines.advance(system, step, before)
@@ -234,4 +244,5 @@ def advance(system, step, before):
         status = commit(system, step, before)
     if status != OK:
         copy(before, system.state)
+    breaking.end(system)
     return status

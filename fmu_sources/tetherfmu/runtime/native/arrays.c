@@ -202,7 +202,7 @@ static int32_t show(const Arrays *arrays, double *values, int32_t result)
     for (int i = OUTPUTS_AT; i < PARAMETERS_AT; i++) values[i] = 0.0;
     for (int i = 0; i < OUTPUTS_FROM; i++) values[OUTPUT_FROM[i].reference] += arrays->found[OUTPUT_FROM[i].place];
     for (int i = 0; i < MOTIONS; i++) {
-        int64_t n = of_line(arrays, MOTION[i].line, PLAN_SEGMENTS);
+        int64_t n = of_line(arrays, MOTION[i].line, PLAN_SEGMENTS) + (int64_t)state_of(arrays, MOTION[i].line)[AT_LET_GO];
         int64_t node = 3 * (MOTION[i].is_end ? n : 0) + 3 * (MOTION[i].component / 3) * (n + 1);
         values[MOTION[i].reference] = state_of(arrays, MOTION[i].line)[AT_STATE_HEADER + node + MOTION[i].component % 3];
     }
