@@ -37,9 +37,9 @@ that have it. How they are exchanged, and all signs: [Interface](../use/interfac
 FMUs: {letters}. In brackets: the FMU ignores the parameter, but checks its range.
 
 Value references (VR) are the same in all FMUs. A vector is one array in FMI 3 with the VR of its first element. With K
-points of the shape (`--shape-points`) the VR of parameters are greater by 3 (K - {points}). Types: Real, in FMI 3
-Float64; where the column says so, {integer}. A [group](#groups-and-presets) stands for its variables in the options for
-lean FMUs.
+points of the shape (`--shape-points`) the VR of parameters are greater by 3 (K - {points}). Types: Real (FMI 3:
+Float64) unless the VR column says {integer} or Boolean. A [group](#groups-and-presets) stands for its variables in the
+options for lean FMUs.
 
 ## Inputs
 
@@ -196,9 +196,7 @@ def page():
     kinds = {"inputs": INPUT, "outputs": OUTPUT, "local": LOCAL, "parameters": PARAMETER}
     return TEXT.format(
         letters=", ".join(f"{LETTERS[each.name]} `{class_name(each.name)}`" for each in TABLE),
-        integer=" and ".join(
-            f"{kind} ({TYPES[2][kind]}, in FMI 3 {TYPES[3][kind]})" for kind in ("Integer", "Enumeration", "Boolean")
-        ),
+        integer=", ".join(f"{kind} (FMI 3: {TYPES[3][kind]})" for kind in ("Integer", "Enumeration")),
         **{key: rows_of(causality) for key, causality in kinds.items()},
         meanings=by_tether("meanings", "meaning"),
         ignored=by_tether("ignored", "why"),
