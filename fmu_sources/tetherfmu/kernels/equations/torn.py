@@ -40,7 +40,8 @@ def mend(n, parameters):
         put_property(n, at.DAMPING, s, parameters[at.WHOLE_DAMPING], parameters)
         put_property(n, at.DRAG_WIDTH, s, parameters[at.WHOLE_DRAG_WIDTH], parameters)
         parameters[at.WINCH_CONTROL] = parameters[at.WHOLE_CONTROL]
-        parameters[at.TORN_NOW] = 0.0
+        for place in range(at.TORN_NOW, at.WHOLE_CONTROL + 1):
+            parameters[place] = 0.0
 
 
 @kernel
