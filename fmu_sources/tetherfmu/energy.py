@@ -69,7 +69,10 @@ class Energy:
         "heat in the ground where nodes sink into it or leave it; its elastic energy is part of `potential`"
     )
     sliding_loss: float = _power("heat of the friction on the ground; at least 0")
-    broken: float = _energy("of the spring of the segment that has broken, which is lost; 0 before")
+    broken: float = _energy(
+        "lost with the spring of the segment that broke, less that of the half particle which a driven end leaves to the "
+        "tether when it lets go; 0 before"
+    )
 
     @property
     def total(self) -> float:

@@ -27,6 +27,7 @@ _PROPERTIES = {  # of the segments, in words
     at.DAMPING: "axial_damping [N s]",
     at.LINE_DENSITY: "mass per length [kg/m]",
     at.DRAG_WIDTH: "drag_coefficient times diameter [m]",
+    at.STRENGTH: "breaking_force [N]",
 }
 
 

@@ -250,3 +250,47 @@ def test_a_refused_step_undoes_a_release():
         mine, theirs = tether.step(0.02, kite_position=(60.0, 0.0, 78.1)), other.step(0.02, kite_position=(60.0, 0.0, 78.1))
     assert np.array_equal(mine.kite_force, theirs.kite_force)
     assert np.array_equal(tether.positions, other.positions)
+
+
+# --- what is in series, wind at points, energies of what is left
+
+
+def test_a_weak_link_breaks():
+    rope = {"density": 724.0, "initial_length": 40.0, "segments": 4}
+    weak = Tether(**rope | {"initial_length": 2.0, "segments": 1}, breaking_force=1000.0)
+    tether = TetherDynamic([Tether(**rope, breaking_force=5000.0), weak, Tether(**rope)])
+    tether.initialize((81.0, 0.0, 2.0))
+    for k in range(50):
+        outputs = tether.step(0.02, kite_position=(81.0 + 0.1 * k, 0.0, 2.0), kite_velocity=(5.0, 0.0, 0.0))
+    assert outputs.broken
+    assert tether.segment_lengths[4] > 3.0
+    assert any("segment 5, counted" in each for each in tether.implausible)
+
+
+def test_the_energy_of_a_tether_that_is_released():
+    tether = TetherDynamic(segments=6, initial_length=82.0)  # slack: the rule of the audit sees no jump of powers
+    velocity = np.array((0.0, 6.0, 1.0))
+    tether.initialize((40.0, 0.0, 70.0), velocity)
+    audit, step = EnergyAudit(tether), 5e-4
+    for k in range(2000):
+        kite = np.array((40.0, 0.0, 70.0)) + k * step * velocity
+        audit.step(step, kite_position=kite, kite_velocity=velocity, release=k == 1000)
+    assert audit.now.broken < 0.0  # the half particle at the end had been that of the driver
+    assert abs(audit.residual) < 0.02 * abs(audit.now.broken)
+
+
+@pytest.mark.parametrize("event", ["break", "release"])
+@pytest.mark.parametrize("at_nodes", [False, True])
+def test_wind_blows_on_what_is_left(event, at_nodes):
+    force = 1e-3 if event == "break" else 0.0  # it breaks at once
+    tether = TetherDynamic(segments=6, initial_length=60.0, breaking_force=force, wind_points=0 if at_nodes else 4)
+    tether.initialize((0.0, 0.0, 59.0))
+    for _ in range(100):
+        if at_nodes:
+            winds = {"wind_velocity": np.tile((0.0, 20.0, 0.0), (7, 1))}
+        else:
+            winds = {"wind_at": np.tile((0.0, 20.0, 0.0), (4, 1))}
+        outputs = tether.step(0.01, kite_position=(0.0, 0.0, 59.0), release=event == "release", **winds)
+    assert outputs.broken
+    assert tether.positions[3, 1] > 5.0
+    assert outputs.shape[:, 1].max() == pytest.approx(tether.positions[:, 1].max())

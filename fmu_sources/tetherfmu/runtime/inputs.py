@@ -109,7 +109,7 @@ INPUT_TABLE = (
         (0.0,),
         SEGMENT_LENGTH,
         kind="Boolean",
-        own_group="forces",
+        own_group="breaking",
     ),
 )
 # with the build option --wind-points: at each point its wind; behind the inputs of the table in the array

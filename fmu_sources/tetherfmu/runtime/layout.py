@@ -33,7 +33,16 @@ from .quantities import quantities
 
 # parameters: first the scalars in the order of their records: the place of gravity is GRAVITY; quantities of which the array
 # has something for each segment or node are not there
-_FOR_EACH = ("segments", "diameter", "density", "axial_stiffness", "axial_damping", "drag_coefficient", "kite_mass")
+_FOR_EACH = (
+    "segments",
+    "diameter",
+    "density",
+    "axial_stiffness",
+    "axial_damping",
+    "drag_coefficient",
+    "breaking_force",
+    "kite_mass",
+)
 _SCALARS = [name for record in (*RECORDS, FreeKite) for name, _ in quantities(record) if name not in _FOR_EACH]
 globals().update({name.upper(): place for place, name in enumerate(_SCALARS)})
 # then what is no parameter of a tether
@@ -45,14 +54,16 @@ WIND_POINTS = GROUND_IS_FREE + 3  # at which the wind is an input, 0 for none
 TORN_NOW = GROUND_IS_FREE + 4  # number of the segment that holds nothing, from 1 on; 0 for none
 WHOLE_STIFFNESS, WHOLE_DAMPING, WHOLE_DRAG_WIDTH = TORN_NOW + 1, TORN_NOW + 2, TORN_NOW + 3  # what it had before
 WHOLE_CONTROL = TORN_NOW + 4  # `winch_control` before the winch was braked
-PARAMETER_SCALARS = TORN_NOW + 5
+CAN_BREAK = TORN_NOW + 5  # 1 if any segment has a breaking force
+PARAMETER_SCALARS = TORN_NOW + 6
 # then one array of n numbers per property of a segment, in this order ...
 SHARE = 0  # of the unstretched length [-]
 STIFFNESS = 1  # E A [N]
 DAMPING = 2  # damping constant times length [N s]
 LINE_DENSITY = 3  # mass per unstretched length [kg/m]
 DRAG_WIDTH = 4  # drag coefficient times diameter [m]
-SEGMENT_PROPERTIES = 5
+STRENGTH = 5  # breaking force [N], 0 of what never breaks
+SEGMENT_PROPERTIES = 6
 # ... then the n + 1 extra point masses of the nodes [kg] ...
 # ... and last the wind at the nodes [m/s]: n + 1 numbers along x, along y, along z, read if WIND_PROFILE is AT_NODES
 
@@ -108,7 +119,7 @@ TENSION_AT_DRUM = FALLBACKS + 4  # [N], where the rope leaves a drum that feels 
 TORN_SEGMENT = FALLBACKS + 5  # number of the segment that broke, from 1 on; 0 for none
 LET_GO = TORN_SEGMENT + 1  # 1 since the line has let go at its last end: it then has one node more
 TORN_AT, LET_GO_AT = TORN_SEGMENT + 2, TORN_SEGMENT + 3  # when it broke, and let go [s] since the start; 0 before
-TORN_ENERGY = TORN_SEGMENT + 4  # energy of the spring that broke [J]
+TORN_ENERGY = TORN_SEGMENT + 4  # energy [J] that parting has taken from the line: that of the spring that broke
 CLOCK = TORN_SEGMENT + 5  # time since the start [s]
 GIVEN_DERIVATIVES = TORN_SEGMENT + 6  # sum of 2**k, k of the inputs whose derivatives are given for the next step
 INPUT_DERIVATIVES = GIVEN_DERIVATIVES + 1  # those derivatives [1/s times the unit of the input], in the order of the inputs

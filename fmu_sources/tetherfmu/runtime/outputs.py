@@ -163,9 +163,9 @@ class Outputs(NamedTuple):
         "",
         "whether the tether has broken or has been released (dynamic tethers only)",
         (),
-        group="forces",
+        group="breaking",
     )
-    break_time: float = output("s", "when the first of the two was, since the start; -1: not yet", (), group="forces")
+    break_time: float = output("s", "when the first of the two was, since the start; -1: not yet", (), group="breaking")
 
 
 def _declared(record):

@@ -22,7 +22,6 @@ OF_THE_WHOLE_CHAIN = (
     "slack_stiffness_ratio",
     "slack_damping_ratio",
     "damping_law",
-    "breaking_force",
 )  # the same for all tethers in series
 ROUGHNESS_TOO_LARGE = (
     "surface_roughness is {roughness!r}; it must be less than wind_reference_height ({height!r} m) for this wind_profile"

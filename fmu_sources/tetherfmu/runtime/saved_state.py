@@ -36,7 +36,6 @@ STATE_RANGES = {  # smallest and largest number at a place of the state array; a
     at.LET_GO: (0.0, 1.0),
     at.TORN_AT: NOT_NEGATIVE,
     at.LET_GO_AT: NOT_NEGATIVE,
-    at.TORN_ENERGY: NOT_NEGATIVE,
     at.CLOCK: NOT_NEGATIVE,
     **{at.WARNED_VALUES + kind: NOT_NEGATIVE for kind in range(at.WARNING_KINDS)},
 }

@@ -1,7 +1,7 @@
-"""When a segment breaks within a communication step: as soon as its tension reaches `breaking_force`.
+"""When a segment breaks within a communication step: as soon as its tension reaches its breaking force.
 
 Steps of the adaptive solver end there, as at an event of a drum (`pieces.py`); fixed steps break at their ends, which keeps
-their work bounded. A line breaks once, where its tension is largest. Its winch is braked, and with it the rope that flows.
+their work bounded. A line breaks once, at the segment that lacks least. Its winch is braked, and so is the rope that flows.
 """
 
 from math import inf
@@ -23,6 +23,7 @@ from ..equations.lines import (
     with_states,
 )
 from ..equations.notes import note, note_peak
+from ..equations.properties import property_of
 from ..line.drum_events import OVERLOAD, part_of_piece
 from ..linear_algebra.vectors import dot, get, sub
 from ..points.system_drums import chain_in_step
@@ -33,7 +34,7 @@ from .stopped_drums import put_reeling_speed
 @kernel
 def can_break(system, k):
     """Whether line k may break."""
-    return parameters_of(system, k)[at.BREAKING_FORCE] > 0.0 and not torn.is_torn(parameters_of(system, k))
+    return parameters_of(system, k)[at.CAN_BREAK] > 0.0 and not torn.is_torn(parameters_of(system, k))
 
 
 @kernel
@@ -47,14 +48,20 @@ def can_any_break(system):
 
 @kernel
 def weakest(chain, x, v):
-    """Segment with the largest tension with the nodes at x [m], v [m/s], and that tension [N]."""
-    found, largest = 0, -inf
+    """Segment that lacks least to its breaking force, what it lacks [N], and that force [N].
+
+    With the nodes at x [m], v [m/s].
+    """
+    found, least, strength = 0, inf, inf
     for s in range(chain.n):
-        length, e = segment.geometry(sub(get(x, s + 1), get(x, s)))
-        pull = segment.tension_of(chain, s, segment.BY_LENGTH, length, dot(e, sub(get(v, s + 1), get(v, s))))
-        if pull > largest:
-            found, largest = s, pull
-    return found, largest
+        own = property_of(chain, s, at.STRENGTH)
+        if own > 0.0:
+            length, e = segment.geometry(sub(get(x, s + 1), get(x, s)))
+            rate = dot(e, sub(get(v, s + 1), get(v, s)))
+            lacking = own - segment.tension_of(chain, s, segment.BY_LENGTH, length, rate)
+            if lacking < least:
+                found, least, strength = s, lacking, own
+    return found, least, strength
 
 
 @kernel
@@ -73,11 +80,11 @@ def part_to_break(system, time, h, weight):
     least = inf
     for k in range(lines_of(system)):
         if can_break(system, k) and moves(system, k):
-            force, w, (x, v) = parameters_of(system, k)[at.BREAKING_FORCE], integrator_of(system, k), motion_of(system, k)
-            _, after = weakest(chain_in_step(system, k, time + h), w.x, w.v)
-            if after > force * (1.0 + OVERLOAD):
-                _, now = weakest(chain_now(system, k, time), x, v)
-                least = min(least, part_of_piece(weight * (force - now), force - after))
+            w, (x, v) = integrator_of(system, k), motion_of(system, k)
+            _, after, strength = weakest(chain_in_step(system, k, time + h), w.x, w.v)
+            if after < -OVERLOAD * strength:
+                _, now, _ = weakest(chain_now(system, k, time), x, v)
+                least = min(least, part_of_piece(weight * now, after))
     return least
 
 
@@ -103,7 +110,7 @@ def break_line(system, k, s, tension, time):
     length, _ = segment.geometry(sub(get(x, s + 1), get(x, s)))
     elongation, stiffness = segment.spring(chain, s, length, False)
     state[at.TORN_SEGMENT], state[at.TORN_AT] = s + 1.0, time_since_start(state, time)
-    state[at.TORN_ENERGY] = segment.elastic_energy(stiffness, elongation)
+    state[at.TORN_ENERGY] += segment.elastic_energy(stiffness, elongation)
     note(state, limits.BROKE, tension * tension, 0.0)
     note_peak(state, tension)
     stop_winch(system, k, time)
@@ -117,9 +124,9 @@ def break_lines(system, time):
     for k in range(lines_of(system)):
         if can_break(system, k):
             x, v = motion_of(system, k)
-            s, tension = weakest(chain_now(system, k, time), x, v)
-            if tension >= parameters_of(system, k)[at.BREAKING_FORCE] * (1.0 - OVERLOAD):
-                break_line(system, k, s, tension, time)
+            s, lacking, strength = weakest(chain_now(system, k, time), x, v)
+            if lacking <= OVERLOAD * strength:
+                break_line(system, k, s, strength - lacking, time)
                 count += 1
     return count > 0
 
@@ -140,7 +147,7 @@ def go_back(system, before):
     for k in range(lines_of(system)):
         state, first = state_of(system, k), state_of(with_states(system, before), k)
         if state[at.TORN_SEGMENT] != 0.0 and first[at.TORN_SEGMENT] == 0.0:
-            state[at.TORN_SEGMENT], state[at.TORN_ENERGY], state[at.TORN_AT] = 0.0, 0.0, 0.0
+            state[at.TORN_SEGMENT], state[at.TORN_ENERGY], state[at.TORN_AT] = 0.0, first[at.TORN_ENERGY], 0.0
             state[at.WARNED_VALUES + limits.BROKE] = 0.0
             state[at.WARNINGS] -= 1 << limits.BROKE
             torn.mend(segments_of(system, k), parameters_of(system, k))

@@ -14,6 +14,7 @@ from ..equations.lines import (
     inputs_of,
     is_at_point,
     lines_of,
+    motion_of,
     number_of_line,
     parameters_of,
     point_at,
@@ -22,7 +23,8 @@ from ..equations.lines import (
     with_states,
 )
 from ..equations.notes import note
-from ..equations.properties import point_mass_in
+from ..equations.properties import chain_of, point_mass_in, property_of, rest_length
+from ..linear_algebra.vectors import dot, get
 
 
 @kernel
@@ -81,6 +83,16 @@ def can_let_go(system, k):
 
 
 @kernel
+def energy_of_driven_node(system, k):
+    """Kinetic energy [J] of the half segment at a driven last end of line k, which leaves it to the line; free ends: 0."""
+    n, parameters, (_, v) = segments_of(system, k), parameters_of(system, k), motion_of(system, k)
+    if is_at_point(system, k, 1) or parameters[at.KITE_IS_FREE] != 0.0:
+        return 0.0
+    chain = chain_of(n, parameters, state_of(system, k))
+    return 0.25 * property_of(chain, n - 1, at.LINE_DENSITY) * rest_length(chain, n - 1) * dot(get(v, n), get(v, n))
+
+
+@kernel
 def let_go(system, before):
     """Let those lines go (modified) whose input says so for the first time; a status.
 
@@ -93,6 +105,7 @@ def let_go(system, before):
                 system.plan[places.STATUS_LINE] = k
                 return RELEASED_WITHOUT_MASS
             n = segments_of(system, k)
+            state[at.TORN_ENERGY] -= energy_of_driven_node(system, k)
             torn.add_node(n, state)
             torn.add_node(n, state_of(with_states(system, before), k))
             broken = int(parameters_of(system, k)[at.TORN_NOW])
