@@ -72,7 +72,7 @@ class Point:
 class Line:
     """A line of a system: its name, the names of its points, start values of its quantities by name, points of its shape.
 
-    wind_points : at which the wind is an input; 0 for none.
+    wind_points : at which the wind is an input; 0 for none.  through : names of the points over whose sheaves it runs.
     """
 
     name: str
@@ -81,6 +81,7 @@ class Line:
     starts: dict
     shape_points: int
     wind_points: int = 0
+    through: tuple = ()
 
     @property
     def ends(self):

@@ -20,6 +20,7 @@ from ..runtime.parameters import Ground, Tether, Winch
 from ..runtime.quantities import doubts_in
 from ..runtime.variables import INPUT, PARAMETER, input_names, line_of_tether, parameters_at, references, wind_points_in
 from ..runtime.variants import BY_NAME, Variant, library_of
+from .portions import all_portions
 from .selection import shown, with_starts
 from .system_variables import OF_A_LINE, OF_THE_SYSTEM, SUMMED, input_name, table_of
 
@@ -143,18 +144,21 @@ def _selection(table, references, left_out):
 def lines_of(structure):
     """`instance.Line` of each line of a system, a tuple.
 
-    structure : has `lines`, with `name`, `start`, `end`, `shape_points` and `wind_points`, and `free`.
+    structure : has `lines`, with `name`, `start`, `through`, `end`, `shape_points` and `wind_points`, and `free`.
+    A line that runs over sheaves is one for each of its portions.
     """
     number = {name: k for k, name in enumerate(structure.free)}
     return tuple(
         Line(
-            line.name,
-            tuple(input_name(each, line) for each in input_names(line.wind_points)),
-            line.shape_points,
-            line.wind_points,
-            *(number.get(name, plan.DRIVEN) for name in (line.start, line.end)),
+            each.name,
+            tuple(input_name(name, each) for name in input_names(each.line.wind_points)),
+            each.line.shape_points,
+            each.line.wind_points,
+            *(number.get(name, plan.DRIVEN) for name in (each.start, each.end)),
+            each.is_through,
+            each.is_portion,
         )
-        for line in structure.lines
+        for each in all_portions(structure.lines)
     )
 
 
@@ -164,7 +168,7 @@ def carried(structure):
     The first line at a point does.
     """
     free, found = set(structure.free), []
-    for line in structure.lines:
+    for line in all_portions(structure.lines):
         own = [point if point in free else None for point in (line.start, line.end)]
         free -= set(own)
         found.append(own)

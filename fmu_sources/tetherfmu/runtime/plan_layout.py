@@ -31,7 +31,9 @@ INPUTS_SIZE = 7
 STATE_SIZE = 8
 OUTPUTS_SIZE = 9
 WORK_SIZE = 10
-PLAN_HEADER = 11
+SHEAVES = 11  # over which lines run
+SHEAVES_WORK = 12  # place of them in `work`
+PLAN_HEADER = 13
 # then of each line
 SEGMENTS = 0  # given
 START_POINT = 1  # given: number of the free point at its start, or DRIVEN
@@ -45,7 +47,9 @@ START_IS_SOUGHT = 8  # given: 1 if `initialize` is to find where the free point 
 END_IS_SOUGHT = 9  # given; all lines at a point say the same
 WIND_POINTS = 10  # given: at which the wind along it is an input, 0 for none; its parameters say so, too
 INPUTS_AT = 11  # its first place in `inputs`
-LINE_NUMBERS = 12
+THROUGH = 12  # given: 1 if it runs over a sheave at its end and goes on as the next line, of which it is a portion; else 0
+PORTION_WORK = 13  # place in `work` of what a line needs in a system with sheaves
+LINE_NUMBERS = 14
 
 DRIVEN = -1  # a point
 ALL_LINES = -1

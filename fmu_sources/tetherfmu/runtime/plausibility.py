@@ -33,7 +33,8 @@ FIXED_STEP_DAMPS, FIXED_STEP_UNCONVERGED, UNRESOLVED, LOAD_OFF_CHORD, STIFF_STEP
 FALLBACK_AT_STOP, FALLBACK_ON_GROUND, FALLBACK_HARD = range(17, 20)
 GROUND_JUMP, KITE_JUMP, LENGTH_JUMP, STARTED_AT_REST, WINCH_OFF_BALANCE, FAST_WINCH, SLACK_PRESSES = range(20, 27)
 LONG_STEP = 27
-IDLE_REEL_OUT_SPEED, IDLE_WINCH_FORCE, IDLE_WINCH_LENGTH, IDLE_VELOCITY, IDLE_WIND, IDLE_DRUM = range(28, at.WARNING_KINDS)
+IDLE_REEL_OUT_SPEED, IDLE_WINCH_FORCE, IDLE_WINCH_LENGTH, IDLE_VELOCITY, IDLE_WIND, IDLE_DRUM = range(28, 34)
+SLACK_AT_SHEAVE = 34
 
 _ACCELERATION = (
     "the {end} end is accelerated by {value:.3g} m/s2, more than 1000 times gravity; check {end}_position and "
@@ -143,6 +144,10 @@ SENTENCES = {
     IDLE_DRUM: (
         "a parameter of the drum (winch_start, winch_mass, winch_damping, winch_friction or longest_length) is set and has "
         "no effect: winch_control is not 2 (force)"
+    ),
+    SLACK_AT_SHEAVE: (
+        "the tension at a sheave is {value:.3g} N below 0; a rope without tension leaves its sheave, which is not modelled: "
+        "check the lengths and loads of the portions beside it"
     ),
 }
 _END = dict.fromkeys((GROUND_ACCELERATION, GROUND_SPEED, GROUND_RESIDUE, GROUND_JUMP), "ground")

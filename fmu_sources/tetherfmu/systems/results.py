@@ -25,6 +25,28 @@ class PointOutputs(NamedTuple):
     force: np.ndarray
 
 
+class PortionOutputs(NamedTuple):
+    """The portions and the sheaves of a line, at an instant; along a flight with a row for each kept step.
+
+    Attributes
+    ----------
+    length : (portions,) array
+        Unstretched lengths [m].
+    tension_from, tension_to : (portions,) array
+        Tensions at the start and at the end of each portion [N].
+    payout : (sheaves,) array
+        Rope that has run over each sheave from the portion before it since the start [m].
+    speed : (sheaves,) array
+        The rate of it [m/s].
+    """
+
+    length: np.ndarray
+    tension_from: np.ndarray
+    tension_to: np.ndarray
+    payout: np.ndarray
+    speed: np.ndarray
+
+
 class SystemOutputs(NamedTuple):
     """A system at an instant.
 
@@ -37,11 +59,14 @@ class SystemOutputs(NamedTuple):
     solver_iteration_limit : int
         The most iterations of all lines together that the last communication step could take with its fixed steps (before
         the first: one fixed step); 0 with adaptive steps.
+    portions : dict of str to PortionOutputs
+        Of the lines that run over sheaves, by their names.
     """
 
     points: dict[str, PointOutputs]
     lines: dict[str, Outputs]
     solver_iteration_limit: int
+    portions: dict[str, PortionOutputs]
 
 
 class SystemEnergy(NamedTuple):
@@ -87,6 +112,8 @@ class SystemFlown(NamedTuple):
         Steps that could not be done, see `on_refusal` of `TetherSystem.fly`.
     time : (rows,) array
         As that of `tetherfmu.Flown`.
+    portions : dict of str to PortionOutputs
+        Of the lines that run over sheaves, by their names.
     """
 
     points: dict[str, PointOutputs]
@@ -95,6 +122,7 @@ class SystemFlown(NamedTuple):
     seconds: float
     refusals: tuple
     time: np.ndarray
+    portions: dict[str, PortionOutputs]
 
     def __repr__(self):
         """How much there is, instead of all its numbers."""

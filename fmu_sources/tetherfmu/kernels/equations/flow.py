@@ -11,7 +11,8 @@ to which rope comes from the winch with the velocity of the first node, are thos
 of each segment on its nodes p (nearer to the winch) and q, with u = r'. Without reeling there are none, and none with the
 stretch_rate law, which has the momentum of Tethers.jl. They depend on r and u linearly: f = a r + b u.
 
-Theory: docs/models/theory.md, "Rope that flows".
+Where a line runs over a sheave at its last node, rope leaves it there at the rate b, and c_i = L' (1 - shares) + b: more
+rope than L' then comes in at the first node. Theory: docs/models/theory.md, "Rope that flows".
 """
 
 from tetherfmu.runtime import layout as at
@@ -32,11 +33,11 @@ def flows(chain):
 def slopes(chain, s, part):
     """a of node p, a of node q [N/m] and b [N s/m] of segment s; part : c_p/L' [-]."""
     half, next_part = 0.5 * property_of(chain, s, at.LINE_DENSITY), part - property_of(chain, s, at.SHARE)
-    c_p, c_q = part * chain.reeling, next_part * chain.reeling
+    c_p, c_q = part * chain.reeling + chain.leaving, next_part * chain.reeling + chain.leaving
     along = (c_p * c_p + c_q * c_q) / rest_length(chain, s)
     return (
-        -half * (part * chain.acceleration + along),
-        -half * (next_part * chain.acceleration - along),
+        -half * (part * chain.acceleration + chain.leaving_gain + along),
+        -half * (next_part * chain.acceleration + chain.leaving_gain - along),
         -half * (c_p + c_q),
     )
 
@@ -74,7 +75,8 @@ def end_force(chain, kite_end, x_p, x_q, v_p, v_q):
         _, _, by_rate = slopes(chain, 0, 1.0)
         half = 0.5 * property_of(chain, 0, at.LINE_DENSITY)
         r = sub(x_q, x_p)
-        return add_scaled(scale(-half * chain.acceleration - by_rate * chain.growth, r), by_rate, sub(v_q, v_p))
+        gain = chain.acceleration + chain.leaving_gain
+        return add_scaled(scale(-half * gain - by_rate * chain.growth, r), by_rate, sub(v_q, v_p))
     s = chain.n - 1
     _, of_kite = forces(chain, s, property_of(chain, s, at.SHARE), x_p, x_q, v_p, v_q)
     return of_kite
@@ -83,7 +85,8 @@ def end_force(chain, kite_end, x_p, x_q, v_p, v_q):
 @kernel
 def energy(chain, s, part, x_p, x_q, v_p, v_q):
     """Kinetic energy [J] of segment s beyond 1/2 (mu l0/2) |v|^2 of its nodes: mu/2 (c v . r + c^2 l^2/(2 l0)) of both."""
-    c_p, c_q = part * chain.reeling, (part - property_of(chain, s, at.SHARE)) * chain.reeling
+    c_p = part * chain.reeling + chain.leaving
+    c_q = (part - property_of(chain, s, at.SHARE)) * chain.reeling + chain.leaving
     r, rest = sub(x_q, x_p), rest_length(chain, s)
     along = c_p * dot(v_p, r) + c_q * dot(v_q, r) + 0.5 * (c_p * c_p + c_q * c_q) / rest * dot(r, r)
     return 0.5 * property_of(chain, s, at.LINE_DENSITY) * along

@@ -13,7 +13,7 @@ from ..equations.drum import drum_of
 from ..equations.properties import chain_with_flow, point_mass, rest_length, sees_reeling
 from ..equations.winch import follows_force
 from ..flat_arrays import part
-from ..linear_algebra.vectors import dot, get, scale, sub, vector_at
+from ..linear_algebra.vectors import NEUTRAL, dot, get, scale, sub, vector_at
 
 # fields of `tetherfmu.energy.Energy` in their order; then tensions of the segments [N], then velocities of the nodes [m/s]
 KINETIC, ELASTIC, POTENTIAL, GROUND_POWER, KITE_POWER, WINCH, MATERIAL, WIND, DAMPING_LOSS, DRAG_LOSS = range(10)
@@ -36,7 +36,8 @@ def balance(n, parameters, state, v, inputs, has_waves, energies, work):
     speed = inputs[at.REEL_OUT_SPEED]
     acceleration = acceleration_with(parameters, speed, state)
     flows = has_waves and sees_reeling(parameters) and (speed != 0.0 or acceleration != 0.0)
-    chain = chain_with_flow(n, parameters, state[at.LENGTH], speed, acceleration, wind_of(inputs), flows)
+    moving = state[at.LENGTH], speed, acceleration, (NEUTRAL, NEUTRAL)
+    chain = chain_with_flow(n, parameters, *moving, wind_of(inputs), flows)
     x, _ = positions_and_velocities(n, state)
     blocks, _, mass, _ = shared_arrays(n, work)
     node_masses(chain, mass)
