@@ -42,7 +42,8 @@ KITE_IS_FREE = GROUND_IS_FREE + 1
 CALM_LAYER = GROUND_IS_FREE + 2  # thickness [m] of a layer above z = 0, 0 but in `kernels/rest/homotopy.py`
 WIND_POINTS = GROUND_IS_FREE + 3  # at which the wind is an input, 0 for none
 # of a portion of a line that runs over sheaves, see `kernels/points/rope_sheaves.py`; the sheave is that at its end
-IS_PORTION = GROUND_IS_FREE + 4  # 1 of a portion, else 0
+IS_PORTION = GROUND_IS_FREE + 4  # 1 of the first portion, 2 of those behind a sheave, else 0
+BEHIND_SHEAVE = 2.0
 GIVEN_PORTION = IS_PORTION + 1  # its unstretched length at the start [m]; 0: as the tensions at rest share the line
 SHEAVE_MASS = IS_PORTION + 2  # J/r2 [kg]
 SHEAVE_FRICTION = IS_PORTION + 3  # Coulomb friction of the rope on the sheave [-]
@@ -117,7 +118,9 @@ SHEAVE_SPEED = PAYOUT + 1  # rate of it [m/s]
 SHEAVE_ACCELERATION = PAYOUT + 2  # rate of that [m/s2]
 TENSION_FROM = PAYOUT + 3  # at its start and at its end [N]
 TENSION_TO = PAYOUT + 4
-STATE_HEADER = PAYOUT + 5
+START_ACCELERATION = PAYOUT + 5  # of the free points where it begins and ends, at a sheave [m/s2]; else 0
+END_ACCELERATION = PAYOUT + 8
+STATE_HEADER = PAYOUT + 11
 
 NO_TENSION = -1e300  # [N]: the PEAK_SO_FAR of no internal step
 NEVER, AT_ROWS, ALWAYS = 0, 1, 2  # when `fly` computes outputs

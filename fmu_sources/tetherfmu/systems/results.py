@@ -69,6 +69,21 @@ class SystemOutputs(NamedTuple):
     portions: dict[str, PortionOutputs]
 
 
+class SheaveEnergy(NamedTuple):
+    """Energies and losses of the sheaves of a line at an instant.
+
+    Attributes
+    ----------
+    kinetic : (sheaves,) array
+        Kinetic energy [J].
+    friction_loss : (sheaves,) array
+        Heat of the friction [W].
+    """
+
+    kinetic: np.ndarray
+    friction_loss: np.ndarray
+
+
 class SystemEnergy(NamedTuple):
     """Energies and powers of a system at an instant.
 
@@ -79,20 +94,24 @@ class SystemEnergy(NamedTuple):
         drives the point, 0 at a free one.
     loads : dict of str to float
         Powers of the loads on free points [W].
+    sheaves : dict of str to SheaveEnergy
+        Of the lines that run over sheaves, by their names. In `lines`, their `winch_power` has their `material_power`, too.
     """
 
     lines: dict[str, Energy]
     loads: dict[str, float]
+    sheaves: dict[str, SheaveEnergy]
 
     @property
     def total(self) -> float:
-        """Kinetic + elastic + potential energy of all lines and points [J]."""
-        return sum(each.total for each in self.lines.values())
+        """Kinetic + elastic + potential energy of all lines, points and sheaves [J]."""
+        return sum(each.total for each in self.lines.values()) + sum(sum(each.kinetic) for each in self.sheaves.values())
 
     @property
     def power(self) -> float:
         """Sum of all powers minus the losses [W]: the rate at which `total` has to change."""
-        return sum(each.power for each in self.lines.values()) + sum(self.loads.values())
+        gains = sum(each.power for each in self.lines.values()) + sum(self.loads.values())
+        return gains - sum(sum(each.friction_loss) for each in self.sheaves.values())
 
 
 class SystemFlown(NamedTuple):

@@ -11,7 +11,7 @@ from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.outputs import PLACES
 from tetherfmu.runtime.sheaves import SHEAVE_QUANTITIES
 
-from .results import PortionOutputs
+from .results import PortionOutputs, SheaveEnergy
 
 
 def numbers_in(line, name):
@@ -71,7 +71,7 @@ def sheave_numbers(portion):
     line, k = portion.line, portion.number
     given = line.initial_portions[k] if line.initial_portions is not None else 0.0
     own = [numbers_in(line, name)[k] for name in SHEAVE_QUANTITIES] if portion.is_through else [0.0, 0.0, 1.0]
-    return [1.0, given, *own]
+    return [at.BEHIND_SHEAVE if k else 1.0, given, *own]
 
 
 def check_with_sheaves(lines, solver, wind_points):
@@ -130,8 +130,27 @@ def portions_in(line, values):
     return PortionOutputs(length, tension_from, tension_to, payout[..., :-1], speed[..., :-1])
 
 
-def sum_of(energies):
-    """Sum of records `Energy`; the one of them where there is one."""
-    if len(energies) == 1:
-        return energies[0]
-    return Energy(*(sum(each) for each in zip(*(vars(one).values() for one in energies), strict=True)))
+def energy_of(line, energies, states):
+    """`Energy` of a line from those of its portions, and `SheaveEnergy`, None of a line that runs over none.
+
+    What a portion gives to its sheaves is no power of the winch, which has that of new material, too.  states : of the
+    portions.
+    """
+    if not line.through:
+        return energies[0], None
+    found = {name: sum(getattr(each, name) for each in energies) for name in vars(energies[0])}
+    kinetic, losses = [], []
+    for k, portion in enumerate(portions_of(line)[:-1]):
+        speed, mass = states[k][at.SHEAVE_SPEED], numbers_in(line, "sheave_mass")[portion.number]
+        given = speed * (with_strain(line, states[k + 1][at.TENSION_FROM]) - with_strain(line, states[k][at.TENSION_TO]))
+        found["winch_power"] += given
+        kinetic.append(0.5 * mass * speed**2)
+        losses.append(given - mass * speed * states[k][at.SHEAVE_ACCELERATION])
+    found["winch_power"] += found["material_power"]
+    found["material_power"] = 0.0
+    return Energy(**found), SheaveEnergy(np.array(kinetic), np.array(losses))
+
+
+def with_strain(line, tension):
+    """T + T^2/(2 EA) [N] of a tension [N], T alone below 0."""
+    return tension + 0.5 * max(tension, 0.0) ** 2 / line.tethers[0].axial_stiffness

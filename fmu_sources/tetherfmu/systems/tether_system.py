@@ -24,7 +24,7 @@ from .arrays import Arrays, instance_of
 from .inputs import SystemInputs, Vectors, completed, put, starts
 from .records import Line, Point, check_system
 from .results import SystemEnergy, SystemFlown, SystemOutputs, points_of
-from .sheaves import along, check_with_sheaves, portions_in, sum_of, whole_outputs
+from .sheaves import along, check_with_sheaves, energy_of, portions_in, whole_outputs
 
 
 class TetherSystem(Running):
@@ -287,12 +287,18 @@ class TetherSystem(Running):
     def energy(self) -> SystemEnergy:
         """Energies and powers of the present state, with the inputs of the last step; StepRefused before `initialize`."""
         self._check_started()
-        parts = joined(self.lines, (account(self._instance, k)[0] for k in range(len(self._arrays.lines))))
-        found = {line.name: sum_of(each) for line, each in zip(self.lines, parts, strict=True)}
+        count = range(len(self._arrays.lines))
+        parts = joined(self.lines, (account(self._instance, k)[0] for k in count))
+        states = joined(self.lines, (self._instance.state_of(k) for k in count))
+        found, sheaves = {}, {}
+        for line, energies, own in zip(self.lines, parts, states, strict=True):
+            found[line.name], of_sheaves = energy_of(line, energies, own)
+            if of_sheaves is not None:
+                sheaves[line.name] = of_sheaves
         loads = self._arrays.loads_in(self._arrays.inputs)
         velocities = {name: self._velocity_of(name) for name in self._instance.free}
         powers = {name: float(load @ velocities[name]) for name, load in zip(velocities, loads, strict=True)}
-        return SystemEnergy(found, powers)
+        return SystemEnergy(found, powers, sheaves)
 
     def _velocity_of(self, name):
         """Velocity of a point [m/s]: that of a line there."""

@@ -141,6 +141,33 @@ def power(chain, x, v, a, are_free):
 
 
 @kernel
+def power_in_portion(chain, x, v, a, are_free, counted):
+    """The same of a portion of a line over sheaves, whose rope flows at any rates at its two ends.
+
+    counted : of its ends, 1 or 0: whether the velocity has a part in the kinetic energy, see `energy_in_portion`.
+    """
+    start, end = are_free
+    total, part = 0.0, 1.0
+    for s in range(chain.n):
+        r, u = sub(get(x, s + 1), get(x, s)), sub(get(v, s + 1), get(v, s))
+        free_p, free_q = start if s == 0 else 1.0, end if s == chain.n - 1 else 1.0
+        of_p, of_q = forces(chain, s, part, get(x, s), get(x, s + 1), get(v, s), get(v, s + 1))
+        total += free_p * dot(of_p, get(v, s)) + free_q * dot(of_q, get(v, s + 1))
+        next_part, rest, square = part - property_of(chain, s, at.SHARE), rest_length(chain, s), dot(r, r)
+        for is_q in range(2):
+            here, node = (next_part, s + 1) if is_q == 1 else (part, s)
+            with_velocity = 1.0
+            if node == 0 or node == chain.n:
+                with_velocity = counted[0] if node == 0 else counted[1]
+            c, gain = here * chain.reeling + chain.leaving, here * chain.acceleration + chain.leaving_gain
+            crossed = gain * dot(get(v, node), r) + c * (dot(get(a, node), r) + dot(get(v, node), u))
+            of_square = c * gain * square + 0.5 * c * c * (2.0 * dot(r, u) - square * chain.growth)
+            total += 0.5 * property_of(chain, s, at.LINE_DENSITY) * (with_velocity * crossed + of_square / rest)
+        part = next_part
+    return total
+
+
+@kernel
 def rate_of_product(chain, r, u, v, a):
     """Rate of L' v . r [m3/s3] with r' = u, v' = a."""
     return chain.acceleration * dot(v, r) + chain.reeling * (dot(a, r) + dot(v, u))
@@ -156,6 +183,18 @@ def energy_of_flow(chain, x, v, end_is_free):
     for s in range(chain.n):
         v_p = scale(0.0 if s == 0 else 1.0, get(v, s))
         v_q = scale(end_is_free if s == chain.n - 1 else 1.0, get(v, s + 1))
+        total += energy(chain, s, part, get(x, s), get(x, s + 1), v_p, v_q)
+        part -= property_of(chain, s, at.SHARE)
+    return total
+
+
+@kernel
+def energy_in_portion(chain, x, v, counted):
+    """The same of a portion of a line over sheaves; counted : of its ends, 1 or 0: whether their velocities count."""
+    total, part = 0.0, 1.0
+    for s in range(chain.n):
+        v_p = scale(counted[0] if s == 0 else 1.0, get(v, s))
+        v_q = scale(counted[1] if s == chain.n - 1 else 1.0, get(v, s + 1))
         total += energy(chain, s, part, get(x, s), get(x, s + 1), v_p, v_q)
         part -= property_of(chain, s, at.SHARE)
     return total

@@ -41,7 +41,7 @@ from ..line.rodas4p import GAMMA
 from ..line.step_control import allowed_errors
 from ..linear_algebra import small_matrix
 from ..linear_algebra.both_ends import interleave
-from ..linear_algebra.vectors import NEUTRAL, dot, get, scale
+from ..linear_algebra.vectors import NEUTRAL, dot, get, put_at, scale
 from ..points import sheave_room as at_sheave
 from ..points.sheave_room import (
     PULLED,
@@ -174,7 +174,9 @@ def urge(system, k, sign):
     """Force [N] with which the sheave at the end of line k, which is held, is pulled forwards (1) or backwards (-1)."""
     numbers, loss = numbers_at(system, k), loss_at_stage(system, k)
     behind, ahead = numbers[at_sheave.TENSION_BEHIND], numbers[at_sheave.TENSION_AHEAD]
-    return ahead - loss * behind if sign > 0.0 else behind - loss * ahead
+    if sign > 0.0:
+        return ahead - behind - (loss - 1.0) * max(behind, 0.0)
+    return behind - ahead - (loss - 1.0) * max(ahead, 0.0)
 
 
 @kernel
@@ -495,6 +497,10 @@ def write_tensions(system, time):
                 least = min(numbers[at_sheave.TENSION_BEHIND], numbers[at_sheave.TENSION_AHEAD])
                 if least < 0.0:
                     note(state, limits.SLACK_AT_SHEAVE, least * least, 0.0)
+                if is_at_point(system, k, 1):
+                    gained = acceleration_of_point(system, point_at(system, k, 1), time)
+                    put_at(state, at.END_ACCELERATION, gained)
+                    put_at(state_of(system, k + 1), at.START_ACCELERATION, gained)
 
 
 @kernel

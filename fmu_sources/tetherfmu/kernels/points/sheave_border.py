@@ -204,6 +204,8 @@ def add_wrap(system, k):
     moving = density_of(system, k) * numbers[at_sheave.SPEED] ** 2
     tension = numbers[at_sheave.TENSION_BEHIND] if sign > 0.0 else -numbers[at_sheave.TENSION_AHEAD]
     factor = -grip * loss_with(system, k, to_1, to_2) * (tension - sign * moving)
+    if sign * tension <= moving:
+        return
     by_1, by_2 = scale(factor, turn_of(to_1, to_2)), scale(factor, turn_of(to_2, to_1))
     add_at(array_at(system, k, ROW, OUT), n - 1, by_1)
     add_at(array_at(system, k, ROW, OUT), n, scale(-1.0, add(by_1, by_2)))

@@ -4,6 +4,7 @@ Rope runs at the rate u from portion 1 to portion 2 over a sheave of the inertia
 
     m u' = e_2 (T_2 - mu u^2) - e_1 (T_1 - mu u^2),   T_2 + T_2^2/(2 EA) = R_a of portion 2,  T_1 + ... = - R_b of portion 1
     e_1 = E, e_2 = 1 where it runs forwards, e_1 = 1, e_2 = E backwards,   E = exp(friction wrap)/efficiency
+    E counts as 1 where T - mu u^2 is not above 0
     cos wrap = - d_1 . d_2,  d: directions of the two segments away from the sheave
 
 (`equations/rope_at_sheave.py`). R_a and R_b depend on the accelerations of nodes, which are (F + sum over sheaves of
@@ -297,7 +298,8 @@ def take_tensions(system, k, time, matrix, right):
     tension_2, tension_1 = tension_of(stiffness_2, pull_2), tension_of(stiffness_1, -pull_1)
     numbers[at_sheave.TENSION_AHEAD], numbers[at_sheave.TENSION_BEHIND] = tension_2, tension_1
     moving = density_of(system, k) * numbers[at_sheave.STAGE_SPEED] ** 2
-    e_1, e_2 = numbers[at_sheave.BEHIND], numbers[at_sheave.AHEAD]
+    e_1 = numbers[at_sheave.BEHIND] if tension_1 > moving else 1.0
+    e_2 = numbers[at_sheave.AHEAD] if tension_2 > moving else 1.0
     right[j] = -(e_2 * (tension_2 - moving) - e_1 * (tension_1 - moving) - mass_of(system, k) * gain)
     by_2 = e_2 / (1.0 + max(tension_2, 0.0) / stiffness_2)
     by_1 = e_1 / (1.0 + max(tension_1, 0.0) / stiffness_1)
@@ -402,10 +404,15 @@ def accelerate(system, stage, time):
 
 @kernel
 def take_slopes(system):
-    """Slopes of the equations of all running sheaves by R_a and - R_b at the start of the step (modified)."""
+    """Slopes of the equations of all running sheaves by R_a and - R_b at the start of the step, and e there (modified)."""
     for k in range(lines_of(system)):
         if goes_on(system, k) and runs_over(system, k):
             numbers = numbers_at(system, k)
+            moving = density_of(system, k) * numbers[at_sheave.SPEED] ** 2
+            if numbers[at_sheave.TENSION_BEHIND] <= moving:
+                numbers[at_sheave.BEHIND] = 1.0
+            if numbers[at_sheave.TENSION_AHEAD] <= moving:
+                numbers[at_sheave.AHEAD] = 1.0
             of_1 = max(numbers[at_sheave.TENSION_BEHIND], 0.0) / stiffness_of(system, k)
             of_2 = max(numbers[at_sheave.TENSION_AHEAD], 0.0) / stiffness_of(system, k + 1)
             numbers[at_sheave.OF_BEHIND] = numbers[at_sheave.BEHIND] / (1.0 + of_1)
