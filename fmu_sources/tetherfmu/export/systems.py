@@ -43,6 +43,9 @@ def build(path, folder, options=None, native=None, with_header=False, with_sourc
     """
     options = options or BuildOptions(shape_points=None)
     found, positions = read(path)
+    through = next((line.name for line in found.lines if line.through), None)
+    if through is not None:
+        raise ValueError(f"{path}: the line {through} runs through points; an FMU cannot have that yet, TetherSystem can")
     structure, folder = structure_from(found, positions, options.shape_points, options.wind_points), Path(folder)
     try:
         own = chosen(options.lean.over(found.build), table_of(structure))

@@ -44,6 +44,7 @@ WIND_POINTS = GROUND_IS_FREE + 3  # at which the wind is an input, 0 for none
 # of a portion of a line that runs over sheaves, see `kernels/points/rope_sheaves.py`; the sheave is that at its end
 IS_PORTION = GROUND_IS_FREE + 4  # 1 of the first portion, 2 of those behind a sheave, else 0
 BEHIND_SHEAVE = 2.0
+ROUNDED_STOP = 1e-6  # of its length: how far below the shortest one it may have stopped
 GIVEN_PORTION = IS_PORTION + 1  # its unstretched length at the start [m]; 0: as the tensions at rest share the line
 SHEAVE_MASS = IS_PORTION + 2  # J/r2 [kg]
 SHEAVE_FRICTION = IS_PORTION + 3  # Coulomb friction of the rope on the sheave [-]

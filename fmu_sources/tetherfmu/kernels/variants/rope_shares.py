@@ -27,7 +27,7 @@ from ..equations.lines import (
     sheaves_of,
     state_of,
 )
-from ..equations.properties import chain_without_flow, property_of, rest_length
+from ..equations.properties import chain_without_flow, property_in, property_of, put_property, rest_length
 from ..equations.rope_at_drum import tension_of
 from ..equations.rope_at_sheave import IN, OUT
 from ..linear_algebra import small_matrix
@@ -40,6 +40,7 @@ from ..rest.resting_line import given_position, is_sought, start_state
 ITERATIONS, TRIALS = 60, 12
 BALANCED, ROUNDED = 1e-10, 1e-7  # difference of tensions over their size: goal, and enough where it falls no more
 DIFFERENCE = 1e-7  # of the rope, for slopes
+SOFTEST, STIFFER = 2.0**-15, 8.0  # stiffness of rope that fits anywhere, over that of the given one; from step to step
 LONGEST_STEP = 0.25  # of a portion beside the sheave
 
 
@@ -240,24 +241,21 @@ def find_moves(system, differences, shared, length):
 
 
 @kernel
-def find_shares(system):
-    """Put all sought points and the lengths of all portions where they are in equilibrium (modified); a status."""
-    sought = share_ropes(system)
-    if sought == 0:
-        return resting_points.find(system, False)
-    shared, length = shared_of(system), 0.0
-    differences = at_sheave.differences_of(system)
+def balance_ropes(system, as_given, shared, differences):
+    """Search for the lengths of the portions (modified) from those that they have; a status.
+
+    as_given : whether the search for the free points begins where the inputs have them.
+    """
+    length, moves = 0.0, shared[3]
     for k in range(lines_of(system)):
         if is_portion(system, k):
             length = max(length, numbers_at(system, k)[at_sheave.LENGTH_NOW])
-    status, largest = find_differences(system, False, differences)
-    last, moves = inf, shared[3]
+    status, largest = find_differences(system, as_given, differences)
+    last = inf
     for _ in range(ITERATIONS):
         size = size_of(differences)
-        if status != OK or size <= BALANCED * largest:
+        if status != OK or size <= BALANCED * largest or (size >= 0.5 * last and size <= ROUNDED * largest):
             return status
-        if size >= 0.5 * last and size <= ROUNDED * largest:
-            return OK
         last = size
         status = find_moves(system, differences, shared, length)
         if status != OK:
@@ -266,10 +264,45 @@ def find_shares(system):
         move_rope(system, taken, moves)
         for trial in range(TRIALS):
             status, largest = find_differences(system, True, differences)
-            left = work_of(moves, differences)
-            if status != OK or left > -0.5 * start or trial == TRIALS - 1:
+            left = work_of(moves, differences) if status == OK else -inf
+            if left > -0.5 * start or trial == TRIALS - 1:
                 break
             less = taken * min(max(start / (start - left), 0.05), 0.9)
             move_rope(system, less - taken, moves)
             taken = less
     return NO_SHARES
+
+
+@kernel
+def put_stiffness(system, factor):
+    """Multiply the axial stiffness of all portions by a factor, a power of 2 (in the parameters, modified)."""
+    for k in range(lines_of(system)):
+        n, parameters = segments_of(system, k), parameters_of(system, k)
+        for s in range(n):
+            if is_portion(system, k):
+                put_property(n, at.STIFFNESS, s, factor * property_in(parameters, n, s, at.STIFFNESS), parameters)
+
+
+@kernel
+def find_shares(system):
+    """Put all sought points and the lengths of all portions where they are in equilibrium (modified); a status.
+
+    Where portions of stiff rope do not fit together on the way, with softer rope first.
+    """
+    sought = share_ropes(system)
+    if sought == 0:
+        return resting_points.find(system, False)
+    shared, differences = shared_of(system), at_sheave.differences_of(system)
+    status = balance_ropes(system, False, shared, differences)
+    if status == OK:
+        return OK
+    share_ropes(system)
+    factor, found = SOFTEST, OK
+    put_stiffness(system, SOFTEST)
+    while factor <= 1.0 and found == OK:
+        found = balance_ropes(system, factor > SOFTEST, shared, differences)
+        put_stiffness(system, STIFFER if factor < 1.0 else 1.0)
+        factor *= STIFFER
+    if factor <= 1.0:
+        put_stiffness(system, 1.0 / factor)
+    return found if found == OK else status
