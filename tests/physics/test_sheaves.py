@@ -112,7 +112,7 @@ def test_efficiency():
 
 
 def flown_held(through):
-    """Node positions and forces of a mass between two points, in wind, with a winch; on one line over a sheave, or on two."""
+    """Nodes and forces of a mass between two points, in wind, with a winch; on one line over a sheave, or on two."""
     points = [Point("a", (-7.0, 0.0, 0.0)), Point("s", mass=40.0), Point("b", (7.0, 0.0, 0.3))]
     of_rope = {**LIGHT, "axial_damping": 300.0, "drag": 1.0}
     if through:

@@ -90,7 +90,7 @@ class TableOfSheaves:
     sheave_efficiency: tuple | float = field(default=1.0, metadata={"read": numbers_of("")})
 
 
-OF_A_LINE = ("from", "to", "material", *keys_of(TableOfSheaves), *keys_of(TableOfLine))
+OF_A_LINE = ("from", "to", "material", *keys_of(TableOfLine), *keys_of(TableOfSheaves))
 
 
 @dataclass(frozen=True)

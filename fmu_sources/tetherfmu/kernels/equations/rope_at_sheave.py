@@ -21,13 +21,19 @@ from collections import namedtuple
 
 from tetherfmu.runtime import layout as at
 
-from ..compilation import kernel
+from ..compilation import kernel, view
 from ..linear_algebra.vectors import add, add_scaled, dot, scale
 from . import segment
 from .properties import property_of, rest_length
 
 Passing = namedtuple("Passing", "sign at_p at_q")
 Passing.__doc__ = """A coordinate y at a segment: e, and its weights W_p and W_q."""
+
+Rope = namedtuple("Rope", "share rest half taut taut_damper slack slack_damper")
+Rope.__doc__ = """What all segments of a portion have, which is of one tether.
+
+share, rest : in its length [-], [m].  half : mu/2 [kg/m].  taut, slack : stiffness [N/m], and dampers [N s/m].
+"""
 
 IN, OUT = 0, 1  # which coordinate: over the first node, over the last one
 
@@ -47,6 +53,16 @@ def half_density(chain, s):
     return 0.5 * property_of(chain, s, at.LINE_DENSITY)
 
 
+@view
+def rope_of(chain):
+    """`Rope` of a portion."""
+    rest = rest_length(chain, 0)
+    taut, taut_damper = segment.stiffness(chain, 0, segment.TAUT, rest)
+    slack, slack_damper = segment.stiffness(chain, 0, segment.SLACK, rest)
+    share = property_of(chain, 0, at.SHARE)
+    return Rope(share, rest, half_density(chain, 0), taut, taut_damper, slack, slack_damper)
+
+
 @kernel
 def flowing(chain, s, part):
     """c_p and c_q [m/s] of segment s."""
@@ -62,36 +78,44 @@ def gaining(chain, s, part):
 
 
 @kernel
-def columns(chain, s, y, r):
-    """col_p and col_q [kg] of segment s."""
-    half = half_density(chain, s)
-    return scale(-half * y.at_p, r), scale(-half * y.at_q, r)
+def inertias(rope, part, square):
+    """Part of a segment in minus the slopes of R_a by a' and by b', and of R_b by b' [kg]; part : w_p, square : l^2 [m2]."""
+    next_part = part - rope.share
+    of_flow = rope.half / rope.rest * square
+    p_out, q_out = 1.0 - part, 1.0 - next_part
+    return (
+        of_flow * (part * part + next_part * next_part),
+        of_flow * (part * p_out + next_part * q_out),
+        of_flow * (p_out * p_out + q_out * q_out),
+    )
 
 
 @kernel
-def inertia(chain, s, y, z, square):
-    """Part of segment s in minus the slope of R_y by z' [kg], of two coordinates; square : l^2 [m2]."""
-    return half_density(chain, s) / rest_length(chain, s) * (y.at_p * z.at_p + y.at_q * z.at_q) * square
+def of_speed(rope, sign, speed):
+    """e mu y^2/2 [N]; sign : e, speed : y [m/s]."""
+    return sign * rope.half * speed * speed
 
 
 @kernel
-def of_speed(chain, s, y, speed):
-    """e mu y^2/2 [N]; speed : y [m/s].  s : the segment at its node."""
-    return y.sign * half_density(chain, s) * speed * speed
+def pulls(rope, chain, part, c, mode, r, u, over_first, over_last):
+    """Part of a segment in R_a and R_b [N] without accelerations, see `Rope`.
 
-
-@kernel
-def pull(chain, s, y, c, mode, r, u, height):
-    """Part of segment s in R_y [N] without accelerations: c : c_p, c_q [m/s]; r [m], r' [m/s]; height : over z_y [m]."""
-    share, rest, half, square = property_of(chain, s, at.SHARE), rest_length(chain, s), half_density(chain, s), dot(r, r)
-    mode = mode if mode != 0.0 else square - rest * rest
-    k, damping = segment.stiffness(chain, s, mode, rest)
-    both = dot(r, u)
-    strained = (0.5 * k * (square - rest * rest) + damping * (both - square * chain.growth)) / rest
-    strained += half * (0.5 * dot(u, u) - 2.0 * chain.gravity * height)
-    product, squares = y.at_p * c[0] + y.at_q * c[1], c[0] * c[0] + c[1] * c[1]
-    flow = product * (2.0 * both - square * chain.growth) + 0.5 * y.sign * squares / chain.length * square
-    return y.sign * share * strained - half / rest * flow
+    part : w_p.  c : c_p, c_q [m/s].  r [m], r' [m/s].  over_first, over_last : its mean height over the first and over the
+    last node [m].
+    """
+    square, both = dot(r, r), dot(r, u)
+    is_taut = mode > 0.0 or (mode == 0.0 and square > rope.rest * rope.rest)
+    k, damper = (rope.taut, rope.taut_damper) if is_taut else (rope.slack, rope.slack_damper)
+    strained = (0.5 * k * (square - rope.rest * rope.rest) + damper * (both - square * chain.growth)) / rope.rest
+    strained += 0.5 * rope.half * dot(u, u)
+    weight = 2.0 * rope.half * chain.gravity
+    of_a, of_both = part * c[0] + (part - rope.share) * c[1], c[0] + c[1]
+    turned, squares = 2.0 * both - square * chain.growth, 0.5 * (c[0] * c[0] + c[1] * c[1]) / chain.length * square
+    of_flow = rope.half / rope.rest
+    return (
+        rope.share * (strained - weight * over_first) - of_flow * (of_a * turned + squares),
+        -rope.share * (strained - weight * over_last) - of_flow * ((of_both - of_a) * turned - squares),
+    )
 
 
 @kernel

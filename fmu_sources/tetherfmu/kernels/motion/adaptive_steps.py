@@ -53,7 +53,8 @@ from ..points.system_room import (
 )
 from ..points.system_step import apply_changes, collect_changes, whole_masses
 from .pieces import MOST_IDLE, accept_drum, begin_drums, drum_error, error_of_drum, part_to_event, project_drums, turn_drums
-from .running_ropes import accept_ropes, begin_ropes, error_of_rope, part_to_rope_event, turn_ropes
+from .rope_directions import turn_ropes
+from .running_ropes import accept_ropes, begin_ropes, error_of_rope, part_to_rope_event
 
 
 @kernel

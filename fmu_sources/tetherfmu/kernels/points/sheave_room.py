@@ -43,6 +43,7 @@ from ..flat_arrays import part
     GAIN,  # u' [m/s2] of a stage
     RIGHT,  # right-hand side of a stage [N]
     RATE,  # explicit time derivative of its equation [N/s]
+    FORCE,  # on its point, if that is free, at a stage but for what sheaves that gain speed add [N]
     BEHIND,  # e_1 and e_2 at a stage, see `sheaves.py`
     AHEAD,
     OF_BEHIND,  # slopes of its equation by -R_b of the portion before and by R_a of that behind it at the start of the step
@@ -66,13 +67,14 @@ from ..flat_arrays import part
     WINCH,  # coefficients of the length that a winch pays out into the first portion, see `winch.py`
     _,
     NUMBERS,
-) = places_of(*[1] * 20, 2, *[1] * 6, 2, 3, 3, 2, 4, 2, 5, 1)
+) = places_of(*[1] * 14, 3, *[1] * 6, 2, *[1] * 6, 2, 3, 3, 2, 4, 2, 5, 1)
 
 BORDER, PULLED, BY_SPEED, BY_VELOCITY, ROW = range(5)  # arrays of 3 (n + 1) numbers, each of a and of b:
 # col at the start of the step and at a stage [kg], slopes of the forces by the rate [N s/m], R_v [N s/m], row of the matrix
 ARRAYS = 10
 FORCE_BY_LENGTH = ARRAYS  # slopes of the forces by L [N/m]
-SOLUTIONS = ARRAYS + 1  # of the column of each sheave
+ACCELERATIONS = ARRAYS + 1  # of the nodes at a stage [m/s2]
+SOLUTIONS = ARRAYS + 2  # of the column of each sheave
 
 
 @kernel
@@ -105,7 +107,7 @@ def array_at(system, k, which, side):
 
 @view
 def single_at(system, k, which):
-    """FORCE_BY_LENGTH of portion k, or SOLUTIONS + j: of the column of sheave number j in line k."""
+    """FORCE_BY_LENGTH or ACCELERATIONS of portion k, or SOLUTIONS + j: of the column of sheave number j in line k."""
     size = 3 * (segments_of(system, k) + 1)
     first = number_of_line(system, k, places.PORTION_WORK) + NUMBERS
     return part(system.work, first + size * which, size)

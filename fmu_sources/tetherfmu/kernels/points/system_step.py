@@ -39,7 +39,7 @@ from ..linear_algebra import condensed
 from ..linear_algebra.both_ends import add_to_node, get_node
 from ..linear_algebra.point_blocks import factorize_blocks, solve_blocks
 from ..linear_algebra.vectors import add_scaled, get, put, scale, sub
-from . import rope_drums, sheave_border, sheaves, system_drums
+from . import rope_drums, sheave_border, sheave_slopes, sheave_stages, system_drums
 from .at_points import place_matrix, take_ends
 from .sheave_room import is_any_running, is_running, portion_gaining
 from .system_drums import chain_at_start, chain_in_step
@@ -69,7 +69,7 @@ def prepare(system, time, h):
     clear(points.mass)
     clear(points.mass_rate)
     with_sheaves = is_any_running(system)
-    if with_sheaves and not sheaves.go_to_stage(system, 0, time, h):
+    if with_sheaves and not sheave_stages.go_to_stage(system, 0, time, h):
         return False
     for k in range(lines_of(system)):
         if moves(system, k):
@@ -113,14 +113,14 @@ def begin_sheaves(system, time, h):
         if moves(system, k) and not start_stage(system, k, 0, time, h):
             return False
     stage_masses(system)
-    sheaves.accelerate(system, 0, time)
+    sheave_stages.accelerate(system, 0, time)
     for k in range(lines_of(system)):
         if is_running(system, k):
             w = integrator_of(system, k)
-            sheave_border.form_slopes(system, k, time)
+            sheave_slopes.form_slopes(system, k, time)
             rosenbrock.add_acceleration(conditions_of(system, k), portion_gaining(system, k, 0.0), time, h, w)
             if not comes_from(system, k):
-                sheave_border.add_winch_rates(system, k, time, w)
+                sheave_slopes.add_winch_rates(system, k, time, w)
     return True
 
 
@@ -258,7 +258,7 @@ def solve_stages(system, time, h):
     """
     reels, with_rope, with_sheaves = is_any_reeling(system), is_any_turning_with_rope(system), is_any_running(system)
     for stage in range(STAGES):
-        if with_sheaves and stage > 0 and not sheaves.go_to_stage(system, stage, time, h):
+        if with_sheaves and stage > 0 and not sheave_stages.go_to_stage(system, stage, time, h):
             return False
         if stage > 0 or not (with_rope or with_sheaves):  # else it has begun
             for k in range(lines_of(system)):
@@ -269,7 +269,7 @@ def solve_stages(system, time, h):
             if with_rope:
                 rope_drums.accelerate(system, stage, time + ALPHA[stage] * h)
             if with_sheaves:
-                sheaves.accelerate(system, stage, time + ALPHA[stage] * h)
+                sheave_stages.accelerate(system, stage, time + ALPHA[stage] * h)
         if reels:
             share_all_forces(system, stage)
         if stage == 0 and not factorize(system, time, h):
@@ -345,7 +345,7 @@ def step(system, time, h):
     """
     if not prepare(system, time, h) or not solve_stages(system, time, h):
         return False
-    if is_any_running(system) and not sheaves.take_lengths(system, time, time + h):
+    if is_any_running(system) and not sheave_stages.take_lengths(system, time, time + h):
         return False
     for k in range(lines_of(system)):
         if moves(system, k):

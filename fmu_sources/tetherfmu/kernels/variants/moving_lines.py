@@ -30,7 +30,7 @@ from ..equations.rope_at_drum import feels_rope
 from ..line import step_control
 from ..line.backward_euler import FixedSteps, given_steps
 from ..line.moving_drum import Instant
-from ..motion import adaptive_steps, fallback, fixed_steps, running_ropes
+from ..motion import adaptive_steps, fallback, fixed_steps, rope_states
 from ..points import drum_tension, system_room
 from ..rest import compressed_chain, end_tensions
 from ..step.plausibility import note_pressing, note_stiff_and_slack, note_unconverged
@@ -109,7 +109,7 @@ def end_drums(system, step):
     At the end of a communication step [s], of which all lines have their states.
     """
     if has_sheaves(system):
-        running_ropes.end_ropes(system, step)
+        rope_states.end_ropes(system, step)
     for k in range(lines_of(system)):
         if system_room.has_drum(system, k) and feels_rope(parameters_of(system, k)):
             state, (length, speed) = state_of(system, k), system_room.length_of(system, k)

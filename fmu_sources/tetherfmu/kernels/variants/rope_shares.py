@@ -29,7 +29,6 @@ from ..equations.lines import (
 )
 from ..equations.properties import chain_without_flow, property_in, property_of, put_property, rest_length
 from ..equations.rope_at_drum import tension_of
-from ..equations.rope_at_sheave import IN, OUT
 from ..linear_algebra import small_matrix
 from ..linear_algebra.vectors import ZERO_VECTOR, norm, sub, vector_at
 from ..points import sheave_room as at_sheave
@@ -114,13 +113,15 @@ def end_tensions_at_rest(n, parameters, state):
         half = rope.half_density(chain, 0) * rest_length(chain, 0) * chain.gravity
         at_end = vector_at(state, at.KITE_TENSION_VECTOR)
         return norm(held) - half * held[2] / norm(held), norm(at_end) + half * at_end[2] / norm(at_end)
+    own = rope.rope_of(chain)
     for s in range(n):
         x_p, x_q = vector_at(state, x + 3 * s), vector_at(state, x + 3 * s + 3)
-        r, height = sub(x_q, x_p), segment.mean_height(x_p, x_q)
-        a, b = rope.passing(chain, s, part, IN), rope.passing(chain, s, part, OUT)
-        pull_a += rope.pull(chain, s, a, (0.0, 0.0), segment.BY_LENGTH, r, ZERO_VECTOR, height - lowest)
-        pull_b += rope.pull(chain, s, b, (0.0, 0.0), segment.BY_LENGTH, r, ZERO_VECTOR, height - highest)
-        part -= property_of(chain, s, at.SHARE)
+        r, height, still = sub(x_q, x_p), segment.mean_height(x_p, x_q), (0.0, 0.0)
+        over = height - lowest, height - highest
+        of_a, of_b = rope.pulls(own, chain, part, still, segment.BY_LENGTH, r, ZERO_VECTOR, *over)
+        pull_a += of_a
+        pull_b += of_b
+        part -= own.share
     stiffness = property_of(chain, 0, at.STIFFNESS)
     return tension_of(stiffness, pull_a), tension_of(stiffness, -pull_b)
 
