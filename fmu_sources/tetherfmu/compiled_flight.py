@@ -117,8 +117,8 @@ def _in_pieces(instance, inputs, step, winds, every, outputs, skip):
 
 def put_node_winds(instance, winds, line=0):
     """Give a line of an `Instance` (modified) the wind at each node [m/s], array (segments + 1, 3)."""
-    parameters, end = np.frombuffer(instance.parameters_of(line)), at.parameters_size(instance.counts[line])
-    parameters[end - winds.size : end] = winds.T.ravel()
+    parameters, first = np.frombuffer(instance.parameters_of(line)), at.node_winds_at(instance.counts[line])
+    parameters[first : first + winds.size] = winds.T.ravel()
     parameters[at.WIND_PROFILE] = at.AT_NODES
 
 

@@ -69,6 +69,10 @@ class Energy:
         "heat in the ground where nodes sink into it or leave it; its elastic energy is part of `potential`"
     )
     sliding_loss: float = _power("heat of the friction on the ground; at least 0")
+    broken: float = _energy(
+        "lost with the spring of the segment that broke, less that of the half particle which a driven end leaves to the "
+        "tether when it lets go; 0 before"
+    )
 
     @property
     def total(self) -> float:
@@ -100,12 +104,13 @@ def account(instance, line=0, **given):
     for name, value in {**known, **{name: value for name, value in given.items() if value is not None}}.items():
         columns[name][:] = value
     segments = instance.counts[line]
-    places = np.cumsum((len(fields(Energy)), segments))
-    found = np.zeros(places[-1] + 3 * (segments + 1))
+    more = int(state[at.LET_GO])  # a segment that holds nothing
+    places = np.cumsum((len(fields(Energy)), segments, more))
+    found = np.zeros(places[1] + 1 + 3 * (segments + 2))
     plan, parameters, state_at, work = map(address, (instance.plan, instance.parameters, instance.state, instance.work))
     instance.kernels.energy(plan, parameters, inputs.ctypes.data, line, state_at, found.ctypes.data, work)
-    energies, tensions, velocities = np.split(found, places)
-    return Energy(*energies.tolist()), tensions, velocities.reshape(-1, 3)
+    energies, tensions, _, velocities = np.split(found, places)
+    return Energy(*energies.tolist()), tensions, velocities[: 3 * (segments + 1)].reshape(-1, 3)
 
 
 class EnergyAudit:
@@ -153,9 +158,12 @@ class EnergyAudit:
 
     @property
     def residual(self) -> float:
-        """Energy from nowhere [J]: change of the total energy since the start minus the work of all powers."""
+        """Energy from nowhere [J]: change of the total energy since the start minus the work of all powers.
+
+        What a segment that broke has lost is accounted for.
+        """
         work = Energy(**{field.name: self.work.get(field.name, 0.0) for field in fields(Energy)})
-        return self.now.total - self.start.total - work.power
+        return self.now.total + self.now.broken - self.start.total - self.start.broken - work.power
 
     @property
     def drum_residual(self) -> float:

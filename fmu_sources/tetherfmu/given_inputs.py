@@ -42,6 +42,8 @@ class Inputs(TypedDict, total=False):
         reels in.
     winch_length : float
         Unstretched length [m] that the winch should have paid out, with `winch_control` = length; 0: `initial_length`.
+    release : bool
+        True lets the tether go at its kite end, at the beginning of the step and for good (dynamic tethers only).
     wind_at : (wind_points, 3) array
         Wind [m/s] at the wind points of a tether that has them, and no other wind.
     """
@@ -51,6 +53,7 @@ class Inputs(TypedDict, total=False):
     kite_load: ArrayLike
     winch_force: float
     winch_length: float
+    release: bool
     wind_at: ArrayLike
 
 
@@ -102,6 +105,8 @@ def put(to, given, at_start=False):
         to.places[start:end] = values
     for name, value in numbers.items():
         check_effect(name, value, to.instance.parameters, at_start)
+    if numbers.get("release") and not to.variant.has_waves:
+        raise ValueError(f"release is {numbers['release']!r} and has no effect: a {to.name} cannot let go")
     if given.get("wind_velocity") is not None:
         _put_wind(to, given["wind_velocity"])
     if given.get(WIND_AT.name) is not None:

@@ -18,6 +18,8 @@ LISTS = {"inputs": (INPUT,), "outputs": CALCULATED, "parameters": (PARAMETER,)}
 KEYS = ("preset", *LISTS, "set")  # of a table [build] of a file
 NONE = "none"
 
+TRUTHS = {"true": 1.0, "false": 0.0, True: 1.0, False: 0.0}  # what people may give to a Boolean, as a number
+
 
 @dataclass(frozen=True)
 class Lean:
@@ -147,6 +149,10 @@ def _starts_of(name, value, given):
 def _number(variable, value):
     """A start value of a variable as a number; ValueError if it is not allowed."""
     declared, name = variable.quantity, variable.name
+    if variable.kind == "Boolean":
+        if value not in TRUTHS:
+            raise ValueError(f"{name} is {value!r}; it must be true or false")
+        return TRUTHS[value]
     value = _number_if_possible(value)
     try:
         number = declared.numbers[value] if value in declared.numbers else in_si(value, declared.unit)

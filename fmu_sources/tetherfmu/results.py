@@ -11,6 +11,7 @@ from tetherfmu.runtime.status import code
 
 SCALARS = tuple(each.name for each in OUTPUT_TABLE if each.shape == SCALAR)
 _COUNTS = tuple((name, PLACES[name]) for name in SCALARS if BY_NAME[name].kind == "Integer")
+_FLAGS = tuple((name, PLACES[name]) for name in SCALARS if BY_NAME[name].kind == "Boolean")
 _NUMBERS = tuple((name, PLACES[name]) for name in SCALARS if BY_NAME[name].kind == "Real")
 _VECTORS = tuple(name for name in PLACES if name not in SCALARS)
 
@@ -21,6 +22,8 @@ def outputs_of(values):
     found = {name: scalars[place] for name, place in _NUMBERS}
     for name, place in _COUNTS:
         found[name] = int(scalars[place])
+    for name, place in _FLAGS:
+        found[name] = scalars[place] != 0.0
     for name in _VECTORS:
         found[name] = _vectors(values, name)
     return Outputs(**found)

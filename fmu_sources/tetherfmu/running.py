@@ -101,8 +101,11 @@ class Running:
     def _motion(self, k=0):
         """View of the positions [m] and velocities [m/s] of the nodes of line k, array (2, segments + 1, 3)."""
         self._check_started()
-        first, segments = self._instance.states_at[k] + at.STATE_HEADER, self._instance.counts[k]
-        return np.frombuffer(self._instance.state)[first : first + 6 * (segments + 1)].reshape(2, segments + 1, 3)
+        state, segments = self._instance.states_at[k], self._instance.counts[k]
+        nodes = segments + 1 + int(self._instance.state[state + at.LET_GO])
+        first = state + at.STATE_HEADER
+        moving = np.frombuffer(self._instance.state)[first : first + 6 * nodes].reshape(2, nodes, 3)
+        return moving[:, : segments + 1]
 
     def _warn(self, deeper=0):
         """Warn the caller of a public method of what is implausible, each once since the start.

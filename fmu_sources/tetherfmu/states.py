@@ -27,6 +27,7 @@ _PROPERTIES = {  # of the segments, in words
     at.DAMPING: "axial_damping [N s]",
     at.LINE_DENSITY: "mass per length [kg/m]",
     at.DRAG_WIDTH: "drag_coefficient times diameter [m]",
+    at.STRENGTH: "breaking_force [N]",
 }
 
 
@@ -54,7 +55,8 @@ def take(variant, instance, state):
             raise ValueError(f"state belongs to another tether: its {name} is {theirs:g}, that of this one {ours:g}")
     _take_own(instance, array("d", own))
     instance.values[: instance.outputs_at] = array("d", inputs)
-    winds = slice(at.parameters_size(instance.segments) - 3 * (instance.segments + 1), None)
+    first = at.node_winds_at(instance.segments)
+    winds = slice(first, first + 3 * (instance.segments + 1))
     parameters[winds], parameters[at.WIND_PROFILE] = its_parameters[winds], its_parameters[at.WIND_PROFILE]
 
 

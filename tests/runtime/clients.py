@@ -74,7 +74,9 @@ def description_of(path):
 def variables(path):
     """Of an FMU: value references by name; names of the Real and of the Integer variables that it calculates."""
     description = description_of(path)
-    references = {variable.name: variable.valueReference for variable in description.modelVariables}
+    references = {
+        variable.name: variable.valueReference for variable in description.modelVariables if variable.type != "Boolean"
+    }
     outputs = [variable for variable in description.modelVariables if variable.causality in ("output", "local")]
     reals, integers = ([output.name for output in outputs if output.type == kind] for kind in ("Real", "Integer"))
     return references, reals, integers

@@ -62,6 +62,11 @@ def names_of(host, causality):
     return [variable.name for variable in host.description.modelVariables if variable.causality == causality]
 
 
+def reals_of(host, causality):
+    """Names of those that are numbers, not Booleans."""
+    return [name for name in names_of(host, causality) if host.kind[name] != "Boolean"]
+
+
 class _Loaded:
     """Slaves of FMPy that look once at the types of all functions, which takes longer than a hundred steps."""
 

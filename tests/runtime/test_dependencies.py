@@ -83,6 +83,8 @@ def other_value(host, known):
     if known.declaredType is not None:
         numbers = [int(item.value) for item in known.declaredType.items]
         return numbers[(numbers.index(value) + 1) % len(numbers)]
+    if known.type == "Boolean":
+        return not value
     if known.type == "Integer":
         return value + 2
     if known.name == "slack_damping_ratio":
@@ -93,7 +95,7 @@ def other_value(host, known):
 def values(host, outputs):
     """Values of some outputs, read by one call for each type."""
     found = {}
-    for kind, get in (("Real", host.fmu.getReal), ("Integer", host.fmu.getInteger)):
+    for kind, get in (("Real", host.fmu.getReal), ("Integer", host.fmu.getInteger), ("Boolean", host.fmu.getBoolean)):
         names = [name for name in outputs if host.kind[name] == kind]
         found |= zip(names, get([host.reference[name] for name in names]), strict=True)
     return [found[name] for name in outputs]

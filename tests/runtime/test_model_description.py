@@ -17,11 +17,11 @@ VECTORS = {"input": ["ground_position", "ground_velocity", "wind_velocity"], "ou
 DRIVEN = {"input": ["kite_position", "kite_velocity"], "output": []}
 FREE = {"input": ["kite_load"], "output": ["kite_position", "kite_velocity"]}
 SCALARS = {
-    "input": ["reel_out_speed", "winch_force", "winch_length"],
+    "input": ["reel_out_speed", "winch_force", "winch_length", "release"],
     "output": [
         *("ground_tension", "kite_tension", "max_tension", "tether_length", "ground_elevation", "ground_azimuth"),
         *("slack_segments", "kite_end_mass", "kite_stiffness", "kite_damping", "wave_time", "sag"),
-        *("winch_speed", "grounded_length", "peak_tension"),
+        *("winch_speed", "grounded_length", "peak_tension", "broken", "break_time"),
     ],
     "local": ["solver_steps", "solver_rejections", "solver_iterations", "solver_iteration_limit", "fallback_steps"],
 }
@@ -37,6 +37,7 @@ PARAMETERS = {  # name: (start, unit), as the page says
     "slack_damping_ratio": ("1", None),
     "damping_law": ("1", None),
     "drag_coefficient": ("0.958", None),
+    "breaking_force": ("0", "N"),
     "air_density": ("1.225", "kg/m3"),
     "air_density_scale_height": ("0", "m"),
     "gravity": ("9.81", "m/s2"),

@@ -6,7 +6,7 @@ from importlib.metadata import PackageNotFoundError, distribution, metadata
 
 from tetherfmu import models
 from tetherfmu.fmi import selection
-from tetherfmu.fmi.model_description import number_text
+from tetherfmu.fmi.model_description import start_text
 from tetherfmu.fmi.resources import DEFAULT_OPTIONS
 from tetherfmu.libraries.sources import PACKAGE
 from tetherfmu.runtime import __version__
@@ -182,7 +182,7 @@ def start(each):
     """Start value of a variable or of a vector of them; of the points of a tether the first and the last."""
     if len(each) > 3:
         return f"{start(each[:3])} to {start(each[-3:])}"
-    return ", ".join(number_text(variable.start) for variable in each)
+    return ", ".join(start_text(variable) for variable in each)
 
 
 def allowed(each):

@@ -60,7 +60,8 @@ class BaseSlave(Fmi2Slave):
             if variable.start is not None:
                 values[reference] = variable.start
         self._reals = self._all(lambda variable: variable.kind == "Real")
-        self._integers = frozenset(references) - self._reals
+        self._booleans = self._all(lambda variable: variable.kind == "Boolean")
+        self._integers = frozenset(references) - self._reals - self._booleans
         self._inputs = self._all(lambda variable: variable.causality == INPUT)
         self.output_places = self._all(lambda variable: variable.causality in CALCULATED)
 
@@ -177,18 +178,20 @@ class BaseSlave(Fmi2Slave):
         self._set_parameters(vrs, values, self._integers)
 
     def get_boolean(self, vrs):
-        """There are no Boolean variables."""
-        return [False for _ in self._get(vrs, frozenset())]
+        """Values of Boolean variables."""
+        return [value == value and value != 0.0 for value in self._get(vrs, self._booleans)]
 
     def get_string(self, vrs):
         """There are no String variables."""
         return [str(value) for value in self._get(vrs, frozenset())]
 
     def set_boolean(self, vrs, values):
-        """There are no Boolean variables, and no String variables."""
-        self._set_parameters(vrs, values, frozenset())
+        """Store values of Boolean inputs."""
+        self._set_parameters(vrs, [float(bool(value)) for value in values], self._booleans)
 
-    set_string = set_boolean
+    def set_string(self, vrs, values):
+        """There are no String variables."""
+        self._set_parameters(vrs, values, frozenset())
 
     def _get(self, vrs, allowed):
         """Values of allowed references, NaN where that fails: PythonFMU's library gives importers no status for it."""

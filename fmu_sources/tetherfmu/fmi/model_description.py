@@ -79,6 +79,13 @@ def number_text(value):
     return repr(int(value)) if float(value).is_integer() and abs(value) < _LARGEST_EXACT else repr(float(value))
 
 
+def start_text(variable):
+    """Start value of a variable as text."""
+    if variable.kind == "Boolean":
+        return "true" if variable.start else "false"
+    return number_text(variable.start)
+
+
 def variables(table, references):
     """ModelVariables of a table of variables with these value references."""
     element = Element("ModelVariables")
@@ -162,7 +169,7 @@ def attributes(name, reference, meaning, elements):
     limits = {"min": declared.minimum, "max": declared.maximum}
     found |= {key: number_text(limit) for key, limit in limits.items() if abs(limit) < inf}
     if first.start is not None:
-        found["start"] = " ".join(number_text(each.start) for each in elements)
+        found["start"] = " ".join(start_text(each) for each in elements)
     return found
 
 

@@ -20,6 +20,11 @@ class Portion(NamedTuple):
     is_portion: bool
 
     @property
+    def tethers(self):
+        """Tethers in series of the whole line, where the record has them."""
+        return self.line.tethers
+
+    @property
     def ends(self):
         """Pairs of the end of a tether, "ground" or "kite", and the point there."""
         return ("ground", self.start), ("kite", self.end)

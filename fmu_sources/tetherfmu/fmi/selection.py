@@ -11,6 +11,7 @@ from ..runtime.variables import PARAMETER
 GROUPS = {
     "motion": "the ends, free points and loads",
     "forces": "forces and tensions",
+    "breaking": "breaking and letting go",
     "tether": "material and segments",
     "winch": "winch and length",
     "wind": "wind, air and gravity",

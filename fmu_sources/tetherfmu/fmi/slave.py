@@ -139,14 +139,8 @@ class TetherSlave(BaseSlave):
         return *pack_lines(self._instance.kernels, lines, tolerance, int(self._kite_is_free)), sought
 
     def _set_up(self, packed):
-        """Make the arrays of the instance, and find where the motion of free points stands there."""
-        instance = self._instance
-        instance.set_up(*packed)
-        self._motion = []
-        for reference, k, is_end, component in self._wiring.motion:
-            what, axis = divmod(component, 3)
-            node = (instance.counts[k] + 1) * what + instance.counts[k] * is_end
-            self._motion.append((reference, instance.states_at[k] + layout.STATE_HEADER + 3 * node + axis))
+        """Make the arrays of the instance."""
+        self._instance.set_up(*packed)
 
     def _give(self):
         """Put the inputs of a system into the array of the kernels."""
@@ -154,18 +148,31 @@ class TetherSlave(BaseSlave):
             given, values = self._instance.values, self.values
             for place, reference, _, _ in self._wiring.inputs:
                 given[place] = values[reference]
+            for place, *_ in self._wiring.held:
+                given[place] = 0.0
+            for place, reference, _, _, factor in self._wiring.held:
+                given[place] += factor * values[reference]
 
     def _shown(self, problem):
         """Put the outputs of a system into the values, if nothing is wrong; returns what is."""
         if problem or self._is_direct:
             return problem
         values, found, state = self.values, self._instance.values, self._instance.state
+        first = self._instance.outputs_at
         for reference, place in self._alone:
             values[reference] = found[place]
         for reference, places in self._sums:
             values[reference] = sum(found[place] for place in places)
-        for reference, place in self._motion:
-            values[reference] = state[place]
+        for reference, *_ in self._wiring.turned:
+            values[reference] = 0.0
+        for reference, place, factor, less in self._wiring.turned:
+            values[reference] += factor * (found[first + place] - (0.0 if less < 0 else values[less]))
+        for reference, k, is_end, component in self._wiring.motion:
+            own = self._instance.states_at[k]
+            segments = self._instance.counts[k] + int(state[own + layout.LET_GO])
+            what, axis = divmod(component, 3)
+            node = (segments + 1) * what + segments * is_end
+            values[reference] = state[own + layout.STATE_HEADER + 3 * node + axis]
         return problem
 
     # --- state

@@ -37,14 +37,25 @@ OF_A_LINE = {  # outputs of a tether that a line has, and their names there
     "peak_tension": "peak_tension",
     "slack_segments": "slack_segments",
     "grounded_length": "grounded_length",
+    "broken": "broken",
+    "break_time": "break_time",
 }
 MEANINGS = {
     "tension_from": "tension of the first segment, at {}; with winch_control = force where the line leaves the winch",
     "tension_to": "tension of the last segment, at {}",
 }
+TOLD = {  # inputs of shared winches
+    "reel_out_speed": "speed at which {} pays out a line with the ratio 1; positive pays out",
+    "winch_length": "length of a line with the ratio 1 that {} should have paid out since the start",
+}
+TURNED = {  # their outputs: the output of a tether that they are made of
+    "winch_speed": ("winch_speed", "reel-out speed of a line with the ratio 1"),
+    "payout": ("tether_length", "length of a line with the ratio 1 that it has paid out since the start"),
+}
 SUMMED = ("solver_iterations",)  # of all lines; the others are those of the first line
 GIVEN_TO_ALL = inputs_at("wind")  # vectors that all lines share
-GIVEN = inputs_at("winch")  # inputs of a tether that a line has
+GIVEN = inputs_at("winch")  # inputs of a tether that a line has: of its winch
+RELEASE = "release"  # and the one with which it lets go
 MOTION = inputs.BY_NAME["kite_load"].group  # of variables of points
 HASH_DIGITS = 8  # hexadecimal: with them the name of a structure has the 15 letters that a saved state has room for
 
@@ -90,8 +101,23 @@ class Line:
 
 
 @dataclass(frozen=True)
+class SharedWinch:
+    """A winch that holds several lines of a system, see `systems/shared_winches.py`: its name and its input.
+
+    ratios : pairs of a line and its ratio.  shares : pairs of a line and what it counts in the payout.  reel_out_speed : at
+    the start.
+    """
+
+    name: str
+    input: str
+    ratios: tuple
+    shares: tuple
+    reel_out_speed: float = 0.0
+
+
+@dataclass(frozen=True)
 class Structure:
-    """Points and lines of a system, and what does not change while it runs.
+    """Points, lines and shared winches of a system, and what does not change while it runs.
 
     free : names of the free points in the order of their matrix, and band : its band, see `systems/ordering.py`.
     starts : start values of quantities of the whole system, dict by name, where they are not the defaults.
@@ -103,6 +129,11 @@ class Structure:
     free: tuple
     band: int
     starts: dict
+    winches: tuple = ()
+
+    def holding(self, line):
+        """The shared winches that hold a line with this name."""
+        return [each for each in self.winches if line in dict(each.ratios)]
 
     @property
     def has_wind_points(self):
@@ -116,6 +147,8 @@ class Structure:
         facts.append([(line.name, line.start, line.end, line.shape_points) for line in self.lines])
         if self.has_wind_points:
             facts.append([line.wind_points for line in self.lines])
+        if self.winches:
+            facts.append([(each.name, each.input, each.ratios) for each in self.winches])
         return f"system_{hashlib.sha256(json.dumps(facts).encode()).hexdigest()[:HASH_DIGITS]}"
 
 
@@ -123,7 +156,8 @@ def structure_of(given):
     """`Structure` of what `dataclasses.asdict` makes of one, or of what JSON holds of that."""
     points = tuple(Point(**each) for each in given["points"])
     lines = tuple(Line(**each) for each in given["lines"])
-    return Structure(**{**given, "points": points, "lines": lines, "free": tuple(given["free"])})
+    winches = tuple(SharedWinch(**each) for each in given["winches"])
+    return Structure(**{**given, "points": points, "lines": lines, "winches": winches, "free": tuple(given["free"])})
 
 
 def input_name(name, line):
@@ -134,7 +168,8 @@ def input_name(name, line):
     for end, point in zip(ENDS, (line.start, line.end), strict=True):
         if name.startswith(f"{end}_"):
             return f"{point}.{name.removeprefix(f'{end}_')}"
-    return f"{line.name}.{name}" if name in GIVEN or name.startswith(inputs.WIND_AT.name) else name
+    is_own = name in (*GIVEN, RELEASE) or name.startswith(inputs.WIND_AT.name)
+    return f"{line.name}.{name}" if is_own else name
 
 
 # --- the table
@@ -160,11 +195,20 @@ def _inputs(structure):
             declared = Quantity(each.unit, f"{what} of {point.name}")
             yield from _vector(f"{point.name}.{what}", INPUT, declared, each.group, start)
     for line in structure.lines:
-        for name in GIVEN:
+        for name in () if structure.holding(line.name) else GIVEN:
             declared = inputs.BY_NAME[name]
             quantity = Quantity(declared.unit, f"{declared.meaning}; of {line.name}, whose winch is at {line.start}")
             start = line.starts.get(name, declared.start[0])
             yield Variable(f"{line.name}.{name}", INPUT, "Real", quantity, 0, start, group=declared.group)
+    for winch in structure.winches:
+        declared = inputs.BY_NAME[winch.input]
+        quantity = Quantity(declared.unit, TOLD[winch.input].format(winch.name))
+        start = getattr(winch, winch.input, declared.start[0])
+        yield Variable(f"{winch.name}.{winch.input}", INPUT, "Real", quantity, 0, start, group=declared.group)
+    for line in structure.lines:
+        declared = inputs.BY_NAME[RELEASE]
+        quantity = Quantity("", _RELEASE.format(line))
+        yield Variable(f"{line.name}.{RELEASE}", INPUT, declared.kind, quantity, 0, 0.0, group=declared.group)
     for each in (inputs.BY_NAME[name] for name in GIVEN_TO_ALL):
         for variable in _vector(each.name, INPUT, Quantity(each.unit, each.meaning), each.group, each.start):
             yield without_effect(variable, structure.has_wind_points, each.name)
@@ -175,6 +219,7 @@ def _inputs(structure):
             yield Variable(name, INPUT, "Real", quantity, 0, 0.0, group=inputs.WIND_AT.group)
 
 
+_RELEASE = "{0.name} lets go of {0.end}, at the beginning of the first step with true, for good"
 _LOAD = "external force on {}: aerodynamics, control; not its weight"
 _START = "start of {}"
 _STARTS = {
@@ -200,18 +245,20 @@ def _parameters(structure):
                 declared = Quantity(unit, f"{what} of {point.name} at the start", -at.LARGEST_INPUT, at.LARGEST_INPUT)
                 yield from _vector(f"{point.name}.initial_{what}", PARAMETER, declared, MOTION, getattr(point, what))
     for line in structure.lines:
-        for each in parameters_of(RECORDS_OF_A_LINE, line.starts):
+        for each in parameters_of((Tether,) if structure.holding(line.name) else RECORDS_OF_A_LINE, line.starts):
             yield replace(each, name=f"{line.name}.{each.name}")
 
 
-def _dependency(name, structure, line):
-    """Name of an input or parameter that a line depends on; name : that which a tether depends on."""
+def _dependencies(name, structure, line):
+    """Names of inputs and parameters that a line depends on; name : of the one that a tether depends on."""
+    if name in GIVEN and structure.holding(line.name):
+        return [f"{winch.name}.{name}" for winch in structure.holding(line.name)]
     if name in _QUANTITIES_OF_A_LINE:
-        return f"{line.name}.{name}"
+        return [f"{line.name}.{name}"]
     renamed = input_name(name, line)
     point, _, what = renamed.partition(".")
     is_free = any(point == each.name and each.is_free for each in structure.points)
-    return f"{point}.initial_{what}" if is_free else renamed
+    return [f"{point}.initial_{what}" if is_free else renamed]
 
 
 _QUANTITIES_OF_A_LINE = frozenset(name for record in RECORDS_OF_A_LINE for name, _ in quantities(record))
@@ -226,7 +273,7 @@ def _known(structure, line, output, element, known):
     found = depends_on(DYNAMIC, output, element, line.shape_points, line.wind_points)
     if structure.free and any(name.startswith(("kite_position", "ground_position")) for name in found):
         return None
-    named = (_dependency(name, structure, line) for name in found)
+    named = (each for name in found for each in _dependencies(name, structure, line))
     return tuple(name for name in dict.fromkeys(named) if name in known)
 
 
@@ -256,6 +303,13 @@ def _outputs(structure, known):
         yield from _vector(f"{point.name}.force", OUTPUT, declared, at_it[0][1].group, known=found)
     for line in structure.lines:
         yield from _outputs_of_line(structure, line, known)
+    for winch in structure.winches:
+        lines = [line for line in structure.lines if line.name in dict(winch.ratios)]
+        for own, (name, meaning) in TURNED.items():
+            each = outputs.BY_NAME[name]
+            found = _together(_known(structure, line, each, name, known) for line in lines)
+            quantity = replace(each.quantity, meaning=f"{meaning}; of {winch.name}")
+            yield Variable(f"{winch.name}.{own}", OUTPUT, each.kind, quantity, 0, depends_on=found, group=each.group)
     for name in outputs.COUNTERS:
         each = outputs.BY_NAME[name]
         yield Variable(name, each.causality(), each.kind, each.quantity, 0, group=each.group)

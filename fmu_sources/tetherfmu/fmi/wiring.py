@@ -12,7 +12,7 @@ from ..runtime import layout as at
 from ..runtime import outputs
 from ..runtime import plan_layout as plan
 from ..runtime.enumerations import UNIFORM
-from ..runtime.inputs import WIND_AT, components
+from ..runtime.inputs import PLACES, WIND_AT, components
 from ..runtime.instance import Line
 from ..runtime.kernel_library import SYSTEM
 from ..runtime.outputs import COUNTERS
@@ -22,9 +22,10 @@ from ..runtime.variables import INPUT, PARAMETER, input_names, line_of_tether, p
 from ..runtime.variants import BY_NAME, Variant, library_of
 from .portions import all_portions
 from .selection import shown, with_starts
-from .system_variables import OF_A_LINE, OF_THE_SYSTEM, SUMMED, input_name, table_of
+from .system_variables import OF_A_LINE, OF_THE_SYSTEM, SUMMED, TURNED, input_name, table_of
 
 IDLE_PROFILE = "wind_profile has no effect: the wind is that of wind_at"
+CONTROLS = {"reel_out_speed": at.WINCH_BY_SPEED, "winch_length": at.WINCH_BY_LENGTH}  # of lines at shared winches
 FORCES = ("force", "tension_from", "tension_to")  # of a system: on driven points, and of lines at their ends
 
 
@@ -51,6 +52,8 @@ class Wiring(NamedTuple):
     outputs: tuple = ()  # (reference, places): the sum of the numbers there
     motion: tuple = ()  # of free points: (reference, line, 1 at its end, component from 0 to 5)
     starts: tuple = ()  # (place in the plan, reference) of the starts of free points
+    held: tuple = ()  # terms of inputs of lines that shared winches hold: as those of `inputs`, with a factor
+    turned: tuple = ()  # terms of their outputs: (reference, place, factor, reference of what is subtracted)
     checked: tuple = ()  # variables of parameters that the kernel `pack` does not check
     free: tuple = ()  # names of the free points
     band: int = 0  # of their matrix
@@ -102,7 +105,7 @@ def of_system(structure, left_out=(), starts=()):
         **_selection(table, [each.place for each in table], left_out),
         ends=(given, len(table) - fixed, len(table)),
         lines=lines_of(structure),
-        quantities=[_quantities_of(line, own) for line in structure.lines],
+        quantities=[_quantities_of(structure, line, own) for line in structure.lines],
         doubtful=_doubtful([(each.place, each) for each in table[-fixed:]], structure.has_wind_points),
         slack_segments=[own[f"{name}.slack_segments"] for name in names],
         forces=[each.place for each in table if each.name.rpartition(".")[2].partition("[")[0] in FORCES],
@@ -111,6 +114,8 @@ def of_system(structure, left_out=(), starts=()):
         carried=[[own[f"{point}.mass"] if point else -1 for point in points] for points in carried(structure)],
         outputs=tuple(_outputs_of(structure, own)),
         motion=tuple(_motion_of(structure, own)),
+        held=tuple(_held_of(structure, own)),
+        turned=tuple(_turned_of(structure, own)),
         starts=tuple(_starts_of(structure, own)),
         checked=tuple(each for each in table[-fixed:] if each.name.partition(".")[0] in structure.free),
         free=structure.free,
@@ -144,14 +149,17 @@ def _selection(table, references, left_out):
 def lines_of(structure):
     """`instance.Line` of each line of a system, a tuple.
 
-    structure : has `lines`, with `name`, `start`, `through`, `end`, `shape_points` and `wind_points`, and `free`.
+    structure : has `lines`, with `name`, `start`, `through`, `end`, `shape_points` and `wind_points`, `free` and `winches`.
     A line that runs over sheaves is one for each of its portions.
     """
     number = {name: k for k, name in enumerate(structure.free)}
     return tuple(
         Line(
             each.name,
-            tuple(input_name(name, each) for name in input_names(each.line.wind_points)),
+            tuple(
+                (told_by(structure.winches, each.line, name) if each.number == 0 else None) or input_name(name, each)
+                for name in input_names(each.line.wind_points)
+            ),
             each.line.shape_points,
             each.line.wind_points,
             *(number.get(name, plan.DRIVEN) for name in (each.start, each.end)),
@@ -160,6 +168,11 @@ def lines_of(structure):
         )
         for each in all_portions(structure.lines)
     )
+
+
+def told_by(winches, line, name):
+    """Names of the inputs of shared winches that make an input of a line, "" if none does."""
+    return " and ".join(f"{each.name}.{name}" for each in winches if each.input == name and line.name in dict(each.ratios))
 
 
 def carried(structure):
@@ -175,28 +188,53 @@ def carried(structure):
     return found
 
 
-def _quantities_of(line, places):
+def _quantities_of(structure, line, places):
     """Quantities of a line; what the system has no variable for has its default. places : references by name, as below."""
     found = []
+    control = {CONTROLS[winch.input] for winch in structure.holding(line.name)}
     for record in (Tether, *OF_THE_SYSTEM[:2], Winch, Ground):
         for item in fields(record):
             own = item.name if record in OF_THE_SYSTEM else f"{line.name}.{item.name}"
-            found.append((item.name, places.get(own, -1), item.default))
+            default = max(control) if control and item.name == "winch_control" else item.default
+            found.append((item.name, places.get(own, -1), default))
     return found
 
 
 def _inputs_of(structure, places):
     """Rows of inputs; free points have the motion of their start there."""
-    found, first = [], 0
+    found, first, winches = [], 0, [each.name for each in structure.winches]
     for k, line in enumerate(lines_of(structure)):
         for own, name in enumerate(line.inputs):
             point, _, what = name.partition(".")
             name = f"{point}.initial_{what}" if point in structure.free else name
-            if name in places:
+            if name in places and point not in winches:
                 found.append((first + own, places[name], k, own))
         first += len(line.inputs)
     loads = [name for point in structure.free for name in components(f"{point}.load", 3)]
     return found + [(first + own, places[name], -1, own) for own, name in enumerate(loads)]
+
+
+def _held_of(structure, places):
+    """Terms of inputs of lines that shared winches hold: `winch_length` begins with the initial length."""
+    first = 0
+    for k, line in enumerate(lines_of(structure)):
+        for winch in structure.holding(line.name):
+            own = PLACES[winch.input]
+            if winch.input == "winch_length" and winch is structure.holding(line.name)[0]:
+                yield first + own, places[f"{line.name}.initial_length"], k, own, 1.0
+            yield first + own, places[f"{winch.name}.{winch.input}"], k, own, float(dict(winch.ratios)[line.name])
+        first += len(line.inputs)
+
+
+def _turned_of(structure, places):
+    """Terms of the outputs of shared winches."""
+    firsts = accumulate((at.outputs_size(line.shape_points) for line in structure.lines), initial=0)
+    firsts = dict(zip((line.name for line in structure.lines), firsts, strict=False))
+    for winch in structure.winches:
+        for own, (name, _) in TURNED.items():
+            for line, share in winch.shares:
+                less = places[f"{line}.initial_length"] if name == "tether_length" else -1
+                yield places[f"{winch.name}.{own}"], firsts[line] + outputs.PLACES[name], float(share), less
 
 
 def _outputs_of(structure, places):

@@ -22,6 +22,12 @@ def places_of(*sizes):
     return tuple(accumulate(sizes, initial=0))
 
 
+@kernel
+def nodes_end(n):
+    """Place behind the nodes in a state."""
+    return at.STATE_HEADER + 6 * (n + 1)
+
+
 SEGMENT_RECORD = 35  # numbers of the derivatives of one segment, see `equations/segment.py`
 
 

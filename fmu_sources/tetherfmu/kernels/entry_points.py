@@ -17,9 +17,9 @@ from tetherfmu.runtime.status import OK
 from tetherfmu.runtime.variants import BY_NAME, DYNAMIC
 
 from . import packing
-from .arrays import copy, parameters_size
+from .arrays import copy, parameters_size, positions_and_velocities
 from .compilation import kernel, view
-from .equations.lines import System, lines_of, nodes_of, outputs_of_line, segments_of
+from .equations.lines import System, lines_of, outputs_of_line, segments_of, state_of
 from .flat_arrays import flat, part
 from .linear_algebra.vectors import norm, vector_at
 from .step import power_balance
@@ -69,9 +69,11 @@ def entry_points(lines):
         """Motion of all nodes into a row of a flight (modified), behind its outputs."""
         place = outputs
         for k in range(lines_of(system)):
-            nodes = nodes_of(system, k)
-            copy(nodes, part(kept, place, len(nodes)))
-            place += len(nodes)
+            state, size = state_of(system, k), 3 * (segments_of(system, k) + 1)
+            x, v = positions_and_velocities(segments_of(system, k) + int(state[at.LET_GO]), state)
+            copy(part(x, 0, size), part(kept, place, size))
+            copy(part(v, 0, size), part(kept, place + size, size))
+            place += 2 * size
 
     def segments(tethers, quantities):
         """Number of segments of tethers in series with these quantities, see `packing`; 0 if it is unknown."""
@@ -126,7 +128,7 @@ def entry_points(lines):
         observed = size + count if outputs != at.NEVER else 0
         width = observed
         for k in range(count):
-            width += len(nodes_of(system, k))
+            width += 6 * (segments_of(system, k) + 1)
         flight = flat(inputs, steps * p[places.INPUTS_SIZE])
         kept = flat(rows, width * (steps // every + 1 if every > 0 else 1))
         row = 0
@@ -151,6 +153,6 @@ def entry_points(lines):
     def energy(plan, parameters, inputs, line, state, energies, work):
         """Energies, powers, tensions and velocities (modified) of a line with wind, reel-out speed and load of `inputs`."""
         system = system_at(plan, parameters, inputs, state, work)
-        return lines.energy(system, line, flat(energies, power_balance.size(segments_of(system, line))))
+        return lines.energy(system, line, flat(energies, power_balance.size(segments_of(system, line) + 1)))
 
     return Kernels(segments, pack, complete, initialize, advance, outputs, fly, energy)

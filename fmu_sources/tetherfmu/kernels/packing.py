@@ -41,6 +41,7 @@ PLACES = np.array([getattr(at, name.upper(), NOWHERE) for name in _NAMES])  # of
 SAME_IN_SERIES = np.array([_NAMES.index(name) for name in OF_THE_WHOLE_CHAIN])
 SEGMENTS, LENGTH, DIAMETER, DENSITY = map(_NAMES.index, ("segments", "initial_length", "diameter", "density"))
 STIFFNESS, DAMPING, DRAG = map(_NAMES.index, ("axial_stiffness", "axial_damping", "drag_coefficient"))
+STRENGTH = _NAMES.index("breaking_force")
 PROFILE, HEIGHT = map(_NAMES.index, ("wind_profile", "wind_reference_height"))
 ROUGHNESS = _NAMES.index("surface_roughness")
 GRAVITY, CONTACT = map(_NAMES.index, ("gravity", "ground_contact"))
@@ -183,6 +184,9 @@ def pack(tethers, kites, quantities, tolerance, has_nodes, has_waves, parameters
             put_property(n, at.DAMPING, s, damping, parameters)
             put_property(n, at.LINE_DENSITY, s, density, parameters)
             put_property(n, at.DRAG_WIDTH, s, drag_width, parameters)
+            if has_waves and quantities[first + STRENGTH] > 0.0:
+                put_property(n, at.STRENGTH, s, quantities[first + STRENGTH], parameters)
+                parameters[at.CAN_BREAK] = 1.0
             s += 1
     if kites > 0:
         parameters[at.KITE_IS_FREE] = 1.0

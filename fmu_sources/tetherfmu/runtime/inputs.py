@@ -32,6 +32,8 @@ class Input:
     scale: str  # one of `SCALES`
     terminal: str = ""  # of FMI 3 and name there, "kite.position"; "" for none
     of: str = EVERY_TETHER  # or DRIVEN_KITE, FREE_KITE
+    kind: str = "Real"  # or "Boolean": 0 or 1 in the array
+    own_group: str = ""  # group of one without terminal
 
     @property
     def size(self):
@@ -42,7 +44,7 @@ class Input:
     def group(self):
         """Group of variables, see `fmi/groups.py`: that of its terminal, of both ends "motion"."""
         terminal = self.terminal.partition(".")[0]
-        return "motion" if terminal in ("kite", "ground") else terminal
+        return self.own_group or ("motion" if terminal in ("kite", "ground") else terminal)
 
 
 INPUT_TABLE = (
@@ -99,6 +101,15 @@ INPUT_TABLE = (
         (0.0,),
         SEGMENT_LENGTH,
         "winch.length",
+    ),
+    Input(
+        "release",
+        "",
+        "the tether lets go at its kite end, at the beginning of the first step with true, for good (dynamic tethers only)",
+        (0.0,),
+        SEGMENT_LENGTH,
+        kind="Boolean",
+        own_group="breaking",
     ),
 )
 # with the build option --wind-points: at each point its wind; behind the inputs of the table in the array

@@ -33,7 +33,16 @@ from .quantities import quantities
 
 # parameters: first the scalars in the order of their records: the place of gravity is GRAVITY; quantities of which the array
 # has something for each segment or node are not there
-_FOR_EACH = ("segments", "diameter", "density", "axial_stiffness", "axial_damping", "drag_coefficient", "kite_mass")
+_FOR_EACH = (
+    "segments",
+    "diameter",
+    "density",
+    "axial_stiffness",
+    "axial_damping",
+    "drag_coefficient",
+    "breaking_force",
+    "kite_mass",
+)
 _SCALARS = [name for record in (*RECORDS, FreeKite) for name, _ in quantities(record) if name not in _FOR_EACH]
 globals().update({name.upper(): place for place, name in enumerate(_SCALARS)})
 # then what is no parameter of a tether
@@ -41,8 +50,13 @@ GROUND_IS_FREE = len(_SCALARS)
 KITE_IS_FREE = GROUND_IS_FREE + 1
 CALM_LAYER = GROUND_IS_FREE + 2  # thickness [m] of a layer above z = 0, 0 but in `kernels/rest/homotopy.py`
 WIND_POINTS = GROUND_IS_FREE + 3  # at which the wind is an input, 0 for none
-# of a portion of a line that runs over sheaves, see `kernels/points/rope_sheaves.py`; the sheave is that at its end
-IS_PORTION = GROUND_IS_FREE + 4  # 1 of the first portion, 2 of those behind a sheave, else 0
+# what a line that is torn or has let go has instead of its own while a kernel runs, see `kernels/equations/torn.py`
+TORN_NOW = GROUND_IS_FREE + 4  # number of the segment that holds nothing, from 1 on; 0 for none
+WHOLE_STIFFNESS, WHOLE_DAMPING, WHOLE_DRAG_WIDTH = TORN_NOW + 1, TORN_NOW + 2, TORN_NOW + 3  # what it had before
+WHOLE_CONTROL = TORN_NOW + 4  # `winch_control` before the winch was braked
+CAN_BREAK = TORN_NOW + 5  # 1 if any segment has a breaking force
+# of a portion of a line that runs over sheaves, see `kernels/points/sheave_room.py`; the sheave is that at its end
+IS_PORTION = TORN_NOW + 6  # 1 of the first portion, 2 of those behind a sheave, else 0
 BEHIND_SHEAVE = 2.0
 ROUNDED_STOP = 1e-6  # of its length: how far below the shortest one it may have stopped
 GIVEN_PORTION = IS_PORTION + 1  # its unstretched length at the start [m]; 0: as the tensions at rest share the line
@@ -56,7 +70,8 @@ STIFFNESS = 1  # E A [N]
 DAMPING = 2  # damping constant times length [N s]
 LINE_DENSITY = 3  # mass per unstretched length [kg/m]
 DRAG_WIDTH = 4  # drag coefficient times diameter [m]
-SEGMENT_PROPERTIES = 5
+STRENGTH = 5  # breaking force [N], 0 of what never breaks
+SEGMENT_PROPERTIES = 6
 # ... then the n + 1 extra point masses of the nodes [kg] ...
 # ... and last the wind at the nodes [m/s]: n + 1 numbers along x, along y, along z, read if WIND_PROFILE is AT_NODES
 
@@ -73,9 +88,10 @@ PORTION_LENGTH, PORTION_TENSION_FROM, PORTION_TENSION_TO, SHEAVE_PAYOUT, SHEAVE_
 
 # behind the inputs of the table, with wind points: the wind at each of them [m/s]
 
-# state: header, then node positions, then node velocities; with wind points the winds there at the end of the last step
-# [m/s], then their derivatives that are given for the next step [m/s2]
-WARNING_KINDS = 35
+# state: header, then node positions, then node velocities, then room for one node more, which a line that has let go has;
+# with wind points the winds there at the end of the last step [m/s], then their derivatives that are given for the next
+# step [m/s2]
+WARNING_KINDS = 37
 LENGTH = 0  # unstretched [m]
 REELING = 1  # rate of the unstretched length at the end of the last step [m/s]
 WIND = 2  # wind of the last step [m/s]
@@ -111,7 +127,12 @@ RECENT_FALLBACKS = FALLBACKS + 1  # part of about the last 1000 fixed steps that
 PEAK_SO_FAR = FALLBACKS + 2  # largest tension [N] after the internal steps but the last of the last communication step
 ACCELERATION = FALLBACKS + 3  # rate of REELING at the end of the last step [m/s2]
 TENSION_AT_DRUM = FALLBACKS + 4  # [N], where the rope leaves a drum that feels its flow; 0 of other winches
-GIVEN_DERIVATIVES = FALLBACKS + 5  # sum of 2**k, k of the inputs whose derivatives are given for the next step
+TORN_SEGMENT = FALLBACKS + 5  # number of the segment that broke, from 1 on; 0 for none
+LET_GO = TORN_SEGMENT + 1  # 1 since the line has let go at its last end: it then has one node more
+TORN_AT, LET_GO_AT = TORN_SEGMENT + 2, TORN_SEGMENT + 3  # when it broke, and let go [s] since the start; 0 before
+TORN_ENERGY = TORN_SEGMENT + 4  # energy [J] that parting has taken from the line: that of the spring that broke
+CLOCK = TORN_SEGMENT + 5  # time since the start [s]
+GIVEN_DERIVATIVES = TORN_SEGMENT + 6  # sum of 2**k, k of the inputs whose derivatives are given for the next step
 INPUT_DERIVATIVES = GIVEN_DERIVATIVES + 1  # those derivatives [1/s times the unit of the input], in the order of the inputs
 # of a portion of a line that runs over sheaves, else 0; the sheave is that at its end
 PAYOUT = INPUT_DERIVATIVES + INPUTS  # rope that has run over the sheave since the start [m]
@@ -128,8 +149,13 @@ NEVER, AT_ROWS, ALWAYS = 0, 1, 2  # when `fly` computes outputs
 
 
 def parameters_size(segments):
-    """Length of the `parameters` array [-] of a tether with so many segments."""
-    return PARAMETER_SCALARS + SEGMENT_PROPERTIES * segments + 4 * (segments + 1)
+    """Length of the `parameters` array [-] of a tether with so many segments: room for one more."""
+    return PARAMETER_SCALARS + SEGMENT_PROPERTIES * (segments + 1) + 4 * (segments + 2)
+
+
+def node_winds_at(segments):
+    """First place of the wind at the nodes in the `parameters` array of a tether with so many segments."""
+    return PARAMETER_SCALARS + SEGMENT_PROPERTIES * segments + segments + 1
 
 
 def inputs_size(wind_points):
@@ -138,8 +164,11 @@ def inputs_size(wind_points):
 
 
 def state_size(segments, wind_points=0):
-    """Length of the `state` array [-] of a tether with so many segments and points at which the wind is given."""
-    return STATE_HEADER + 6 * (segments + 1) + 6 * wind_points
+    """Length of the `state` array [-] of a tether with so many segments and points at which the wind is given.
+
+    With room for one node more.
+    """
+    return STATE_HEADER + 6 * (segments + 2) + 6 * wind_points
 
 
 def outputs_size(shape_points, is_portion=False):

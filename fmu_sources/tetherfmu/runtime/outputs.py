@@ -17,6 +17,8 @@ Array = Any  # of numpy in the Python API, which an FMU does without
 SCALAR, VECTOR, POINTS = (), (3,), ("points", 3)  # shapes of outputs
 ANY, NOT_NEGATIVE, COUNTED = (-inf, inf), (0.0, inf), (0, LARGEST_INTEGER)  # minimum and maximum
 OUTPUT, LOCAL = "output", "local"  # causality of FMI
+KINDS = {int: "Integer", bool: "Boolean"}  # of variables, for the types of the Python API
+TYPES = {kind: each.__name__ for each, kind in KINDS.items()}
 
 
 @dataclass(frozen=True)
@@ -24,7 +26,7 @@ class Output:
     """A scalar, a vector or the points of the shape, which the importer reads after each step."""
 
     name: str  # of the FMI variable and in the Python API; its place has this name in capitals
-    kind: str  # "Real" or "Integer"
+    kind: str  # "Real", "Integer" or "Boolean"
     quantity: Quantity
     depends_on: tuple  # when initialization ends, see `dependencies`
     shape: tuple  # SCALAR, VECTOR or POINTS
@@ -157,6 +159,13 @@ class Outputs(NamedTuple):
         FORCE,
         group="forces",
     )
+    broken: bool = output(
+        "",
+        "whether the tether has broken or has been released (dynamic tethers only)",
+        (),
+        group="breaking",
+    )
+    break_time: float = output("s", "when the first of the two was, since the start; -1: not yet", (), group="breaking")
 
 
 def _declared(record):
@@ -164,14 +173,14 @@ def _declared(record):
     declared = record._field_defaults
     record._field_defaults, record.__new__.__defaults__ = {}, None
     for name, each in declared.items():
-        yield replace(each, name=name, kind="Integer" if record.__annotations__[name] is int else "Real")
+        yield replace(each, name=name, kind=KINDS.get(record.__annotations__[name], "Real"))
 
 
 def _documented(record, table):
     """Add to the docstring of the record a section with type, meaning and unit of each output."""
     lines = [cleandoc(record.__doc__), "", "Attributes", "----------"]
     for each in table:
-        numbers = "int" if each.kind == "Integer" else "float"
+        numbers = TYPES.get(each.kind, "float")
         size = f"({', '.join(map(str, each.shape))}{',' * (len(each.shape) == 1)}) array" if each.shape else numbers
         unit = f" [{each.quantity.unit}]" if each.quantity.unit else ""
         lines += [f"{each.name} : {size}", f"    {each.quantity.meaning}{unit}"]

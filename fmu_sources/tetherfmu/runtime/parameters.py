@@ -18,7 +18,11 @@ IN_METRES = (0.0, 0.2, "diameters are in m: 4 mm are 0.004")  # usual ones, see 
 IN_KG_PER_M3 = (20.0, inf, "densities are in kg/m3: 0.97 g/cm3 are 970")
 OF_AIR = (0.01, inf, "densities are in kg/m3: 0.0012 g/cm3 are 1.2")
 IN_SECONDS = (0.0, 1.0, "steps are in s: 5 ms are 0.005")
-OF_THE_WHOLE_CHAIN = ("slack_stiffness_ratio", "slack_damping_ratio", "damping_law")  # the same for all tethers in series
+OF_THE_WHOLE_CHAIN = (
+    "slack_stiffness_ratio",
+    "slack_damping_ratio",
+    "damping_law",
+)  # the same for all tethers in series
 ROUGHNESS_TOO_LARGE = (
     "surface_roughness is {roughness!r}; it must be less than wind_reference_height ({height!r} m) for this wind_profile"
 )
@@ -121,6 +125,7 @@ class Tether:
         },
     )
     drag_coefficient: float = quantity(0.958, "", "drag coefficient of a cylinder in cross flow", 0.0, 100.0)
+    breaking_force: float = quantity(0.0, "N", "tension at which a segment breaks; 0: it never does", 0.0, 1e12)
     instead: ClassVar = {"mass_per_length": Quantity("kg/m", "mass per unstretched length, instead of the density", 0.0)}
 
     def __post_init__(self):

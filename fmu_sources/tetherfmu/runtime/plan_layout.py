@@ -47,9 +47,10 @@ START_IS_SOUGHT = 8  # given: 1 if `initialize` is to find where the free point 
 END_IS_SOUGHT = 9  # given; all lines at a point say the same
 WIND_POINTS = 10  # given: at which the wind along it is an input, 0 for none; its parameters say so, too
 INPUTS_AT = 11  # its first place in `inputs`
-THROUGH = 12  # given: 1 if it runs over a sheave at its end and goes on as the next line, of which it is a portion; else 0
-PORTION_WORK = 13  # place in `work` of what a line needs in a system with sheaves
-LINE_NUMBERS = 14
+FREED = 12  # written by the kernels: 1 while they run, if the line has let go: it has one segment more, which holds nothing
+THROUGH = 13  # given: 1 if it runs over a sheave at its end and goes on as the next line, of which it is a portion; else 0
+PORTION_WORK = 14  # place in `work` of what a line needs in a system with sheaves
+LINE_NUMBERS = 15
 
 DRIVEN = -1  # a point
 ALL_LINES = -1

@@ -32,6 +32,11 @@ STATE_RANGES = {  # smallest and largest number at a place of the state array; a
     at.STEPS: NOT_NEGATIVE,
     at.REJECTIONS: NOT_NEGATIVE,
     at.ITERATIONS: NOT_NEGATIVE,
+    at.TORN_SEGMENT: (0.0, at.MAX_SEGMENTS),
+    at.LET_GO: (0.0, 1.0),
+    at.TORN_AT: NOT_NEGATIVE,
+    at.LET_GO_AT: NOT_NEGATIVE,
+    at.CLOCK: NOT_NEGATIVE,
     **{at.WARNED_VALUES + kind: NOT_NEGATIVE for kind in range(at.WARNING_KINDS)},
 }
 

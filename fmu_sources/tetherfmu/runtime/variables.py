@@ -29,7 +29,7 @@ class Variable:
 
     name: str
     causality: str  # INPUT, OUTPUT, LOCAL or PARAMETER
-    kind: str  # "Real", "Integer" or "Enumeration"
+    kind: str  # "Real", "Integer", "Enumeration" or "Boolean"
     quantity: Quantity
     place: int  # in the `inputs` array or, behind it, in the `outputs` array; of a parameter, its number
     start: float | None = None  # of inputs and parameters
@@ -84,7 +84,7 @@ def _input_variables(variant, wind_points):
         if wind_points and each.name in WITHOUT_EFFECT:
             each = replace(each, meaning=f"{each.meaning} {IGNORED_WITH_WIND_AT}")
         for i, (name, meaning) in enumerate(_input_elements(each)):
-            yield Variable(name, INPUT, "Real", Quantity(each.unit, meaning), place + i, each.start[i], group=each.group)
+            yield Variable(name, INPUT, each.kind, Quantity(each.unit, meaning), place + i, each.start[i], group=each.group)
     for i, (name, meaning) in enumerate(elements(WIND_AT.name, WIND_AT.meaning, POINTS, wind_points)):
         quantity = Quantity(WIND_AT.unit, meaning)
         yield Variable(name, INPUT, "Real", quantity, at.INPUTS + i, WIND_AT.start[i % 3], group=WIND_AT.group)

@@ -17,17 +17,19 @@ from tetherfmu.runtime.packing import pack_lines, put_sheaves
 from tetherfmu.runtime.parameters import Winch, numbers_of
 
 from .ordering import ordered
+from .shared_winches import Turned, as_built, with_controls
 from .sheaves import sheave_numbers
 
 
-def instance_of(points, lines, environment, solver, ground, wind_points=0):
+def instance_of(points, lines, environment, solver, ground, wind_points=0, winches=()):
     """`Instance` of a system of records, set up; ValueError names the line if a quantity is not allowed."""
+    lines = with_controls(lines, winches)
     free, band = ordered([point.name for point in points if not point.is_driven], lines)
     planned = [
         Line(line.name, line.start, line.end, {}, sum(each.segments for each in line.tethers) + 1, wind_points, line.through)
         for line in lines
     ]
-    structure = SimpleNamespace(lines=planned, free=tuple(free))
+    structure = SimpleNamespace(lines=planned, free=tuple(free), winches=as_built(winches))
     made = Instance(ready.kernels(SYSTEM), lines_of(structure), structure.free, band)
     masses = {point.name: point.mass for point in points} | {None: 0.0}
     portions = all_portions(lines)
@@ -53,8 +55,9 @@ class Arrays:
     lines : those of the instance: `fmi.portions.Portion`.
     """
 
-    def __init__(self, instance, lines, wind_profile):
+    def __init__(self, instance, lines, wind_profile, winches):
         self.instance, self.lines, self._profile = instance, lines, wind_profile
+        self.turned = Turned(winches, lines)
         self.inputs = np.frombuffer(instance.values)[: instance.outputs_at]
         self.state, self.plan = np.frombuffer(instance.state), np.frombuffer(instance.plan, dtype=np.int64)
 
@@ -80,8 +83,8 @@ class Arrays:
         """Places in the parameters of all lines: pairs of that of the wind profile, and of the wind at nodes, a slice."""
         for k, segments in enumerate(self.instance.counts):
             first = self.plan[places.PLAN_HEADER + places.LINE_NUMBERS * k + places.PARAMETERS_AT]
-            end = first + at.parameters_size(segments)
-            yield first + at.WIND_PROFILE, slice(end - 3 * (segments + 1), end)
+            winds = first + at.node_winds_at(segments)
+            yield first + at.WIND_PROFILE, slice(winds, winds + 3 * (segments + 1))
 
     def put_profile(self):
         """Let all lines have the wind profile of the environment again, but those with wind points."""

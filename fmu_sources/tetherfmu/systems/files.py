@@ -26,8 +26,9 @@ from tetherfmu.runtime.parameters import Environment, FreeKite, Ground, Solver, 
 from tetherfmu.runtime.quantities import quantities, quantity
 
 from .records import Line, Point, check_system, checked_name
+from .shared_winches import SharedWinch, check_winches
 
-TABLES = ("points", "lines", "environment", "ground", "solver", "build")
+TABLES = ("points", "lines", "winches", "environment", "ground", "solver", "build")
 # names of variables and of the terminal that the whole system has, which no point and no line can have
 TAKEN = {"time", "wind", *(each.name for each in (*INPUT_TABLE, *OUTPUT_TABLE))} | {
     name for kind in (Environment, Solver, Ground) for name, _ in quantities(kind)
@@ -103,6 +104,7 @@ class SystemFile:
     environment: Environment
     solver: Solver
     ground: Ground
+    winches: tuple = ()
     build: Lean = field(default_factory=Lean)
 
 
@@ -125,16 +127,18 @@ def read(table, name):
     points = tuple(point_of(each, given) for each, given in named(table["points"], "points"))
     lines = tuple(line_of(each, given) for each, given in named(table["lines"], "lines"))
     check_system(points, lines)
+    winches = tuple(winch_of(each, given) for each, given in named(table.get("winches", {}), "winches"))
+    check_winches(winches, lines, [each.name for each in (*points, *lines)])
     environment = record(Environment, table.get("environment", {}), "environment")
     ground = Ground()
     if "ground" in table:
         ground = ground_of(record(TABLE_OF_GROUND, table["ground"], "ground", ("contact",)), environment)
     solver = record(Solver, table.get("solver", {}), "solver")
-    return SystemFile(name, points, lines, environment, solver, ground, lean.read(table.get("build", {})))
+    return SystemFile(name, points, lines, environment, solver, ground, winches, lean.read(table.get("build", {})))
 
 
 def named(tables, section):
-    """Pairs (name, table) of the points or the lines; ValueError for a name that is taken."""
+    """Pairs (name, table) of points, lines or winches; ValueError for a name that is taken."""
     if not isinstance(tables, dict):
         raise ValueError(f"{section} is {tables!r}; it must have tables [{section}.NAME]")
     for name in tables:
@@ -172,6 +176,19 @@ def line_of(name, table):
         raise ValueError(f"{section}.{error}") from None
     tether = tether_in(table, given, section)
     return Line(name, table["from"], table["to"], tether, speed, winch, **of_sheaves)
+
+
+def winch_of(name, table):
+    """`SharedWinch` of a table of a file; ValueError names the key."""
+    section = f"winches.{name}"
+    require(table, section, ("lines", "control", "reel_out_speed"), ("lines",))
+    given = {key: table[key] for key in ("lines", "control") if key in table}
+    if "reel_out_speed" in table:
+        given["reel_out_speed"] = value_of(TableOfLine, "reel_out_speed", table["reel_out_speed"], f"{section}.")
+    try:
+        return SharedWinch(name, **given)
+    except ValueError as error:
+        raise ValueError(f"winches.{error}") from None
 
 
 def tether_in(table, given, section):

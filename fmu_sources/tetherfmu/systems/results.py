@@ -47,6 +47,21 @@ class PortionOutputs(NamedTuple):
     speed: np.ndarray
 
 
+class WinchOutputs(NamedTuple):
+    """A winch that holds several lines, at an instant.
+
+    Attributes
+    ----------
+    winch_speed : float
+        Reel-out speed of a line with the ratio 1 [m/s].
+    payout : float
+        Length of such a line that it has paid out since the start [m].
+    """
+
+    winch_speed: float
+    payout: float
+
+
 class SystemOutputs(NamedTuple):
     """A system at an instant.
 
@@ -59,6 +74,8 @@ class SystemOutputs(NamedTuple):
     solver_iteration_limit : int
         The most iterations of all lines together that the last communication step could take with its fixed steps (before
         the first: one fixed step); 0 with adaptive steps.
+    winches : dict of str to WinchOutputs
+        By the names of the winches that hold several lines.
     portions : dict of str to PortionOutputs
         Of the lines that run over sheaves, by their names.
     """
@@ -66,6 +83,7 @@ class SystemOutputs(NamedTuple):
     points: dict[str, PointOutputs]
     lines: dict[str, Outputs]
     solver_iteration_limit: int
+    winches: dict[str, WinchOutputs]
     portions: dict[str, PortionOutputs]
 
 
@@ -131,6 +149,8 @@ class SystemFlown(NamedTuple):
         Steps that could not be done, see `on_refusal` of `TetherSystem.fly`.
     time : (rows,) array
         As that of `tetherfmu.Flown`.
+    winches : dict of str to WinchOutputs
+        Of each winch that holds several lines, with arrays (rows,).
     portions : dict of str to PortionOutputs
         Of the lines that run over sheaves, by their names.
     """
@@ -141,12 +161,18 @@ class SystemFlown(NamedTuple):
     seconds: float
     refusals: tuple
     time: np.ndarray
+    winches: dict[str, WinchOutputs]
     portions: dict[str, PortionOutputs]
 
     def __repr__(self):
         """How much there is, instead of all its numbers."""
         rows = len(next(iter(self.positions.values())))
         return f"<SystemFlown: {rows} rows, {len(self.points)} points, {len(self.outputs)} lines>"
+
+
+def end_of(outputs):
+    """Motion of what is or was at the end of a line, (..., 2, 3), from its outputs (..., outputs_size)."""
+    return outputs[..., at.OUTPUT_KITE_POSITION : at.OUTPUT_KITE_POSITION + 6].reshape(*outputs.shape[:-1], 2, 3)
 
 
 def points_of(points, lines, motions, values):
@@ -161,6 +187,6 @@ def points_of(points, lines, motions, values):
             for node, place, name in ((0, at.GROUND_FORCE, line.start), (-1, at.KITE_FORCE, line.end)):
                 if name == point.name:
                     force = force + values[line.name][..., place : place + 3]
-                    motion = motions[k][..., node, :]
+                    motion = motions[k][..., node, :] if node == 0 else end_of(values[line.name])
         found[point.name] = PointOutputs(motion[..., 0, :].copy(), motion[..., 1, :].copy(), force)
     return found

@@ -86,6 +86,9 @@ def check_with_sheaves(lines, solver, wind_points):
     for line in lines:
         if line.through and line.tethers[0].damping_law != at.STRAIN_RATE:
             raise ValueError(f"{line.name}.damping_law is stretch_rate; over sheaves it must be strain_rate")
+        if line.through and line.tethers[0].breaking_force != 0.0:
+            force = line.tethers[0].breaking_force
+            raise ValueError(f"{line.name}.breaking_force is {force!r}, and {line.name} runs over sheaves; it must be 0")
 
 
 # --- results

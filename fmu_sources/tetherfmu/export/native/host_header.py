@@ -16,8 +16,8 @@ from .tables import c_text
 PREFIX = "TETHER_"
 HEADS = {INPUT: "inputs", OUTPUT: "outputs", LOCAL: "local variables", PARAMETER: "parameters"}
 TYPES = {  # of FMI, for the kinds of variables
-    2: {"Real": "Real", "Integer": "Integer", "Enumeration": "Integer"},
-    3: {"Real": "Float64", "Integer": "Int32", "Enumeration": "Int64"},
+    2: {"Real": "Real", "Integer": "Integer", "Enumeration": "Integer", "Boolean": "Boolean"},
+    3: {"Real": "Float64", "Integer": "Int32", "Enumeration": "Int64", "Boolean": "Boolean"},
 }
 
 

@@ -58,8 +58,8 @@ def number_of_line(system, k, which):
 
 @kernel
 def segments_of(system, k):
-    """Number of segments of line k."""
-    return number_of_line(system, k, places.SEGMENTS)
+    """Number of segments of line k, with the one that it has more since it has let go, see `torn.py`."""
+    return number_of_line(system, k, places.SEGMENTS) + number_of_line(system, k, places.FREED)
 
 
 @kernel
@@ -137,7 +137,8 @@ def parameters_of(system, k):
 @view
 def state_of(system, k):
     """`state` of line k."""
-    size = state_size(segments_of(system, k), number_of_line(system, k, places.WIND_POINTS))
+    segments = segments_of(system, k) - number_of_line(system, k, places.FREED)
+    size = state_size(segments, number_of_line(system, k, places.WIND_POINTS))
     return part(system.state, number_of_line(system, k, places.STATE_AT), size)
 
 
@@ -209,12 +210,6 @@ def take_loads(system, k, step, before):
 def motion_of(system, k):
     """Positions [m] and velocities [m/s] of the nodes of line k."""
     return positions_and_velocities(segments_of(system, k), state_of(system, k))
-
-
-@view
-def nodes_of(system, k):
-    """The same as one array."""
-    return part(state_of(system, k), at.STATE_HEADER, 6 * (segments_of(system, k) + 1))
 
 
 @view

@@ -128,7 +128,19 @@ def stiffest(chain):
 @kernel
 def point_mass(chain, i):
     """Mass [kg] that node i carries beside its share of the tether."""
-    return chain.parameters[at.PARAMETER_SCALARS + at.SEGMENT_PROPERTIES * chain.n + i]
+    return point_mass_in(chain.parameters, chain.n, i)
+
+
+@kernel
+def point_mass_in(parameters, n, i):
+    """The same of a chain of n segments in the parameters."""
+    return parameters[at.PARAMETER_SCALARS + at.SEGMENT_PROPERTIES * n + i]
+
+
+@kernel
+def holds(chain, s):
+    """Whether segment s holds anything: the chain is parted there if it does not, see `torn.py`."""
+    return property_of(chain, s, at.STIFFNESS) > 0.0
 
 
 @kernel

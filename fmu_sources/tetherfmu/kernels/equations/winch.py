@@ -167,6 +167,8 @@ def reeling_of_step(parameters, inputs, speed, rates, correction, state):
     speed : `winch_speed` [m/s].  rates : of the reel-out speed and of that one, estimated [m/s2].
     With a winch that is controlled by force, of a length that stays.
     """
+    if parameters[at.TORN_NOW] > 0.0:  # it is braked
+        return state[at.LENGTH], 0.0, 0.0, NEUTRAL
     if follows_length(parameters):
         return following(parameters, inputs, speed, rates[1], correction, state)
     if follows_force(parameters):

@@ -13,7 +13,7 @@ Theory: docs/models/theory.md, "Wind at points".
 
 from tetherfmu.runtime import layout as at
 
-from ..arrays import copy, state_size
+from ..arrays import copy, nodes_end
 from ..compilation import kernel
 from ..flat_arrays import part
 from ..linear_algebra.pairs import number_at
@@ -30,6 +30,12 @@ def count_of(parameters):
 
 
 @kernel
+def winds_of(n, state):
+    """Place of the winds in a state: behind its nodes, and behind the room for one that a line gets when it lets go."""
+    return nodes_end(n) + 6 * (1 - int(state[at.LET_GO]))
+
+
+@kernel
 def between(state, first, part):
     """Vector at a part [-] of the way from the vector at place `first` of a state to the next one."""
     start = vector_at(state, first)
@@ -42,7 +48,7 @@ def wind_between(n, parameters, state, s, back):
     points = count_of(parameters)
     place = s * (points - 1)
     k = min(int(place), points - 2)
-    first = state_size(n) + 3 * k
+    first = winds_of(n, state) + 3 * k
     wind = between(state, first, place - k)
     return wind if back == 0.0 else add_scaled(wind, -back, between(state, first + 3 * points, place - k))
 
@@ -50,7 +56,7 @@ def wind_between(n, parameters, state, s, back):
 @kernel
 def winds_at(n, state, points):
     """Wind [m/s] at two points of a state, by their numbers, as pairs."""
-    first = state_size(n)
+    first = winds_of(n, state)
     places = 3 * points[0], 3 * points[1]
     return number_at(state, first, places), number_at(state, first + 1, places), number_at(state, first + 2, places)
 
@@ -75,7 +81,7 @@ def take_from_state(n, parameters, state):
 def start(n, parameters, inputs, state):
     """Take the winds of the inputs into a new state (modified), and to the nodes in the parameters (modified)."""
     for k in range(3 * count_of(parameters)):
-        state[state_size(n) + k] = inputs[at.INPUTS + k]
+        state[winds_of(n, state) + k] = inputs[at.INPUTS + k]
     take_from_state(n, parameters, state)
 
 
@@ -90,7 +96,8 @@ def advance(n, parameters, inputs, step, is_mean, state):
     if count == 0:
         return
     given = part(inputs, at.INPUTS, count)
-    winds, rates = part(state, state_size(n), count), part(state, state_size(n) + count, count)
+    first = winds_of(n, state)
+    winds, rates = part(state, first, count), part(state, first + count, count)
     changes = False
     for k in range(count):  # no way out of the loop, which would keep it from being done in pairs
         changes |= rates[k] != 0.0

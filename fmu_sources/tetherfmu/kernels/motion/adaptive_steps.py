@@ -52,6 +52,7 @@ from ..points.system_room import (
     turns,
 )
 from ..points.system_step import apply_changes, collect_changes, whole_masses
+from .breaks import break_lines, can_any_break, part_to_break
 from .pieces import MOST_IDLE, accept_drum, begin_drums, drum_error, error_of_drum, part_to_event, project_drums, turn_drums
 from .rope_directions import turn_ropes
 from .running_ropes import accept_ropes, begin_ropes, error_of_rope, part_to_rope_event
@@ -162,6 +163,7 @@ def integrate(system, duration):
     begin_drums(system)
     if has_sheaves(system):
         begin_ropes(system)
+    may_break = can_any_break(system) and not (break_lines(system, 0.0) and not can_any_break(system))
     is_new = True  # whether a piece begins
     piece, weight = inf, 1.0
     beyond = 0.0  # time at which the next event of a drum is known to be over, 0 without
@@ -190,6 +192,8 @@ def integrate(system, duration):
         before_event = part_to_event(system, time, h_now, weight)
         if has_sheaves(system):
             before_event = min(before_event, part_to_rope_event(system, time, h_now, weight))
+        if may_break:
+            before_event = min(before_event, part_to_break(system, time, h_now, weight))
         if before_event < inf and h_now > SMALLEST_PIECE * duration and idle < MOST_IDLE:
             piece = h_now * before_event
             weight *= 0.5  # if the next piece is too long again, the one after it will not be
@@ -202,6 +206,8 @@ def integrate(system, duration):
         accept(system, time, h_now, is_last)
         is_new = True
         time = duration if is_last else time + h_now
+        if may_break and break_lines(system, time):
+            may_break = can_any_break(system)
         h = step_after_event(h, h_now, next_step(h, h_now, error, last_error, rejected_before), duration)
         last_error = error
         rejected_before = False

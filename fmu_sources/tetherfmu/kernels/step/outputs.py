@@ -10,7 +10,7 @@ from ..compilation import kernel
 from ..equations import segment
 from ..equations.assembly import end_force, node_masses
 from ..equations.ground import ground_of, has_ground, part_under
-from ..equations.properties import point_mass, property_of, rest_length
+from ..equations.properties import holds, point_mass, property_of, rest_length
 from ..linear_algebra.vectors import add, add_scaled, dot, get, norm, put_at, sub, vector_at
 
 SLACKEST = 1e-9  # wave_time counts a tension as at least this part of EA
@@ -48,6 +48,13 @@ def away_from_chord(point, start, chord):
 
 
 @kernel
+def last_of_rope(chain):
+    """Number of the last node of the tether itself: the last but one where it has let go at its end."""
+    has_let_go = chain.n > 1 and property_of(chain, chain.n - 1, at.LINE_DENSITY) == 0.0
+    return chain.n - 1 if has_let_go else chain.n
+
+
+@kernel
 def write_segments(chain, x, v, outputs):
     """Outputs that look at every segment (modified): largest tension, slack segments, stiffness, wave time, sag."""
     largest = -inf
@@ -58,12 +65,16 @@ def write_segments(chain, x, v, outputs):
     undamped = False
     sag = 0.0
     ground = get(x, 0)
-    chord = sub(get(x, chain.n), ground)
+    chord = sub(get(x, last_of_rope(chain)), ground)
     for s in range(chain.n):
         rest = rest_length(chain, s)
         length, e = segment.geometry(sub(get(x, s + 1), get(x, s)))
         rate = dot(e, sub(get(v, s + 1), get(v, s)))
         tension = segment.tension_of(chain, s, segment.BY_LENGTH, length, rate)
+        sag = max(sag, norm(away_from_chord(get(x, s), ground, chord)))
+        if not holds(chain, s):
+            undamped, compliance = True, inf
+            continue
         largest = max(largest, tension)
         if length < rest:
             slack += 1
@@ -73,8 +84,7 @@ def write_segments(chain, x, v, outputs):
         damping = property_of(chain, s, at.DAMPING)
         undamped = undamped or damping == 0.0
         mobility += rest / (damping if damping != 0.0 else 1.0)
-        sag = max(sag, norm(away_from_chord(get(x, s), ground, chord)))
-    outputs[at.MAX_TENSION] = largest
+    outputs[at.MAX_TENSION] = largest if largest > -inf else 0.0
     outputs[at.SLACK_SEGMENTS] = slack
     outputs[at.KITE_STIFFNESS] = 1.0 / compliance
     outputs[at.KITE_DAMPING] = 0.0 if undamped else 1.0 / mobility
@@ -93,6 +103,8 @@ def write_shape(chain, x, shape_points, outputs):
             passed += property_of(chain, s, at.SHARE)
             s += 1
         within = (part - passed) / property_of(chain, s, at.SHARE)
+        if not holds(chain, s):
+            within = 0.0 if within < 0.5 or s == last_of_rope(chain) else 1.0
         start = get(x, s)
         put_at(outputs, at.SHAPE + 3 * k, add_scaled(start, within, sub(get(x, s + 1), start)))
 
@@ -104,7 +116,8 @@ def grounded_length(chain, x):
     if has_ground(chain.parameters):
         ground = ground_of(chain.parameters)
         for s in range(chain.n):
-            touching += part_under(ground, get(x, s), get(x, s + 1)) * rest_length(chain, s)
+            if holds(chain, s):
+                touching += part_under(ground, get(x, s), get(x, s + 1)) * rest_length(chain, s)
     return touching
 
 
@@ -162,11 +175,23 @@ def outputs_of_chain(chain, state, x, v, shape_points, outputs, mass):
 
 
 @kernel
+def parting(state):
+    """1 if the line has broken or let go, else 0; and when the first of the two was [s] since the start, -1 before."""
+    has_broken, has_let_go = state[at.TORN_SEGMENT] > 0.0, state[at.LET_GO] > 0.0
+    if has_broken and has_let_go:
+        return 1.0, min(state[at.TORN_AT], state[at.LET_GO_AT])
+    if has_broken:
+        return 1.0, state[at.TORN_AT]
+    return (1.0, state[at.LET_GO_AT]) if has_let_go else (0.0, -1.0)
+
+
+@kernel
 def complete(n, state, outputs):
     """Write what all variants read from a state into the outputs (modified); returns OK or OUTPUT_NOT_FINITE."""
     x, v = positions_and_velocities(n, state)
     put_at(outputs, at.OUTPUT_KITE_POSITION, get(x, n))
     put_at(outputs, at.OUTPUT_KITE_VELOCITY, get(v, n))
+    outputs[at.BROKEN], outputs[at.BREAK_TIME] = parting(state)
     outputs[at.WINCH_SPEED] = state[at.REELING]
     outputs[at.PEAK_TENSION] = max(outputs[at.MAX_TENSION], state[at.PEAK_SO_FAR])
     outputs[at.SOLVER_STEPS] = min(state[at.STEPS], at.LARGEST_INTEGER)

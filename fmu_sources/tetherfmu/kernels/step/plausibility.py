@@ -42,7 +42,7 @@ from ..equations import segment, winch
 from ..equations.boundary import are_derived, distance_of_ends, spring_at_ground
 from ..equations.ground import has_ground
 from ..equations.notes import note
-from ..equations.properties import chain_of, property_of, rest_length
+from ..equations.properties import chain_of, holds, property_of, rest_length
 from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, dot, get, put_at, scale, sub, vector_at
 
 # of each end: whether it is free among the parameters; its last inputs and its sums in the state; its warnings
@@ -67,7 +67,7 @@ def note_shape(n, parameters, state):
     for s in range(n):
         end, rest = get(x, s + 1), rest_length(chain, s)
         r = sub(end, start)
-        if dot(r, r) > largest * rest * rest:
+        if dot(r, r) > largest * rest * rest and holds(chain, s):
             largest = dot(r, r) / (rest * rest)
         start = end
     note(state, limits.STRETCH, largest, limits.LARGEST_STRETCH)
@@ -262,8 +262,11 @@ def note_idle(state, kind, value):
 def note_idle_inputs(parameters, inputs, state):
     """Note inputs that are set and have no effect in the state (modified).
 
-    A reel-out speed that does not control the winch has one at the start; later, only a change of it is noted.
+    A reel-out speed that does not control the winch has one at the start; later, only a change of it is noted. Nothing has
+    an effect on the winch of a line that broke.
     """
+    if parameters[at.TORN_NOW] > 0.0:
+        return
     if not winch.follows_force(parameters):
         note_idle(state, limits.IDLE_WINCH_FORCE, inputs[at.WINCH_FORCE])
     if not winch.follows_length(parameters):

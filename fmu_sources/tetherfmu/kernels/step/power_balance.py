@@ -11,13 +11,14 @@ from ..equations.boundary import wind_of
 from ..equations.continuation import is_continued
 from ..equations.drum import drum_of
 from ..equations.properties import chain_with_flow, point_mass, rest_length, sees_reeling
+from ..equations.torn import is_torn
 from ..equations.winch import follows_force
 from ..flat_arrays import part
 from ..linear_algebra.vectors import NEUTRAL, dot, get, put, scale, sub, vector_at
 
 # fields of `tetherfmu.energy.Energy` in their order; then tensions of the segments [N], then velocities of the nodes [m/s]
 KINETIC, ELASTIC, POTENTIAL, GROUND_POWER, KITE_POWER, WINCH, MATERIAL, WIND, DAMPING_LOSS, DRAG_LOSS = range(10)
-DRUM, DRUM_POWER, MOTOR_POWER, FRICTION_LOSS, CONTACT_LOSS, SLIDING_LOSS, ENERGIES = range(10, 17)
+DRUM, DRUM_POWER, MOTOR_POWER, FRICTION_LOSS, CONTACT_LOSS, SLIDING_LOSS, BREAKING, ENERGIES = range(10, 18)
 
 
 @kernel
@@ -33,7 +34,7 @@ def balance(n, parameters, state, v, inputs, has_waves, energies, work):
     v : velocities of its nodes [m/s].  inputs : reel-out speed, wind, load of a free kite end and force of the winch count.
     has_waves : whether its nodes move by the equations of motion.  work (modified) : for node masses.
     """
-    speed = inputs[at.REEL_OUT_SPEED]
+    speed = 0.0 if is_torn(parameters) else inputs[at.REEL_OUT_SPEED]
     acceleration = acceleration_with(parameters, speed, state)
     flows = has_waves and sees_reeling(parameters) and (speed != 0.0 or acceleration != 0.0)
     leaving = NEUTRAL, NEUTRAL
@@ -47,6 +48,7 @@ def balance(n, parameters, state, v, inputs, has_waves, energies, work):
     node_masses(chain, mass)
     for k in range(ENERGIES):
         energies[k] = 0.0
+    energies[BREAKING] = state[at.TORN_ENERGY]
     balance_nodes(chain, x, v, mass, energies)
     balance_segments(chain, x, v, energies)
     balance_ends(chain, x, v, mass, vector_at(inputs, at.KITE_LOAD), energies)

@@ -18,7 +18,7 @@ from tetherfmu.runtime.status import (
     WINCH_TOO_SHORT,
 )
 
-from ..arrays import copy, positions_and_velocities, state_size
+from ..arrays import copy, nodes_end, positions_and_velocities
 from ..compilation import kernel, view
 from ..equations import winch, wind_points
 from ..equations.boundary import inputs_of_step, place_at_start, wind_of
@@ -49,9 +49,9 @@ def check_inputs(inputs):
 def check_state(n, state):
     """OK, or STATE_NOT_FINITE."""
     finite = 0
-    for k in range(state_size(n)):  # a sum, since a way out of the loop would keep it from being done in pairs
+    for k in range(nodes_end(n)):  # a sum, since a way out of the loop would keep it from being done in pairs
         finite += abs(state[k]) < inf
-    return OK if finite == state_size(n) else STATE_NOT_FINITE
+    return OK if finite == nodes_end(n) else STATE_NOT_FINITE
 
 
 @kernel
@@ -165,6 +165,7 @@ def remember(parameters, inputs, given, state):
     state[at.PEAK_SO_FAR] = at.NO_TENSION
     state[at.LONGEST_SO_FAR] = max(state[at.LONGEST_SO_FAR], step)
     state[at.CORRECTION_LEFT] = given.correction - step
+    state[at.CLOCK] += step
     put_at(state, at.WIND, add_scaled(given.wind, step, given.wind_rate))
     put_at(state, at.LAST_KITE_POSITION, vector_at(inputs, at.KITE_POSITION))
     put_at(state, at.LAST_GROUND_POSITION, vector_at(inputs, at.GROUND_POSITION))

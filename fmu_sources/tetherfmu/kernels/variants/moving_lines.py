@@ -8,7 +8,7 @@ from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import plausibility as limits
 from tetherfmu.runtime.status import OK, STEP_BUDGET_SPENT
 
-from ..arrays import state_size
+from ..arrays import nodes_end
 from ..compilation import kernel, view
 from ..equations.boundary import conditions_of_chain, place_ends
 from ..equations.drum import direction_of
@@ -30,7 +30,7 @@ from ..equations.rope_at_drum import feels_rope
 from ..line import step_control
 from ..line.backward_euler import FixedSteps, given_steps
 from ..line.moving_drum import Instant
-from ..motion import adaptive_steps, fallback, fixed_steps, rope_states
+from ..motion import adaptive_steps, breaks, fallback, fixed_steps, rope_states
 from ..points import drum_tension, system_room
 from ..rest import compressed_chain, end_tensions
 from ..step.plausibility import note_pressing, note_stiff_and_slack, note_unconverged
@@ -66,10 +66,11 @@ def go_back(system, before):
     """Put the nodes and the drums of all lines (modified) back to the states of before."""
     for k in range(lines_of(system)):
         n, state, first = segments_of(system, k), state_of(system, k), state_of(with_states(system, before), k)
-        for i in range(at.STATE_HEADER, state_size(n)):
+        for i in range(at.STATE_HEADER, nodes_end(n)):
             state[i] = first[i]
         if system_room.has_drum(system, k):
             state[at.LENGTH], state[at.REELING] = first[at.LENGTH], first[at.REELING]
+    breaks.go_back(system, before)
 
 
 @kernel
@@ -95,6 +96,7 @@ def advance(system, step, before):
     Where nothing moves freely, ends and lengths are where they are prescribed, and no steps are taken.
     """
     if not system_room.does_any_move(system):
+        breaks.break_at_ends(system, step)
         return OK
     status = move(system, given_steps(parameters_of(system, 0)), step)
     if status == STEP_BUDGET_SPENT and not has_sheaves(system) and move_coarsely(system, step, before) == OK:

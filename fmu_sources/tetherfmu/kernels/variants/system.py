@@ -10,6 +10,7 @@ from tetherfmu.runtime.status import (
     INPUT_NOT_FINITE,
     KITE_AND_WINCH_SOUGHT,
     OK,
+    SHEAVES_THAT_BREAK,
     SHEAVES_WITH_DRUM,
     SHEAVES_WITH_FIXED_STEP,
     SHEAVES_WITH_STRETCH_RATE,
@@ -47,7 +48,7 @@ from ..linear_algebra.vectors import add, get, put_at, scale, sub, vector_at
 from ..motion import adaptive_steps, iteration_limit
 from ..points import sheave_room, system_room
 from ..rest import dynamic_chain, resting_forces, resting_line, resting_points
-from ..step import power_balance, transaction
+from ..step import breaking, power_balance, transaction
 from ..step.outputs import complete
 from . import moving_lines, rope_shares
 from .winch_start import winch_start
@@ -82,9 +83,9 @@ def complete_plan(plan):
         state += state_size(n, winds)
         before = plan[row - places.LINE_NUMBERS + places.THROUGH] if k > 0 else 0
         outputs += outputs_size(plan[row + places.SHAPE_POINTS], plan[row + places.THROUGH] + before > 0)
-        work += line_work_size(n)
+        work += line_work_size(n + 1)  # with the segment that it has more once it has let go
         plan[row + places.PORTION_WORK] = work
-        work += sheave_room.portion_work_size(n, sheaves)
+        work += sheave_room.portion_work_size(n + 1, sheaves)
     plan[places.STATUS_LINE] = places.ALL_LINES
     plan[places.SHEAVES], plan[places.SHEAVES_WORK] = sheaves, work
     work += sheave_room.shared_work_size(sheaves)
@@ -109,7 +110,11 @@ def take_outputs(system, outputs):
     """
     steps, duration = given_steps(parameters_of(system, 0)), state_of(system, 0)[at.LAST_STEP]  # with common iterations
     most = iteration_limit.of_steps(adaptive_steps.work_of(system), steps, system_room.any_drum(system), duration)
+    breaking.fit(system)
+    status = OK
     for k in range(lines_of(system)):
+        if status != OK:
+            continue
         system.plan[places.STATUS_LINE] = k
         n, state, own = segments_of(system, k), state_of(system, k), outputs_of_line(system, k, outputs)
         points = number_of_line(system, k, places.SHAPE_POINTS)
@@ -119,11 +124,10 @@ def take_outputs(system, outputs):
         if is_portion(system, k):
             write_portion(system, k, own)
         status = complete(n, state, own)
-        if status != OK:
-            return status
-    if has_sheaves(system):
+    if status == OK and has_sheaves(system):
         sum_portions(system, outputs)
-    return OK
+    breaking.unfit(system)
+    return status
 
 
 @kernel
@@ -163,10 +167,13 @@ def sum_portions(system, outputs):
 @kernel
 def energy(system, k, energies):
     """Energies, powers, tensions and velocities (modified) of line k in its state, with its inputs; a status."""
+    breaking.fit(system)
     n, parameters, state = segments_of(system, k), parameters_of(system, k), state_of(system, k)
     _, v = motion_of(system, k)
     wind_points.take_from_state(n, parameters, state)
-    return power_balance.balance(n, parameters, state, v, inputs_of(system, k), True, energies, room_of(system, k))
+    status = power_balance.balance(n, parameters, state, v, inputs_of(system, k), True, energies, room_of(system, k))
+    breaking.unfit(system)
+    return status
 
 
 # --- the start
@@ -208,7 +215,7 @@ def check_sought(system):
 
 @kernel
 def check_ropes(system):
-    """OK, or about a line why a system with lines over sheaves cannot be: a drum, fixed steps, the stretch_rate law."""
+    """OK, or about a line why a system with lines over sheaves cannot be: a drum, fixed steps, its law, breaking."""
     for k in range(lines_of(system)):
         parameters = parameters_of(system, k)
         system.plan[places.STATUS_LINE] = k
@@ -218,6 +225,8 @@ def check_ropes(system):
             return SHEAVES_WITH_FIXED_STEP
         if is_portion(system, k) and not sees_reeling(parameters):
             return SHEAVES_WITH_STRETCH_RATE
+        if is_portion(system, k) and parameters[at.CAN_BREAK] != 0.0:
+            return SHEAVES_THAT_BREAK
     return OK
 
 
@@ -228,6 +237,8 @@ def initialize(system):
     Points that are sought get their positions first, see `resting_points.py`.  The plan (modified) says which line a status
     is about.
     """
+    for k in range(lines_of(system)):
+        state_of(system, k)[at.LET_GO] = 0.0
     status = check_loads(system)
     if status == OK:
         status = check_sought(system)
@@ -329,7 +340,9 @@ def advance(system, step, before):
     before (modified) : room for all states.  The plan (modified) says which line a status is about.
     """
     copy(system.state, before)
-    status = begin(system, step, before)
+    status = breaking.begin(system, before)
+    if status == OK:
+        status = begin(system, step, before)
     if status == OK:
         system.plan[places.STATUS_LINE] = places.ALL_LINES
         status = moving_lines.advance(system, step, before)
@@ -337,4 +350,5 @@ def advance(system, step, before):
         status = commit(system, step, before)
     if status != OK:
         copy(before, system.state)
+    breaking.end(system)
     return status

@@ -17,7 +17,7 @@ from ..compilation import kernel
 from ..equations import wind_points
 from ..equations.lines import number_of_line, segments_of
 from ..equations.winch import is_sought
-from ..step import power_balance, transaction
+from ..step import breaking, power_balance, transaction
 from ..step.outputs import complete
 from .winch_start import winch_start
 
@@ -36,15 +36,20 @@ def tether(variant):
         plan[places.INPUTS_SIZE] = inputs_size(points)
         plan[places.STATE_SIZE] = state_size(n, points)
         plan[places.OUTPUTS_SIZE] = outputs_size(plan[places.PLAN_HEADER + places.SHAPE_POINTS])
-        plan[places.WORK_SIZE] = variant.work_size(n)
+        plan[places.WORK_SIZE] = variant.work_size(n + 1)  # with the segment that it has more once it has let go
 
     @kernel
     def take_outputs(system, outputs):
         """Outputs (modified) that belong to the state: OK, or OUTPUT_NOT_FINITE, and then they have no meaning."""
+        if has_waves:
+            breaking.fit(system)
         n, parameters, state = segments_of(system, 0), system.parameters, system.state
         wind_points.take_from_state(n, parameters, state)
         variant.outputs_of(n, parameters, state, number_of_line(system, 0, places.SHAPE_POINTS), outputs, system.work)
-        return complete(n, state, outputs)
+        status = complete(n, state, outputs)
+        if has_waves:
+            breaking.unfit(system)
+        return status
 
     @kernel
     def initialize(system):
@@ -65,21 +70,32 @@ def tether(variant):
 
         before (modified) : the state of before.
         """
-        n, parameters, state = segments_of(system, 0), system.parameters, system.state
+        parameters, state = system.parameters, system.state
         copy(state, before)
+        parting = breaking.begin(system, before) if has_waves else breaking.refuse(system)
+        n = segments_of(system, 0)
         status, given = transaction.begin(n, parameters, system.inputs, step, has_waves, state)
+        status = parting if parting != OK else status
         if status == OK:
             status = variant.advance(n, parameters, given, before, state, system.work)
             note_imbalance(n, parameters, before, state)
-        return transaction.commit(n, parameters, status, before, state)
+        status = transaction.commit(n, parameters, status, before, state)
+        if has_waves:
+            breaking.end(system)
+        return status
 
     @kernel
     def energy(system, k, energies):
         """Energies, powers, tensions and velocities (modified) of the tether in its state, with its inputs; a status."""
+        if has_waves:
+            breaking.fit(system)
         n, parameters, state = segments_of(system, 0), system.parameters, system.state
         wind_points.take_from_state(n, parameters, state)
         v = variant.velocities_of(n, parameters, state, system.work)
-        return power_balance.balance(n, parameters, state, v, system.inputs, has_waves, energies, system.work)
+        status = power_balance.balance(n, parameters, state, v, system.inputs, has_waves, energies, system.work)
+        if has_waves:
+            breaking.unfit(system)
+        return status
 
     made = ModuleType(name)  # numba knows what is in a module
     for each in (complete_plan, take_outputs, initialize, advance, energy):

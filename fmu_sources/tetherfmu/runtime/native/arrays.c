@@ -40,7 +40,7 @@ static void quantities_of(const double *values, int line, double *quantities)
 {
     for (int i = 0; i < QUANTITIES; i++) {
         int reference = QUANTITY_FROM[line][i];
-        quantities[i] = reference < 0 ? QUANTITY_DEFAULT[i] : values[reference];
+        quantities[i] = reference < 0 ? QUANTITY_DEFAULT[line][i] : values[reference];
     }
 }
 
@@ -184,11 +184,14 @@ static double *outputs_in(const Arrays *arrays, double *values)
     return DIRECT ? values + OUTPUTS_AT : arrays->found;
 }
 
-/* Put the inputs among the values into the array of the kernels, unless they are it. */
+/* Put the inputs among the values into the array of the kernels, unless they are it; those of lines that shared winches hold
+are sums. */
 static void give(const Arrays *arrays, const double *values)
 {
     for (int i = 0; !DIRECT && i < INPUTS_FROM; i++)
         arrays->given[INPUT_FROM[i].place] = values[INPUT_FROM[i].reference];
+    for (int i = 0; i < HELD_TERMS; i++) arrays->given[HELD[i].place] = 0.0;
+    for (int i = 0; i < HELD_TERMS; i++) arrays->given[HELD[i].place] += HELD_FACTOR[i] * values[HELD[i].reference];
 }
 
 /* Put the outputs of the kernels into the values if the status is 0, and return it; the force on a point is the sum of those of
@@ -199,9 +202,13 @@ static int32_t show(const Arrays *arrays, double *values, int32_t result)
     for (int i = OUTPUTS_AT; i < PARAMETERS_AT; i++) values[i] = 0.0;
     for (int i = 0; i < OUTPUTS_FROM; i++) values[OUTPUT_FROM[i].reference] += arrays->found[OUTPUT_FROM[i].place];
     for (int i = 0; i < MOTIONS; i++) {
-        int64_t n = of_line(arrays, MOTION[i].line, PLAN_SEGMENTS);
+        int64_t n = of_line(arrays, MOTION[i].line, PLAN_SEGMENTS) + (int64_t)state_of(arrays, MOTION[i].line)[AT_LET_GO];
         int64_t node = 3 * (MOTION[i].is_end ? n : 0) + 3 * (MOTION[i].component / 3) * (n + 1);
         values[MOTION[i].reference] = state_of(arrays, MOTION[i].line)[AT_STATE_HEADER + node + MOTION[i].component % 3];
+    }
+    for (int i = 0; i < TURNED_TERMS; i++) {
+        double before = TURNED[i].less < 0 ? 0.0 : values[TURNED[i].less];
+        values[TURNED[i].reference] += TURNED_FACTOR[i] * (arrays->found[TURNED[i].place] - before);
     }
     return 0;
 }

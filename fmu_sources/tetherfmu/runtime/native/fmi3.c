@@ -183,6 +183,11 @@ fmi3Status fmi3GetInt64(ARGUMENTS, fmi3Int64 values[], size_t nValues)
     return get(handle, references, count, __func__, INT64, ENUMERATION, values, nValues);
 }
 
+fmi3Status fmi3GetBoolean(ARGUMENTS, fmi3Boolean values[], size_t nValues)
+{
+    return get(handle, references, count, __func__, TRUTH, BOOLEAN, values, nValues);
+}
+
 fmi3Status fmi3SetFloat64(ARGUMENTS, const fmi3Float64 values[], size_t nValues)
 {
     return set(handle, references, count, __func__, FLOAT64, REAL, values, nValues);
@@ -196,6 +201,11 @@ fmi3Status fmi3SetInt32(ARGUMENTS, const fmi3Int32 values[], size_t nValues)
 fmi3Status fmi3SetInt64(ARGUMENTS, const fmi3Int64 values[], size_t nValues)
 {
     return set(handle, references, count, __func__, INT64, ENUMERATION, values, nValues);
+}
+
+fmi3Status fmi3SetBoolean(ARGUMENTS, const fmi3Boolean values[], size_t nValues)
+{
+    return set(handle, references, count, __func__, TRUTH, BOOLEAN, values, nValues);
 }
 
 #define NO_VARIABLES_GET(name, ...)                                              \
@@ -217,7 +227,6 @@ NO_VARIABLES_GET(fmi3GetInt16, fmi3Int16 values[], size_t nValues)
 NO_VARIABLES_GET(fmi3GetUInt16, fmi3UInt16 values[], size_t nValues)
 NO_VARIABLES_GET(fmi3GetUInt32, fmi3UInt32 values[], size_t nValues)
 NO_VARIABLES_GET(fmi3GetUInt64, fmi3UInt64 values[], size_t nValues)
-NO_VARIABLES_GET(fmi3GetBoolean, fmi3Boolean values[], size_t nValues)
 NO_VARIABLES_GET(fmi3GetString, fmi3String values[], size_t nValues)
 NO_VARIABLES_GET(fmi3GetBinary, size_t valueSizes[], fmi3Binary values[], size_t nValues)
 NO_VARIABLES_GET(fmi3GetClock, fmi3Clock values[])
@@ -228,7 +237,6 @@ NO_VARIABLES_SET(fmi3SetInt16, const fmi3Int16 values[], size_t nValues)
 NO_VARIABLES_SET(fmi3SetUInt16, const fmi3UInt16 values[], size_t nValues)
 NO_VARIABLES_SET(fmi3SetUInt32, const fmi3UInt32 values[], size_t nValues)
 NO_VARIABLES_SET(fmi3SetUInt64, const fmi3UInt64 values[], size_t nValues)
-NO_VARIABLES_SET(fmi3SetBoolean, const fmi3Boolean values[], size_t nValues)
 NO_VARIABLES_SET(fmi3SetString, const fmi3String values[], size_t nValues)
 NO_VARIABLES_SET(fmi3SetBinary, const size_t valueSizes[], const fmi3Binary values[], size_t nValues)
 NO_VARIABLES_SET(fmi3SetClock, const fmi3Clock values[])

@@ -160,7 +160,8 @@ static void warn_of_line(Instance *instance, int line)
         double value = state[AT_WARNED_VALUES + kind];
         if (!(new >> kind & 1)) continue;
         fill_in(text, sizeof text, WARNING_SENTENCE[kind],
-            FACTS(real("value", value), real("percent", 100.0 * value), real("strain", 100.0 * (value - 1.0))));
+            FACTS(real("value", value), real("percent", 100.0 * value), real("strain", 100.0 * (value - 1.0)),
+                real("segment", state[AT_TORN_SEGMENT]), real("time", state[AT_TORN_AT])));
         say(instance, WARNING, *LINE_NAME[line] ? "the line {line}: {text}" : "{text}",
             FACTS(word("line", LINE_NAME[line]), word("text", text)));
     }
@@ -300,13 +301,15 @@ static Status check_readable(Instance *instance, unsigned kinds, const unsigned 
     return outputs && instance->phase == INITIALIZING ? start(instance, ERROR) : OK;
 }
 
-/* Put what is no value there, for importers that do not look at the status: NaN or the smallest integer. */
+/* Put what is no value there, for importers that do not look at the status: NaN, the smallest integer, or false. */
 static Status spoil(Type type, void *values, size_t room)
 {
     for (size_t k = 0; k < room; k++) {
         if (type == FLOAT64) ((double *)values)[k] = NAN;
         if (type == INT32) ((int32_t *)values)[k] = INT32_MIN;
         if (type == INT64) ((int64_t *)values)[k] = INT32_MIN;
+        if (type == TRUTH_INT) ((int32_t *)values)[k] = 0;
+        if (type == TRUTH) ((bool *)values)[k] = false;
     }
     return ERROR;
 }
@@ -322,6 +325,8 @@ Status get_values(
             if (type == FLOAT64) ((double *)values)[k] = value[j];
             if (type == INT32) ((int32_t *)values)[k] = integer(value[j]);
             if (type == INT64) ((int64_t *)values)[k] = integer(value[j]);
+            if (type == TRUTH_INT) ((int32_t *)values)[k] = value[j] != 0.0;
+            if (type == TRUTH) ((bool *)values)[k] = value[j] != 0.0;
         }
     }
     return OK;
@@ -331,6 +336,8 @@ static double number(Type type, const void *values, size_t k)
 {
     if (type == INT32) return ((const int32_t *)values)[k];
     if (type == INT64) return (double)((const int64_t *)values)[k];
+    if (type == TRUTH_INT) return ((const int32_t *)values)[k] != 0;
+    if (type == TRUTH) return ((const bool *)values)[k];
     return ((const double *)values)[k];
 }
 

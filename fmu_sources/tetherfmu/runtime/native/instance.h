@@ -10,7 +10,7 @@
 #include "messages.h"
 #include "tables.h"
 
-typedef enum { FLOAT64, INT32, INT64 } Type; /* of the numbers that the importer passes */
+typedef enum { FLOAT64, INT32, INT64, TRUTH_INT, TRUTH } Type; /* of the numbers that the importer passes */
 typedef void (*Log)(const Instance *instance, Status status, const char *text);
 
 struct Instance {

@@ -169,7 +169,8 @@ export class Tether {
     return declared.sentences.warnings.flatMap(({ sentence, facts }, kind) => {
       if (Math.floor(kinds / 2 ** kind) % 2 === 0) return [];
       const value = numbers[place + this.arrays.WARNED_VALUES + kind];
-      return [filled(sentence, { ...facts, value, percent: 100 * value, strain: 100 * (value - 1) })];
+      const [segment, time] = [numbers[place + this.arrays.TORN_SEGMENT], numbers[place + this.arrays.TORN_AT]];
+      return [filled(sentence, { ...facts, value, percent: 100 * value, strain: 100 * (value - 1), segment, time })];
     });
   }
 

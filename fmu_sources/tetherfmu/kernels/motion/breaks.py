@@ -1,0 +1,153 @@
+"""When a segment breaks within a communication step: as soon as its tension reaches its breaking force.
+
+Steps of the adaptive solver end there, as at an event of a drum (`pieces.py`); fixed steps break at their ends, which keeps
+their work bounded. A line breaks once, at the segment that lacks least. Its winch is braked, and so is the rope that flows.
+"""
+
+from math import inf
+
+from tetherfmu.runtime import layout as at
+from tetherfmu.runtime import plausibility as limits
+
+from ..compilation import kernel
+from ..equations import segment, torn
+from ..equations.boundary import chain_during, chain_with, place_ends
+from ..equations.lines import (
+    conditions_of,
+    lines_of,
+    motion_of,
+    parameters_of,
+    put_reeling,
+    segments_of,
+    state_of,
+    with_states,
+)
+from ..equations.notes import note, note_peak
+from ..equations.properties import property_of
+from ..line.drum_events import OVERLOAD, part_of_piece
+from ..linear_algebra.vectors import dot, get, sub
+from ..points.system_drums import chain_in_step
+from ..points.system_room import has_drum, integrator_of, length_of, moves
+from .stopped_drums import put_reeling_speed
+
+
+@kernel
+def can_break(system, k):
+    """Whether line k may break."""
+    return parameters_of(system, k)[at.CAN_BREAK] > 0.0 and not torn.is_torn(parameters_of(system, k))
+
+
+@kernel
+def can_any_break(system):
+    """Whether any line may."""
+    count = 0
+    for k in range(lines_of(system)):
+        count += can_break(system, k)
+    return count > 0
+
+
+@kernel
+def weakest(chain, x, v):
+    """Segment that lacks least to its breaking force, what it lacks [N], and that force [N].
+
+    With the nodes at x [m], v [m/s].
+    """
+    found, least, strength = 0, inf, inf
+    for s in range(chain.n):
+        own = property_of(chain, s, at.STRENGTH)
+        if own > 0.0:
+            length, e = segment.geometry(sub(get(x, s + 1), get(x, s)))
+            rate = dot(e, sub(get(v, s + 1), get(v, s)))
+            lacking = own - segment.tension_of(chain, s, segment.BY_LENGTH, length, rate)
+            if lacking < least:
+                found, least, strength = s, lacking, own
+    return found, least, strength
+
+
+@kernel
+def chain_now(system, k, time):
+    """`Chain` of line k in its state at a time [s] of the communication step."""
+    conditions = conditions_of(system, k)
+    return chain_with(conditions, *length_of(system, k)) if has_drum(system, k) else chain_during(conditions, time)
+
+
+@kernel
+def part_to_break(system, time, h, weight):
+    """Part of the step of h [s] from a time [s] after which the first line is expected to break; inf if none has in it.
+
+    weight : of the way to it, below 1 where the last piece was too long.
+    """
+    least = inf
+    for k in range(lines_of(system)):
+        if can_break(system, k) and moves(system, k):
+            w, (x, v) = integrator_of(system, k), motion_of(system, k)
+            _, after, strength = weakest(chain_in_step(system, k, time + h), w.x, w.v)
+            if after < -OVERLOAD * strength:
+                _, now, _ = weakest(chain_now(system, k, time), x, v)
+                least = min(least, part_of_piece(weight * now, after))
+    return least
+
+
+@kernel
+def stop_winch(system, k, time):
+    """Brake the winch of line k (modified) at a time [s] of the communication step."""
+    chain = chain_now(system, k, time)
+    put_reeling_speed(system, k, chain.length, 0.0, chain.reeling)
+    put_reeling(system, k, (chain.length, 0.0, 0.0, 0.0, 0.0))
+    state_of(system, k)[at.ACCELERATION] = 0.0
+
+
+@kernel
+def time_since_start(state, time):
+    """Time since the start [s] of a time [s] in the communication step; the clock of the state is at the end of that."""
+    return state[at.CLOCK] - state[at.LAST_STEP] + time
+
+
+@kernel
+def break_line(system, k, s, tension, time):
+    """Let segment s of line k (modified) break under a tension [N] at a time [s] of the communication step."""
+    state, chain, (x, _) = state_of(system, k), chain_now(system, k, time), motion_of(system, k)
+    length, _ = segment.geometry(sub(get(x, s + 1), get(x, s)))
+    elongation, stiffness = segment.spring(chain, s, length, False)
+    state[at.TORN_SEGMENT], state[at.TORN_AT] = s + 1.0, time_since_start(state, time)
+    state[at.TORN_ENERGY] += segment.elastic_energy(stiffness, elongation)
+    note(state, limits.BROKE, tension * tension, 0.0)
+    note_peak(state, tension)
+    stop_winch(system, k, time)
+    torn.tear(segments_of(system, k), s, parameters_of(system, k))
+
+
+@kernel
+def break_lines(system, time):
+    """Break lines (modified) whose tension is what they bear, at a time [s] of the communication step; whether any did."""
+    count = 0
+    for k in range(lines_of(system)):
+        if can_break(system, k):
+            x, v = motion_of(system, k)
+            s, lacking, strength = weakest(chain_now(system, k, time), x, v)
+            if lacking <= OVERLOAD * strength:
+                break_line(system, k, s, strength - lacking, time)
+                count += 1
+    return count > 0
+
+
+@kernel
+def break_at_ends(system, step):
+    """The same at the start and at the end of a communication step [s] in which nothing moves but driven ends (modified)."""
+    if can_any_break(system) and not break_lines(system, 0.0):
+        for k in range(lines_of(system)):
+            x, v = motion_of(system, k)
+            place_ends(conditions_of(system, k), step, x, v)
+        break_lines(system, step)
+
+
+@kernel
+def go_back(system, before):
+    """Let the lines (modified) be as whole as in the states `before`."""
+    for k in range(lines_of(system)):
+        state, first = state_of(system, k), state_of(with_states(system, before), k)
+        if state[at.TORN_SEGMENT] != 0.0 and first[at.TORN_SEGMENT] == 0.0:
+            state[at.TORN_SEGMENT], state[at.TORN_ENERGY], state[at.TORN_AT] = 0.0, first[at.TORN_ENERGY], 0.0
+            state[at.WARNED_VALUES + limits.BROKE] = 0.0
+            state[at.WARNINGS] -= 1 << limits.BROKE
+            torn.mend(segments_of(system, k), parameters_of(system, k))

@@ -1,0 +1,146 @@
+"""Lines that broke or let go, when an entry point begins and when it ends; the law is in `equations/torn.py`.
+
+A line lets go at the beginning of the first step in which its input `release` is true.
+"""
+
+from tetherfmu.runtime import layout as at
+from tetherfmu.runtime import plan_layout as places
+from tetherfmu.runtime import plausibility as limits
+from tetherfmu.runtime.status import OK, RELEASED_OVER_SHEAVES, RELEASED_WITHOUT_MASS
+
+from ..compilation import kernel
+from ..equations import torn
+from ..equations.lines import (
+    inputs_of,
+    is_at_point,
+    is_portion,
+    lines_of,
+    motion_of,
+    number_of_line,
+    parameters_of,
+    point_at,
+    segments_of,
+    state_of,
+    with_states,
+)
+from ..equations.notes import note
+from ..equations.properties import chain_of, point_mass_in, property_of, rest_length
+from ..linear_algebra.vectors import dot, get
+
+
+@kernel
+def mark_freed(system, k, freed):
+    """Write into the plan (modified) whether line k has let go."""
+    system.plan[places.PLAN_HEADER + places.LINE_NUMBERS * k + places.FREED] = freed
+
+
+@kernel
+def is_freed(system, k):
+    """Whether the arrays of line k are those of a line that has let go."""
+    return number_of_line(system, k, places.FREED) != 0
+
+
+@kernel
+def fit(system):
+    """Let parameters and plan (modified) of all lines be those that belong to their states."""
+    for k in range(lines_of(system)):
+        if state_of(system, k)[at.LET_GO] != 0.0:
+            torn.add_segment(segments_of(system, k), parameters_of(system, k))
+            mark_freed(system, k, 1)
+        broken = state_of(system, k)[at.TORN_SEGMENT]
+        if 0.0 < broken <= segments_of(system, k):
+            torn.tear(segments_of(system, k), int(broken) - 1, parameters_of(system, k))
+
+
+@kernel
+def unfit(system):
+    """Let them (modified) be those of the whole lines."""
+    for k in range(lines_of(system)):
+        torn.mend(segments_of(system, k), parameters_of(system, k))
+        if is_freed(system, k):
+            torn.remove_segment(segments_of(system, k) - 1, parameters_of(system, k))
+            mark_freed(system, k, 0)
+
+
+@kernel
+def has_rope(system, k, end):
+    """Whether rope of line k is at its start (end 0) or at its end (1): not where it has let go."""
+    return end == 0 or not is_freed(system, k)
+
+
+@kernel
+def can_let_go(system, k):
+    """Whether what holds the last end of line k can go on without it: it is driven, has a mass, or another line is there."""
+    n, parameters = segments_of(system, k), parameters_of(system, k)
+    if not is_at_point(system, k, 1):
+        return parameters[at.KITE_IS_FREE] == 0.0 or point_mass_in(parameters, n, n) > 0.0
+    count = 0
+    for j in range(lines_of(system)):
+        own, n = parameters_of(system, j), segments_of(system, j)
+        for end in range(2):
+            if point_at(system, j, end) == point_at(system, k, 1):
+                count += point_mass_in(own, n, n * end) > 0.0 or (has_rope(system, j, end) and not (j == k and end == 1))
+    return count > 0
+
+
+@kernel
+def energy_of_driven_node(system, k):
+    """Kinetic energy [J] of the half segment at a driven last end of line k, which leaves it to the line; free ends: 0."""
+    n, parameters, (_, v) = segments_of(system, k), parameters_of(system, k), motion_of(system, k)
+    if is_at_point(system, k, 1) or parameters[at.KITE_IS_FREE] != 0.0:
+        return 0.0
+    chain = chain_of(n, parameters, state_of(system, k))
+    return 0.25 * property_of(chain, n - 1, at.LINE_DENSITY) * rest_length(chain, n - 1) * dot(get(v, n), get(v, n))
+
+
+@kernel
+def let_go(system, before):
+    """Let those lines go (modified) whose input says so for the first time; a status.
+
+    The states `before` (modified) get their additional nodes, too.
+    """
+    for k in range(lines_of(system)):
+        state = state_of(system, k)
+        if inputs_of(system, k)[at.RELEASE] != 0.0 and state[at.LET_GO] == 0.0:
+            if is_portion(system, k):
+                system.plan[places.STATUS_LINE] = k
+                return RELEASED_OVER_SHEAVES
+            if not can_let_go(system, k):
+                system.plan[places.STATUS_LINE] = k
+                return RELEASED_WITHOUT_MASS
+            n = segments_of(system, k)
+            state[at.TORN_ENERGY] -= energy_of_driven_node(system, k)
+            torn.add_node(n, state)
+            torn.add_node(n, state_of(with_states(system, before), k))
+            broken = int(parameters_of(system, k)[at.TORN_NOW])
+            torn.mend(n, parameters_of(system, k))
+            torn.add_segment(n, parameters_of(system, k))
+            mark_freed(system, k, 1)
+            if broken > 0:
+                torn.tear(n + 1, broken - 1, parameters_of(system, k))
+            state[at.LET_GO], state[at.LET_GO_AT] = 1.0, state[at.CLOCK]
+    return OK
+
+
+@kernel
+def begin(system, before):
+    """`fit` and `let_go` at the beginning of a step, with a copy of the states `before` (both modified); a status."""
+    fit(system)
+    return let_go(system, before)
+
+
+@kernel
+def end(system):
+    """`unfit` at the end of a step (modified). A line that let go in a step that was rolled back has its node no longer."""
+    for k in range(lines_of(system)):
+        if is_freed(system, k) and state_of(system, k)[at.LET_GO] == 0.0:
+            torn.remove_node(segments_of(system, k) - 1, state_of(system, k))
+    unfit(system)
+
+
+@kernel
+def refuse(system):
+    """Note in the state (modified) of a tether that cannot let go that its input `release` has no effect; returns OK."""
+    release = system.inputs[at.RELEASE]
+    note(system.state, limits.IDLE_RELEASE, release * release, 0.0)
+    return OK
