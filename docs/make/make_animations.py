@@ -15,11 +15,11 @@ mpl.use("Agg")
 import matplotlib.pyplot as plt
 
 from course_pages import ROOT, lessons
-from pictures import save
+from pictures import save_moving
 from tetherfmu.console.colours import BLACK, BLUE, GREY, VERMILLION
 
 DOCS = ROOT / "docs"
-FRAMES = 120  # of an animation
+FRAMES, SECONDS = 120, 12.0  # of an animation, and how long it takes [s]
 DOT = {"color": VERMILLION, "linewidth": 9.0, "solid_capstyle": "round"}
 CELL = re.compile(r"^```\{code-cell\}\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
@@ -34,31 +34,9 @@ def variables(number):
     return found
 
 
-def places(axes, points):
-    """Attributes `d` of paths through points in data, array (frames, points, 2)."""
-    height = 72.0 * axes.figure.get_size_inches()[1]
-    shown = axes.transData.transform(points.reshape(-1, 2)).reshape(points.shape) * 72.0 / axes.figure.dpi
-    shown[..., 1] = height - shown[..., 1]
-    return ["M" + "L".join(f"{x:.1f} {y:.1f}" for x, y in frame) for frame in shown]
-
-
-def write(figure, moving, seconds, name):
-    """Write a figure whose lines move; moving : line -> array (frames, points, 2).  seconds : that the animation takes."""
-    figure.canvas.draw()
-    figure.set_layout_engine("none")  # nothing else moves
-    for number, (line, points) in enumerate(moving.items()):
-        line.set_gid(f"moving_{number}")
-        line.set_data(*points[0].T)
-    path = DOCS / "figures" / f"lesson_{name}.svg"
-    save(figure, path)
-    picture = path.read_text(encoding="utf-8")
-    for number, (line, points) in enumerate(moving.items()):
-        before, place, after = picture.partition(f'<g id="moving_{number}">')
-        drawn, _, after = after.partition("/>")
-        values = ";".join(places(line.axes, points))
-        animation = f'<animate attributeName="d" dur="{seconds:g}s" repeatCount="indefinite" values="{values}"/>'
-        picture = f"{before}{place}{drawn}>{animation}</path>{after}"
-    path.write_text(picture, encoding="utf-8")
+def write(figure, moving, name):
+    """Write an animation of a lesson; moving : line -> array (frames, points, 2)."""
+    save_moving(figure, moving, SECONDS, DOCS / "figures" / f"lesson_{name}")
     plt.close(figure)
 
 
@@ -97,7 +75,7 @@ def crane():
         + np.array([(-1.0, -1.0), (1.0, -1.0)]),
         beside.plot([0.0], [0.0], **DOT)[0]: dot(flown.time[rows], swing[rows]),
     }
-    write(figure, moving, 12.0, "crane")
+    write(figure, moving, "crane")
 
 
 def winch():
@@ -127,7 +105,7 @@ def winch():
     for turned in (0.0, np.pi / 2.0):
         rim = 2.9 * np.stack([np.cos(angle + turned), np.sin(angle + turned)], axis=-1)[:, None]
         moving[scene.plot([0.0], [0.0], color=BLACK, linewidth=1.5)[0]] = np.concatenate([-rim, rim], axis=1)
-    write(figure, moving, 12.0, "winch")
+    write(figure, moving, "winch")
 
 
 def main():

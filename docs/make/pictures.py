@@ -89,6 +89,40 @@ def save(figure, path):
     path.write_text(themed(path.read_text(encoding="utf-8")), encoding="utf-8")
 
 
+def places(axes, points):
+    """Attributes `d` of paths through points in data, array (frames, points, 2)."""
+    shown = axes.transData.transform(points.reshape(-1, 2)).reshape(points.shape) * 72.0 / axes.figure.dpi
+    shown[..., 1] = 72.0 * axes.figure.get_size_inches()[1] - shown[..., 1]
+    return ["M" + "L".join(f"{x:.1f} {y:.1f}" for x, y in frame) for frame in shown]
+
+
+def save_moving(figure, moving, seconds, path, colours=()):
+    """Write a figure whose lines move to an SVG file, which has its first frame where nothing moves.
+
+    moving : line -> array (frames, points, 2), in data.  seconds : from the first frame to its return.  colours : of some of
+    these lines, `#rrggbb` in each frame.
+    """
+    path, colours = Path(path).with_suffix(".svg"), dict(colours)
+    figure.canvas.draw()
+    figure.set_layout_engine("none")  # nothing else moves
+    for number, (line, points) in enumerate(moving.items()):
+        line.set_gid(f"moving_{number}")
+        line.set_data(*points[0].T)
+    save(figure, path)
+    picture, timing = path.read_text(encoding="utf-8"), f'dur="{seconds:g}s" repeatCount="indefinite"'
+    for number, (line, points) in enumerate(moving.items()):
+        before, place, after = picture.partition(f'<g id="moving_{number}">')
+        drawn, _, after = after.partition("/>")
+        animated = {"d": places(line.axes, points), "stroke": colours.get(line)}
+        animations = "".join(
+            f'<animate attributeName="{name}" {timing} values="{";".join(values)}"/>'
+            for name, values in animated.items()
+            if values
+        )
+        picture = f"{before}{place}{drawn}>{animations}</path>{after}"
+    path.write_text(picture, encoding="utf-8")
+
+
 SAVE = Figure.savefig
 
 

@@ -4,10 +4,11 @@ import re
 from pathlib import Path
 
 import matplotlib as mpl
+import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from pictures import DARK, as_svg, darkened, legible, save, themed
+from pictures import DARK, as_svg, darkened, legible, save, save_moving, themed
 from tetherfmu.console.colours import BLACK, GREY, PALETTE
 
 FIGURES = Path(__file__).resolve().parents[2] / "docs" / "figures"
@@ -71,6 +72,21 @@ def test_equal_figures_are_equal_files_with_rules_for_dark(tmp_path):
     first, second = (drawn(tmp_path / f"{name}.svg") for name in ("first", "second"))
     assert first == second == themed(first)
     assert f'[style*="stroke: #0072b2"] {{stroke: {DARK["#0072b2"]} !important}}' in first
+
+
+def test_a_line_moves(tmp_path):
+    """Its first and its last place are where matplotlib draws them, from the upper left corner."""
+    figure = Figure(figsize=(2.0, 1.0))
+    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+    axes.set(xlim=(0.0, 1.0), ylim=(0.0, 1.0))
+    (line,) = axes.plot([0.0], [0.0])
+    save_moving(figure, {line: np.array([[(0.0, 0.0), (1.0, 1.0)], [(0.5, 0.5), (1.0, 0.0)]])}, 2.0, tmp_path / "moving")
+    picture = (tmp_path / "moving.svg").read_text(encoding="utf-8")
+    (values,) = re.findall(
+        r'<animate attributeName="d" dur="2s" repeatCount="indefinite" values="([^"]*)"/></path>', picture
+    )
+    assert values == "M0.0 72.0L144.0 0.0;M72.0 36.0L144.0 72.0"  # points of 1/72 in
+    assert re.search(r'<g id="moving_0">\s*<path d="M 0 72 \nL 144 0 \n"', picture)
 
 
 def test_pictures_of_examples_become_svg(tmp_path):

@@ -3,6 +3,7 @@
 import numpy as np
 
 from kernels.packed import packed
+from tetherfmu.kernels.arrays import nodes_end
 from tetherfmu.kernels.equations import end_motion
 from tetherfmu.kernels.equations.boundary import BoundaryConditions, chain_during
 from tetherfmu.kernels.equations.lines import System, store_conditions
@@ -35,13 +36,14 @@ class ChainProblem:
         self.parameters = packed(tether, Environment(air_density_scale_height=500.0), Solver(relative_tolerance=1e-6))
         self.parameters[at.WIND_PROFILE] = wind_profile
         if wind_profile == at.AT_NODES:
-            self.parameters[-3 * (n + 1) :] = 9.0 * np.random.default_rng(3).normal(size=3 * (n + 1))
+            winds = slice(at.node_winds_at(n), at.node_winds_at(n) + 3 * (n + 1))
+            self.parameters[winds] = 9.0 * np.random.default_rng(3).normal(size=3 * (n + 1))
         self.wind = (8.0, 2.0, 1.0)
         self.length = 38.0
         nodes = np.linspace([0.0, 0.0, 1.0], [22.0, 3.0, 36.0], n + 1)
         nodes[1:-1] += [[0.3, -0.5, -0.9], [0.8, 0.2, -1.0], [-0.2, 0.4, -0.7]]
         self.state = np.zeros(at.state_size(n))
-        self.x, self.v = self.state[at.STATE_HEADER :].reshape(2, -1)
+        self.x, self.v = self.state[at.STATE_HEADER : nodes_end(n)].reshape(2, -1)
         self.x[:] = nodes.ravel()
         self.v[:] = np.linspace([1.0, 0.0, 0.5], [6.0, 4.0, -3.0], n + 1).ravel()
         self.memory = np.zeros(work_size(n))

@@ -66,16 +66,19 @@ def test_the_winch_of_a_released_line_reels_in_what_is_left(control, solver):
     assert outputs.points["load"].velocity[2] < -25.0
 
 
+ENDS = {"main": "knot", "l": "left", "r": "knot"}  # of the lines
+
+
 def y_system(arms, solver=ADAPTIVE, strong=1e9, **more):
     """A knot on a line from the ground, held by arms to the kites "left" and "right"."""
     kites = {"left": (-20.0, 0.0, 120.0), "right": (20.0, 0.0, 120.0)}
     points = [Point("winch", (0.0, 0.0, 0.0)), Point("knot", (0.0, 0.0, 97.0), mass=3.0)]
     points += [Point(name, kites[name]) for name in arms]
     lines = [Line("main", "winch", "knot", Tether(segments=5, initial_length=96.0, breaking_force=strong, **ROPE), **more)]
-    forces = {"left": 0.0, "right": 6000.0}
+    forces, ends = {"left": 0.0, "right": 6000.0}, {"left": ("knot", "left"), "right": ("right", "knot")}
     for name in arms:
         arm = Tether(segments=3, initial_length=30.2, breaking_force=forces[name], **ROPE)
-        lines.append(Line(name[0], "knot", name, arm))
+        lines.append(Line(name[0], *ends[name], arm))
     system = TetherSystem(points, lines, Environment(), solver)
     system.initialize()
     return system
@@ -111,6 +114,17 @@ def test_two_lines_break_one_after_the_other(solver):
     mine = [system.step(0.01).points["knot"].position for _ in range(5)]
     system.set_state(state)
     assert np.array_equal(mine, [system.step(0.01).points["knot"].position for _ in range(5)])
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize("name", ["main", "l", "r"])
+def test_any_line_at_a_point_lets_go(solver, name):
+    system = y_system(["left", "right"], solver)
+    for k in range(50):
+        outputs = system.step(0.01, releases={name: k >= 5})
+    assert [line for line, each in outputs.lines.items() if each.broken] == [name]
+    free = system.positions[name][-1]
+    assert np.linalg.norm(free - outputs.points[ENDS[name]].position) > 1.0
 
 
 def test_a_point_without_mass_cannot_be_released_from_its_last_line():

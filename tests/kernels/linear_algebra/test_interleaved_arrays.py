@@ -5,7 +5,7 @@ import pytest
 from numba import njit
 
 from kernels.interleaved import interleaved
-from tetherfmu.kernels.arrays import copy
+from tetherfmu.kernels.arrays import copy, nodes_end
 from tetherfmu.kernels.flat_arrays import part
 from tetherfmu.kernels.linear_algebra.both_ends import deinterleave, next_interleaved
 from tetherfmu.kernels.linear_algebra.pairs import first, pair, second
@@ -90,7 +90,7 @@ def test_all_of_an_array_is_copied(size):
 def test_a_state_is_finite_or_not_at_any_place(bad, n):
     state = np.resize([1e308, -1e308, 5e-324], at.state_size(n))
     assert check_state(n, state) == OK
-    for place in range(len(state)):
+    for place in range(nodes_end(n)):
         wrong = state.copy()
         wrong[place] = bad
         assert check_state(n, wrong) == STATE_NOT_FINITE

@@ -17,6 +17,8 @@ from tetherfmu.runtime import layout as at
 from ..compilation import kernel
 from .properties import property_in, put_property
 
+NO_MASS = 3.7e-13  # of a node without any [kg], as forces are divided by masses
+
 
 @kernel
 def tear(n, s, parameters):
@@ -40,7 +42,8 @@ def mend(n, parameters):
         put_property(n, at.DAMPING, s, parameters[at.WHOLE_DAMPING], parameters)
         put_property(n, at.DRAG_WIDTH, s, parameters[at.WHOLE_DRAG_WIDTH], parameters)
         parameters[at.WINCH_CONTROL] = parameters[at.WHOLE_CONTROL]
-        parameters[at.TORN_NOW] = 0.0
+        for place in range(at.TORN_NOW, at.WHOLE_CONTROL + 1):
+            parameters[place] = 0.0
 
 
 @kernel
@@ -88,6 +91,7 @@ def add_segment(n, parameters):
         first = winds + (n + 1) * axis
         put_last(n + 1, first, at.SEGMENT_PROPERTIES + 1 + axis, parameters[first + n], parameters)
     mass = parameters[masses + n]
+    mass = mass if mass != 0.0 else NO_MASS
     parameters[masses + n] = 0.0
     put_last(n + 1, masses, at.SEGMENT_PROPERTIES, mass, parameters)
     for which in range(at.SEGMENT_PROPERTIES - 1, -1, -1):
@@ -103,7 +107,7 @@ def remove_segment(n, parameters):
     masses = at.PARAMETER_SCALARS + at.SEGMENT_PROPERTIES * n
     mass = parameters[masses + at.SEGMENT_PROPERTIES + n + 1]
     move_down(n, masses, at.SEGMENT_PROPERTIES, parameters)
-    parameters[masses + n] = mass
+    parameters[masses + n] = mass if mass != NO_MASS else 0.0
     for axis in range(3):
         move_down(n + 1, masses + (n + 1) * (axis + 1), at.SEGMENT_PROPERTIES + 1 + axis, parameters)
     for i in range(at.SEGMENT_PROPERTIES + 4):

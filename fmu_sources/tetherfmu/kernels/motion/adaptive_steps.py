@@ -52,7 +52,7 @@ from ..points.system_room import (
     turns,
 )
 from ..points.system_step import apply_changes, collect_changes, whole_masses
-from .breaks import break_lines, can_any_break, part_to_break
+from .breaks import begin_breaks, break_lines, can_any_break, part_to_break
 from .pieces import MOST_IDLE, accept_drum, begin_drums, drum_error, error_of_drum, part_to_event, project_drums, turn_drums
 from .rope_directions import turn_ropes
 from .running_ropes import accept_ropes, begin_ropes, error_of_rope, part_to_rope_event
@@ -163,7 +163,7 @@ def integrate(system, duration):
     begin_drums(system)
     if has_sheaves(system):
         begin_ropes(system)
-    may_break = can_any_break(system) and not (break_lines(system, 0.0) and not can_any_break(system))
+    may_break = begin_breaks(system)
     is_new = True  # whether a piece begins
     piece, weight = inf, 1.0
     beyond = 0.0  # time at which the next event of a drum is known to be over, 0 without

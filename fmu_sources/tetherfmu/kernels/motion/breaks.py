@@ -132,6 +132,12 @@ def break_lines(system, time):
 
 
 @kernel
+def begin_breaks(system):
+    """Break lines (modified) that bear too much as a communication step begins; whether any may break in it."""
+    return can_any_break(system) and not (break_lines(system, 0.0) and not can_any_break(system))
+
+
+@kernel
 def break_at_ends(system, step):
     """The same at the start and at the end of a communication step [s] in which nothing moves but driven ends (modified)."""
     if can_any_break(system) and not break_lines(system, 0.0):

@@ -47,7 +47,7 @@ from ..points.system_room import (
 )
 from . import turning
 from .adaptive_steps import work_of
-from .breaks import break_lines, can_any_break
+from .breaks import begin_breaks, break_lines, can_any_break
 from .fallback import (
     ASKED,
     AT_STOP,
@@ -290,7 +290,7 @@ def integrate(system, steps, duration):
         swing = h * sqrt(stiff_swing(system, h))
         note(memory, limits.STIFF_STEP, h * h if swing > WELL_RESOLVED else 0.0, 0.0)
         method = at.BACKWARD_EULER if swing > RESOLVED else method
-    may_break = can_any_break(system) and not (break_lines(system, 0.0) and not can_any_break(system))
+    may_break = begin_breaks(system)
     for i in range(count):
         if spent > STAGES * budget:
             iterations, why = truncated_step(system, i * h, h), HARD

@@ -73,13 +73,15 @@ def can_let_go(system, k):
     """Whether what holds the last end of line k can go on without it: it is driven, has a mass, or another line is there."""
     n, parameters = segments_of(system, k), parameters_of(system, k)
     if not is_at_point(system, k, 1):
-        return parameters[at.KITE_IS_FREE] == 0.0 or point_mass_in(parameters, n, n) > 0.0
+        return parameters[at.KITE_IS_FREE] == 0.0 or point_mass_in(parameters, n, n) > torn.NO_MASS
     count = 0
     for j in range(lines_of(system)):
         own, n = parameters_of(system, j), segments_of(system, j)
         for end in range(2):
             if point_at(system, j, end) == point_at(system, k, 1):
-                count += point_mass_in(own, n, n * end) > 0.0 or (has_rope(system, j, end) and not (j == k and end == 1))
+                count += point_mass_in(own, n, n * end) > torn.NO_MASS or (
+                    has_rope(system, j, end) and not (j == k and end == 1)
+                )
     return count > 0
 
 
