@@ -74,6 +74,12 @@ def sheave_numbers(portion):
     return [at.BEHIND_SHEAVE if k else 1.0, given, *own]
 
 
+def sheaves_of(line):
+    """Start values of the sheaves of a line, and of its portions, as a `fmi.system_variables.Line` has them."""
+    given = line.initial_portions or (0.0,) * (len(line.through) + 1)
+    return {"initial_portions": tuple(given), **{name: numbers_in(line, name) for name in SHEAVE_QUANTITIES}}
+
+
 def check_with_sheaves(lines, solver, wind_points):
     """ValueError if a system whose lines run over sheaves has what it cannot have yet."""
     name = next((line.name for line in lines if line.through), None)
