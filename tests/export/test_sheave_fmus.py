@@ -67,9 +67,9 @@ def test_the_numbers_of_the_python_api(folder, native, name):
 def test_the_parameters_of_sheaves_count(folder, native):
     """A sheave that friction holds."""
     file = folder / str(native) / "Atwood.fmu"
-    host = Host(file).start(
-        **{"rope.sheave_friction[1]": 1.0, "rope.initial_portions[1]": 8.0, "rope.initial_portions[2]": 12.0}
-    )
+    portions = {"rope.initial_portions[1]": 8.0, "rope.initial_portions[2]": 12.0}
+    places = {"light.initial_position[3]": -8.0, "heavy.initial_position[3]": -12.0}
+    host = Host(file).start(**{"rope.sheave_friction[1]": 1.0}, **portions, **places)
     host.step(STEP)
     assert host.get("rope.portion_length[1]") == 8.0
     assert host.get("rope.sheave_payout[1]") == 0.0
