@@ -15,6 +15,7 @@ from tetherfmu.runtime.quantities import quantities
 from tetherfmu.systems import files
 from tetherfmu.systems.ordering import ordered
 from tetherfmu.systems.shared_winches import as_built
+from tetherfmu.systems.sheaves import check_with_sheaves, sheaves_of
 from tetherfmu.systems.tether_system import TetherSystem
 
 from . import evidence, lean_evidence, osp
@@ -47,6 +48,10 @@ def build(path, folder, options=None, native=None, with_header=False, with_sourc
     """
     options = options or BuildOptions(shape_points=None)
     found, positions = read(path)
+    try:
+        check_with_sheaves(found.lines, found.solver, options.wind_points)
+    except ValueError as error:
+        raise ValueError(f"{path}: {error}") from None
     structure, folder = structure_from(found, positions, options.shape_points, options.wind_points), Path(folder)
     try:
         own = chosen(options.lean.over(found.build), table_of(structure))
@@ -117,7 +122,8 @@ def structure_from(found, positions, shape_points=None, wind_points=0):
     for each in found.lines:
         starts = values_of(each.tether, each.winch) | {"reel_out_speed": each.reel_out_speed}
         shown = each.tether.segments + 1 if shape_points is None else shape_points
-        lines.append(Line(each.name, each.start, each.end, starts, shown, wind_points))
+        own = sheaves_of(each) if each.through else {}
+        lines.append(Line(each.name, each.start, each.end, starts, shown, wind_points, each.through, own))
     starts = values_of(found.environment, found.solver, found.ground)
     return Structure(found.name, tuple(points), tuple(lines), tuple(free), band, starts, as_built(found.winches))
 

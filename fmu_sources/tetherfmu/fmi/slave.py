@@ -6,7 +6,7 @@ from pathlib import Path
 from ..runtime import layout, refusals, saved_state, status
 from ..runtime.instance import Instance, zeros
 from ..runtime.kernel_library import load
-from ..runtime.packing import pack_lines
+from ..runtime.packing import pack_lines, put_sheaves
 from ..runtime.parameters import DEFAULT_TOLERANCE
 from ..runtime.plan_layout import DRIVEN
 from ..runtime.quantities import NOT_WHOLE, checked, is_beyond
@@ -18,6 +18,14 @@ from .system_variables import structure_of
 from .wiring import of_system, of_tether
 
 _KITE_END = slice(layout.KITE_POSITION, layout.KITE_VELOCITY + 3)  # inputs of the kernels, for a free kite its start
+
+
+def _sheave(row, values):
+    """What `put_sheaves` takes, of a row of `Wiring.sheaves` and all values."""
+    kind, *references = row
+    defaults = (0.0, 0.0, 0.0, 1.0)
+    given = zip(references, defaults, strict=False)
+    return [kind, *(default if each < 0 else values[each] for each, default in given)] if kind else None
 
 
 class TetherSlave(BaseSlave):
@@ -136,7 +144,9 @@ class TetherSlave(BaseSlave):
             for line, row, masses in zip(wiring.lines, wiring.quantities, wiring.carried, strict=True)
         )
         sought = [(place, int(values[reference] == layout.START_AT_REST)) for place, reference in wiring.starts]
-        return *pack_lines(self._instance.kernels, lines, tolerance, int(self._kite_is_free)), sought
+        counts, parameters = pack_lines(self._instance.kernels, lines, tolerance, int(self._kite_is_free))
+        put_sheaves(counts, parameters, [_sheave(row, values) for row in wiring.sheaves or [(0,)] * len(counts)])
+        return counts, parameters, sought
 
     def _set_up(self, packed):
         """Make the arrays of the instance."""

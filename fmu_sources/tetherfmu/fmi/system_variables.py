@@ -7,7 +7,7 @@ its place in the array of all values: inputs, outputs, parameters.
 
 import hashlib
 import json
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 from ..runtime import inputs, outputs
 from ..runtime import layout as at
@@ -16,8 +16,10 @@ from ..runtime.inputs import DRIVEN_KITE, FREE_KITE, components
 from ..runtime.outputs import POINTS, VECTOR
 from ..runtime.parameters import Environment, FreeKite, Ground, Solver, Tether, Winch
 from ..runtime.quantities import Quantity, quantities
+from ..runtime.sheaves import SHEAVE_QUANTITIES
 from ..runtime.variables import INPUT, OUTPUT, PARAMETER, Variable, elements, parameters_of, without_effect
 from ..runtime.variants import DYNAMIC
+from .portions import all_portions, portions_of
 
 
 def inputs_at(*terminals):
@@ -52,6 +54,17 @@ TURNED = {  # their outputs: the output of a tether that they are made of
     "winch_speed": ("winch_speed", "reel-out speed of a line with the ratio 1"),
     "payout": ("tether_length", "length of a line with the ratio 1 that it has paid out since the start"),
 }
+PARTING = ("broken", "break_time")  # outputs that a line over sheaves has not, which cannot break or let go
+# outputs of the portions and the sheaves of a line, in the order of `layout.PORTION_LENGTH`, ...: unit, meaning
+OF_PORTIONS = {
+    "portion_length": ("m", "unstretched length of portion {}"),
+    "portion_tension_from": ("N", "tension at the start of portion {}"),
+    "portion_tension_to": ("N", "tension at the end of portion {}"),
+}
+OF_SHEAVES = {
+    "sheave_payout": ("m", "rope that has run over sheave {} from the portion before it since the start"),
+    "sheave_speed": ("m/s", "rate of the rope that runs over sheave {}"),
+}
 SUMMED = ("solver_iterations",)  # of all lines; the others are those of the first line
 GIVEN_TO_ALL = inputs_at("wind")  # vectors that all lines share
 GIVEN = inputs_at("winch")  # inputs of a tether that a line has: of its winch
@@ -83,7 +96,8 @@ class Point:
 class Line:
     """A line of a system: its name, the names of its points, start values of its quantities by name, points of its shape.
 
-    wind_points : at which the wind is an input; 0 for none.
+    wind_points : at which the wind is an input; 0 for none.  through : names of the points over whose sheaves it runs.
+    sheaves : of such a line, dict of start values of `SHEAVE_QUANTITIES`, one for each sheave, and `initial_portions` [m].
     """
 
     name: str
@@ -92,6 +106,8 @@ class Line:
     starts: dict
     shape_points: int
     wind_points: int = 0
+    through: tuple = ()
+    sheaves: dict = field(default_factory=dict)
 
     @property
     def ends(self):
@@ -148,13 +164,15 @@ class Structure:
             facts.append([line.wind_points for line in self.lines])
         if self.winches:
             facts.append([(each.name, each.input, each.ratios) for each in self.winches])
+        if any(line.through for line in self.lines):
+            facts.append([line.through for line in self.lines])
         return f"system_{hashlib.sha256(json.dumps(facts).encode()).hexdigest()[:HASH_DIGITS]}"
 
 
 def structure_of(given):
     """`Structure` of what `dataclasses.asdict` makes of one, or of what JSON holds of that."""
     points = tuple(Point(**each) for each in given["points"])
-    lines = tuple(Line(**each) for each in given["lines"])
+    lines = tuple(Line(**{**each, "through": tuple(each["through"])}) for each in given["lines"])
     winches = tuple(SharedWinch(**each) for each in given["winches"])
     return Structure(**{**given, "points": points, "lines": lines, "winches": winches, "free": tuple(given["free"])})
 
@@ -205,6 +223,8 @@ def _inputs(structure):
         start = getattr(winch, winch.input, declared.start[0])
         yield Variable(f"{winch.name}.{winch.input}", INPUT, "Real", quantity, 0, start, group=declared.group)
     for line in structure.lines:
+        if line.through:
+            continue  # it cannot let go
         declared = inputs.BY_NAME[RELEASE]
         quantity = Quantity("", _RELEASE.format(line))
         yield Variable(f"{line.name}.{RELEASE}", INPUT, declared.kind, quantity, 0, 0.0, group=declared.group)
@@ -246,6 +266,24 @@ def _parameters(structure):
     for line in structure.lines:
         for each in parameters_of((Tether,) if structure.holding(line.name) else RECORDS_OF_A_LINE, line.starts):
             yield replace(each, name=f"{line.name}.{each.name}")
+        yield from _parameters_of_sheaves(line)
+
+
+def _parameters_of_sheaves(line):
+    """Parameters of the portions and the sheaves of a line that runs over some."""
+    portions = portions_of(line) if line.through else ()
+    for k, portion in enumerate(portions):
+        meaning = (
+            f"unstretched length at the start of portion {k + 1}, from {portion.start} to {portion.end}, in proportion to "
+        )
+        meaning += "those of the others; 0 of any: each sheave starts with the same tension on both sides"
+        declared, start = Quantity("m", meaning, 0.0, 1e5), line.sheaves["initial_portions"][k]
+        yield Variable(f"{line.name}.initial_portions[{k + 1}]", PARAMETER, "Real", declared, 0, start, group="geometry")
+    for name, declared in SHEAVE_QUANTITIES.items():
+        for k, portion in enumerate(portions[:-1]):
+            own = replace(declared, meaning=f"{declared.meaning}; of sheave {k + 1}, at {portion.end}")
+            start = line.sheaves[name][k]
+            yield Variable(f"{line.name}.{name}[{k + 1}]", PARAMETER, "Real", own, 0, start, group="forces")
 
 
 def _dependencies(name, structure, line):
@@ -270,7 +308,7 @@ def _known(structure, line, output, element, known):
     of inputs and parameters.
     """
     found = depends_on(DYNAMIC, output, element, line.shape_points, line.wind_points)
-    if structure.free and any(name.startswith(("kite_position", "ground_position")) for name in found):
+    if line.through or (structure.free and any(name.startswith(("kite_position", "ground_position")) for name in found)):
         return None
     named = (each for name in found for each in _dependencies(name, structure, line))
     return tuple(name for name in dict.fromkeys(named) if name in known)
@@ -293,7 +331,8 @@ def _outputs(structure, known):
                 yield from _vector(f"{point.name}.{what}", OUTPUT, declared, MOTION, known=known_of)
             continue
         declared = replace(outputs.BY_NAME["kite_force"].quantity, meaning=f"force of its lines on {point.name}")
-        at_it = [(line, end) for line in structure.lines for end, name in line.ends if name == point.name]
+        ends = [(each.line, end, name) for each in all_portions(structure.lines) for end, name in each.ends]
+        at_it = [(line, end) for line, end, name in ends if name == point.name]
         at_it = [(line, outputs.BY_NAME[f"{end}_force"]) for line, end in at_it]
         found = [
             _together(_known(structure, line, force, f"{force.name}[{i}]", known) for line, force in at_it)
@@ -317,6 +356,8 @@ def _outputs(structure, known):
 def _outputs_of_line(structure, line, known):
     """Outputs of a line."""
     for name, own in OF_A_LINE.items():
+        if line.through and name in PARTING:
+            continue
         each = outputs.BY_NAME[name]
         meaning = MEANINGS[own].format(dict(line.ends)[name.partition("_")[0]]) if own in MEANINGS else each.quantity.meaning
         found = _known(structure, line, each, name, known)
@@ -324,9 +365,24 @@ def _outputs_of_line(structure, line, known):
         yield Variable(f"{line.name}.{own}", OUTPUT, each.kind, quantity, 0, depends_on=found, group=each.group)
     shape = outputs.BY_NAME["shape"]
     points = f"points on the line at equal unstretched length, {line.start} first"
-    for name, meaning in elements(f"{line.name}.shape", points, POINTS, line.shape_points):
+    count = line.shape_points * len(portions_of(line))
+    for name, meaning in elements(f"{line.name}.shape", points, POINTS, count):
         quantity = replace(shape.quantity, meaning=meaning)
         yield Variable(name, shape.causality(line.wind_points), "Real", quantity, 0, group=shape.group)
+    if line.through:
+        for name, unit, meaning, count in outputs_of_portions(line):
+            for k in range(count):
+                quantity = Quantity(unit, meaning.format(k + 1))
+                yield Variable(f"{line.name}.{name}[{k + 1}]", OUTPUT, "Real", quantity, 0, depends_on=None, group="tether")
+
+
+def outputs_of_portions(line):
+    """Outputs of the portions and the sheaves of a line: name, unit, meaning with a number, and how many there are."""
+    count = len(line.through) + 1
+    for name, (unit, meaning) in OF_PORTIONS.items():
+        yield name, unit, meaning, count
+    for name, (unit, meaning) in OF_SHEAVES.items():
+        yield name, unit, meaning, count - 1
 
 
 def table_of(structure):

@@ -9,6 +9,7 @@ from tetherfmu import lean
 from tetherfmu.input_files import (
     TABLE_OF_GROUND,
     ground_of,
+    in_si,
     keys_of,
     record,
     require,
@@ -50,7 +51,47 @@ class TableOfLine(Winch, Tether):
     reel_out_speed: float = quantity(0.0, "m/s", "at the start; positive pays out", -at.LARGEST_INPUT, at.LARGEST_INPUT)
 
 
-OF_A_LINE = ("from", "to", "material", *keys_of(TableOfLine))
+def names_in(value):
+    """Names of points from a list in a file."""
+    if not isinstance(value, list) or not value or not all(isinstance(each, str) for each in value):
+        raise ValueError('it must be a list of names of points, as ["block"]')
+    return tuple(value)
+
+
+def numbers_of(unit):
+    """Function that reads a number of this unit, or a text with a unit, or a list of them, from a value of a file."""
+
+    def read_numbers(value):
+        if isinstance(value, list):
+            return tuple(in_si(each, unit) for each in value)
+        return in_si(value, unit)
+
+    return read_numbers
+
+
+def list_of(unit):
+    """The same for a list only."""
+
+    def read_list(value):
+        if not isinstance(value, list):
+            raise ValueError(f"it must be a list of numbers in {unit}")
+        return numbers_of(unit)(value)
+
+    return read_list
+
+
+@dataclass(frozen=True)
+class TableOfSheaves:
+    """What a file says of a line that runs over sheaves, beside what it says of any line; `Line` has the defaults."""
+
+    through: tuple = field(default=(), metadata={"read": names_in})
+    initial_portions: tuple | None = field(default=None, metadata={"read": list_of("m")})
+    sheave_mass: tuple | float = field(default=0.0, metadata={"read": numbers_of("kg")})
+    sheave_friction: tuple | float = field(default=0.0, metadata={"read": numbers_of("")})
+    sheave_efficiency: tuple | float = field(default=1.0, metadata={"read": numbers_of("")})
+
+
+OF_A_LINE = ("from", "to", "material", *keys_of(TableOfLine), *keys_of(TableOfSheaves))
 
 
 @dataclass(frozen=True)
@@ -122,7 +163,10 @@ def line_of(name, table):
     for end in ("from", "to"):
         if not isinstance(table[end], str):
             raise ValueError(f"{section}.{end} is {table[end]!r}; it must be the name of a point")
-    others = {key: value for key, value in table.items() if key not in ("from", "to", "material")}
+    of_sheaves = {
+        key: value_of(TableOfSheaves, key, table[key], f"{section}.") for key in keys_of(TableOfSheaves) if key in table
+    }
+    others = {key: value for key, value in table.items() if key not in ("from", "to", "material", *of_sheaves)}
     given = {key: value_of(TableOfLine, key, value, f"{section}.") for key, value in others.items()}
     speed = given.pop("reel_out_speed", 0.0)
     of_winch = {key: given.pop(key) for key, _ in quantities(Winch) if key in given}
@@ -131,7 +175,7 @@ def line_of(name, table):
     except ValueError as error:
         raise ValueError(f"{section}.{error}") from None
     tether = tether_in(table, given, section)
-    return Line(name, table["from"], table["to"], tether, speed, winch)
+    return Line(name, table["from"], table["to"], tether, speed, winch, **of_sheaves)
 
 
 def winch_of(name, table):

@@ -109,7 +109,8 @@ def put(given, arrays, points, lines, inputs=None, at_start=False):
             )
         arrays.loads_in(whole)[..., arrays.instance.free.index(name), :] = load
     names, told = [line.name for line in lines], np.tile(arrays.turned.told, (*steps, 1))
-    alone = [name for k, name in enumerate(names) if k not in arrays.turned.held]
+    whole_lines = [line.name for line in lines if line.number == 0]
+    alone = [line.name for k, line in enumerate(lines) if k not in arrays.turned.held and line.number == 0]
     for each, what in _WINCHES.items():
         shared = arrays.turned.by(what)
         for name, value in given.get(each, {}).items():
@@ -125,7 +126,7 @@ def put(given, arrays, points, lines, inputs=None, at_start=False):
         arrays.turned.put(told, rows)
     points = arrays.instance.lines[0].wind_points
     for name, value in given.get("wind_at", {}).items():
-        _check_known("wind_at of a line", name, names)
+        _check_known("wind_at of a line", name, whole_lines)
         if not points:
             raise ValueError("this TetherSystem has no wind points for wind_at: make it with wind_points=11")
         winds = _numbers(f"{name}.wind_at", value, (points, 3), steps)
@@ -146,9 +147,13 @@ def _put_wind(wind, arrays, rows, names, at_start):
         raise ValueError("wind_velocity is given at nodes; in a flight it must be (3,), or (steps, 3)")
     winds = []
     for name, value in wind.items() if at_nodes else ():
-        _check_known("wind_velocity of a line", name, names)
-        k = names.index(name)
-        winds.append((k, node_vectors(f"wind_velocity of {name}", value, instance.counts[k])))
+        _check_known("wind_velocity of a line", name, [line.name for line in arrays.lines if line.number == 0])
+        first = names.index(name)
+        own = range(first, first + sum(line.line.name == name for line in arrays.lines))
+        value, node = node_vectors(f"wind_velocity of {name}", value, sum(instance.counts[k] for k in own)), 0
+        for k in own:
+            winds.append((k, value[node : node + instance.counts[k] + 1]))
+            node += instance.counts[k]
     if at_start or not at_nodes:
         for row in rows:
             row[..., at.WIND_VELOCITY : at.WIND_VELOCITY + 3] = 0.0 if at_nodes else wind

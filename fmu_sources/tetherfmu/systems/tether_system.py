@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from tetherfmu import arguments
 from tetherfmu.energy import account
+from tetherfmu.fmi.portions import all_portions, joined
 from tetherfmu.results import StepRefused, outputs_of
 from tetherfmu.running import Running
 from tetherfmu.runtime import layout as at
@@ -25,6 +26,7 @@ from .inputs import SystemInputs, Vectors, completed, put, starts
 from .records import Line, Point, check_system
 from .results import SystemEnergy, SystemFlown, SystemOutputs, points_of
 from .shared_winches import SharedWinch, check_winches
+from .sheaves import along, check_with_sheaves, energy_of, portions_in, whole_outputs
 
 
 class TetherSystem(Running):
@@ -94,6 +96,7 @@ class TetherSystem(Running):
             arguments.record_of(type(self).__name__, record, kind)
         for line in lines:
             arguments.tethers_of("Line", line.tether)
+        check_with_sheaves(lines, solver, wind_points)
         self.points, self.lines, self.winches = points, lines, winches
         self._records = environment, solver, ground
         self.wind_points: int = arguments.wind_points(wind_points)
@@ -103,7 +106,7 @@ class TetherSystem(Running):
     def _make(self):
         """Make the arrays."""
         self._instance = instance_of(self.points, self.lines, *self._records, self.wind_points, self.winches)
-        self._arrays = Arrays(self._instance, self.lines, self._records[0].wind_profile, self.winches)
+        self._arrays = Arrays(self._instance, all_portions(self.lines), self._records[0].wind_profile, self.winches)
 
     @classmethod
     def from_file(cls, path: str | Path) -> TetherSystem:
@@ -170,7 +173,7 @@ class TetherSystem(Running):
             moving |= starts(self.lines, self.winches, self._instance.free, self.wind_points)
             given = completed({"wind_velocity": wind_velocity, "velocities": velocities, "loads": loads, **inputs}, moving)
             given["positions"] = {name: position for name, position in positions.items() if position is not None}
-            self._arrays.turned.told = put(given, self._arrays, self.points, self.lines, at_start=True)
+            self._arrays.turned.told = put(given, self._arrays, self.points, self._arrays.lines, at_start=True)
             self._arrays.seek(wanted)
             self._refuse(self._instance.start())
         self._runs = True
@@ -204,7 +207,7 @@ class TetherSystem(Running):
         self._check_started()
         with self._all_or_nothing():
             given = {"positions": positions, "velocities": velocities, "loads": loads, **inputs}
-            self._arrays.turned.told = put(given, self._arrays, self.points, self.lines)
+            self._arrays.turned.told = put(given, self._arrays, self.points, self._arrays.lines)
             self._refuse(self._instance.advance(arguments.number("step", step, "s")))
         self._warn()
         return self._present()
@@ -244,7 +247,7 @@ class TetherSystem(Running):
         step = arguments.number("step", step, "s")
         rows = np.repeat(self._arrays.inputs[None, :], steps, axis=0)
         given = {"positions": positions, "velocities": velocities, "loads": loads, **inputs}
-        told = put(given, self._arrays, self.points, self.lines, rows)
+        told = put(given, self._arrays, self.points, self._arrays.lines, rows)
         when = at.AT_ROWS if every else at.NEVER
         try:
             return self._fly(np.ascontiguousarray(rows), step, every, when, on_refusal, self._flown)
@@ -298,36 +301,53 @@ class TetherSystem(Running):
     def _present(self):
         """`SystemOutputs` as they were computed last."""
         values = self._arrays.outputs_by_line(np.array(self._instance.values[self._instance.outputs_at :]))
-        motion = [self._motion(k) for k in range(len(self.lines))]
-        lines = {name: outputs_of(each) for name, each in values.items()}
+        portions = self._arrays.lines
+        motion = [self._motion(k) for k in range(len(portions))]
+        lines = {line.name: outputs_of(whole_outputs(line, values)) for line in self.lines}
         most = next(iter(lines.values())).solver_iteration_limit  # of all lines the same
-        points = points_of(self.points, self.lines, motion, values)
-        return SystemOutputs(points, lines, most, self._arrays.turned.outputs(list(values.values())))
+        points = points_of(self.points, portions, motion, values)
+        found = {line.name: portions_in(line, values) for line in self.lines if line.through}
+        return SystemOutputs(points, lines, most, self._arrays.turned.outputs(list(values.values())), found)
 
     def energy(self) -> SystemEnergy:
         """Energies and powers of the present state, with the inputs of the last step; StepRefused before `initialize`."""
         self._check_started()
-        found = {line.name: account(self._instance, k)[0] for k, line in enumerate(self.lines)}
+        count = range(len(self._arrays.lines))
+        parts = joined(self.lines, (account(self._instance, k)[0] for k in count))
+        states = joined(self.lines, (self._instance.state_of(k) for k in count))
+        found, sheaves = {}, {}
+        for line, energies, own in zip(self.lines, parts, states, strict=True):
+            found[line.name], of_sheaves = energy_of(line, energies, own)
+            if of_sheaves is not None:
+                sheaves[line.name] = of_sheaves
         loads = self._arrays.loads_in(self._arrays.inputs)
         velocities = {name: point.velocity for name, point in self._present().points.items()}
         powers = {name: float(load @ velocities[name]) for name, load in zip(self._instance.free, loads, strict=True)}
-        return SystemEnergy(found, powers)
+        return SystemEnergy(found, powers, sheaves)
 
     @property
     def positions(self) -> dict[str, NDArray[np.float64]]:
-        """Node positions of each line [m], arrays (segments + 1, 3)."""
-        return {line.name: self._motion(k)[0].copy() for k, line in enumerate(self.lines)}
+        """Node positions of each line [m], arrays (segments + 1, 3); of a line over sheaves those of all its portions."""
+        return self._nodes(0)
 
     @property
     def velocities(self) -> dict[str, NDArray[np.float64]]:
-        """Node velocities of each line [m/s], arrays (segments + 1, 3)."""
-        return {line.name: self._motion(k)[1].copy() for k, line in enumerate(self.lines)}
+        """Node velocities of each line [m/s], arrays as `positions`."""
+        return self._nodes(1)
+
+    def _nodes(self, which):
+        """Positions [m] (0) or velocities [m/s] (1) of the nodes of each line."""
+        motion = [self._motion(k)[which] for k in range(len(self._arrays.lines))]
+        return {line.name: along(each) for line, each in zip(self.lines, joined(self.lines, motion), strict=True)}
 
     def _flown(self, rows, seconds, refusals, time):
         """`SystemFlown` of the rows of `compiled_flight.fly` at these times [s]."""
         outputs = np.zeros((len(rows.motion[0]), len(self._instance.values) - self._instance.outputs_at))
         values = self._arrays.outputs_by_line(outputs if rows.outputs is None else rows.outputs)
-        positions = {line.name: motion[:, 0].copy() for line, motion in zip(self.lines, rows.motion, strict=True)}
-        points = points_of(self.points, self.lines, rows.motion, values)
+        motion = joined(self.lines, [each[:, 0] for each in rows.motion])
+        positions = {line.name: along(each) for line, each in zip(self.lines, motion, strict=True)}
+        points = points_of(self.points, self._arrays.lines, rows.motion, values)
         winches = self._arrays.turned.outputs(list(values.values()))
-        return SystemFlown(points, values, positions, seconds, refusals, time, winches)
+        found = {line.name: portions_in(line, values) for line in self.lines if line.through}
+        whole = {line.name: whole_outputs(line, values) for line in self.lines}
+        return SystemFlown(points, whole, positions, seconds, refusals, time, winches, found)

@@ -229,6 +229,7 @@ def _maps(wiring):
         c_numbers("double TURNED_FACTOR", [row[2] for row in wiring.turned] or [0.0]),
         f"static const struct {{ int reference; double lowest, highest; }} CHECK[] = {{\n    {rows}}};",
         f"static const int CARRIED[][2] = {{{masses}}};",
+        _table("SHEAVE", ("kind", "portion", "mass", "friction", "efficiency"), wiring.sheaves or [(0, -1, -1, -1, -1)]),
         c_texts("FREE_POINT_NAME", wiring.free or ("",)),
         c_numbers("int64_t GIVEN_PLAN", _given_plan(wiring)),
     ]

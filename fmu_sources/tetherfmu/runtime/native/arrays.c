@@ -149,6 +149,18 @@ static void put_ends(const Arrays *arrays, int line)
     }
 }
 
+/* Say in the parameters of a line which portion of a line over sheaves it is, if it is one, and what sheave is at its end. */
+static void put_sheave(const Arrays *arrays, int line)
+{
+    double *parameters = parameters_of(arrays, line), *values = arrays->values;
+    if (DIRECT || !SHEAVE[line].kind) return;
+    parameters[AT_IS_PORTION] = SHEAVE[line].kind;
+    parameters[AT_GIVEN_PORTION] = values[SHEAVE[line].portion];
+    parameters[AT_SHEAVE_MASS] = SHEAVE[line].mass < 0 ? 0.0 : values[SHEAVE[line].mass];
+    parameters[AT_SHEAVE_FRICTION] = SHEAVE[line].friction < 0 ? 0.0 : values[SHEAVE[line].friction];
+    parameters[AT_SHEAVE_EFFICIENCY] = SHEAVE[line].efficiency < 0 ? 1.0 : values[SHEAVE[line].efficiency];
+}
+
 /* Whether all parameters are allowed, alone and together, so that the kernels have them; if not, `problem` (of LONGEST_TEXT
 bytes) says what is wrong. */
 bool pack_parameters(const Arrays *arrays, double importer_tolerance, char *problem)
@@ -164,6 +176,7 @@ bool pack_parameters(const Arrays *arrays, double importer_tolerance, char *prob
             return false;
         }
         put_ends(arrays, k);
+        put_sheave(arrays, k);
         if (!of_line(arrays, k, PLAN_WIND_POINTS)) continue;
         parameters_of(arrays, k)[AT_WIND_POINTS] = (double)of_line(arrays, k, PLAN_WIND_POINTS);
         parameters_of(arrays, k)[AT_WIND_PROFILE] = AT_AT_NODES;
