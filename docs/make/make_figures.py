@@ -29,6 +29,7 @@ EXAMPLES = {  # module, its options, and its figures: name that it writes -> nam
         {"pumping_path": "pumping_path", "pumping_series": "pumping_series"},
     ),
     "set_down": ("cranes.set_down", [], {}),
+    "sheaves": ("systems.sheaves", [], {}),
     "turbulence": ("wind.turbulence", [], {}),
     "steered_kite": ("systems.steered_kite", [], {}),
     "two_kites": ("systems.two_kites", [], {}),

@@ -44,7 +44,7 @@ from ..points.system_room import integrator_of
 from .rope_states import evaluate, hold
 
 AT_STOP = 1e-9  # of the shortest length: a portion that is longer by less is as short as it may be
-ROUNDS = 4  # in which it is sought over which sheaves rope runs, and two for each of them
+MOST_STARTS = 2  # of a sheave while it is sought over which of them rope runs
 
 
 @kernel
@@ -109,23 +109,38 @@ def begin_directions(system):
 
 
 @kernel
-def change_directions(system, is_last):
-    """Let sheaves that are pulled beyond their friction run, and hold those that would turn round; how many have changed."""
-    changed = 0
+def hold_what_turns_round(system):
+    """Hold the sheave that would turn round at once, the fastest one of them (modified); whether there is one."""
+    found, most = -1, 0.0
     for k in range(lines_of(system)):
-        if goes_on(system, k):
+        if goes_on(system, k) and runs_over(system, k):
             numbers = numbers_at(system, k)
-            if not runs_over(system, k):
-                margin = overload(system, k)
-                for sign in (1.0, -1.0):
-                    if may_run(system, k, sign) and urge(system, k, sign) > margin and not runs_over(system, k):
-                        if not is_last:
-                            set_running(system, k, sign)
-                        changed += 1
-            elif numbers[at_sheave.SPEED] == 0.0 and numbers[at_sheave.SIGN] * numbers[at_sheave.GAIN] < 0.0:
-                hold(system, k)
-                changed += 1
-    return changed
+            back = -numbers[at_sheave.SIGN] * numbers[at_sheave.GAIN]
+            if numbers[at_sheave.SPEED] == 0.0 and back > most:
+                found, most = k, back
+    if found >= 0:
+        hold(system, found)
+    return found >= 0
+
+
+@kernel
+def start_what_is_pulled(system):
+    """Let rope run over the sheave that is pulled most beyond its friction (modified); whether there is one.
+
+    Each is started no more than twice, in whatever direction.
+    """
+    found, most, way = -1, 0.0, 0.0
+    for k in range(lines_of(system)):
+        if goes_on(system, k) and not runs_over(system, k) and numbers_at(system, k)[at_sheave.STARTED] < MOST_STARTS:
+            margin = overload(system, k)
+            for sign in (1.0, -1.0):
+                pulled = urge(system, k, sign)
+                if may_run(system, k, sign) and pulled > most * margin:
+                    found, most, way = k, pulled / margin, sign
+    if found >= 0:
+        set_running(system, found, way)
+        numbers_at(system, found)[at_sheave.STARTED] += 1.0
+    return found >= 0
 
 
 @kernel
@@ -206,11 +221,11 @@ def turn_ropes(system, time):
     begin_directions(system)
     stop_ropes(system, time)
     if begin_directions(system) > 0:
-        rounds = ROUNDS + 2 * sheaves_of(system)
-        for i in range(rounds):
+        for k in range(lines_of(system)):
+            numbers_at(system, k)[at_sheave.STARTED] = 0.0
+        evaluate(system, time, time, False)
+        while hold_what_turns_round(system) or start_what_is_pulled(system):
             evaluate(system, time, time, False)
-            if change_directions(system, i == rounds - 1) == 0:
-                break
     for k in range(lines_of(system)):
         if is_portion(system, k):
             take_reeling(system, k, time)

@@ -51,6 +51,7 @@ from ..flat_arrays import part
     TENSION_BEHIND,  # where the rope comes to it and leaves it in the direction of the line [N]
     TENSION_AHEAD,
     KEPT,  # PASSED and STAGE_SPEED of a step that is tried
+    STARTED,  # how often rope began to run over it while it was sought over which it does
     BY_OWN,  # slope of its equation by its speed, without that of R_a and R_b [N s/m]
     # of a portion
     LENGTH_NOW,  # at the start of the step [m]
@@ -67,7 +68,7 @@ from ..flat_arrays import part
     WINCH,  # coefficients of the length that a winch pays out into the first portion, see `winch.py`
     _,
     NUMBERS,
-) = places_of(*[1] * 14, 3, *[1] * 6, 2, *[1] * 6, 2, 3, 3, 2, 4, 2, 5, 1)
+) = places_of(*[1] * 14, 3, *[1] * 6, 2, *[1] * 7, 2, 3, 3, 2, 4, 2, 5, 1)
 
 BORDER, PULLED, BY_SPEED, BY_VELOCITY, ROW = range(5)  # arrays of 3 (n + 1) numbers, each of a and of b:
 # col at the start of the step and at a stage [kg], slopes of the forces by the rate [N s/m], R_v [N s/m], row of the matrix
