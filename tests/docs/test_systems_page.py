@@ -14,7 +14,9 @@ PAGE = (Path(__file__).parents[2] / "docs" / "use" / "systems.md").read_text(enc
 
 def test_the_examples_of_the_page_run(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    (toml,), (crane, winches) = (re.findall(rf"```{kind}\n(.*?)```", PAGE, re.DOTALL) for kind in ("toml", "python"))
+    (toml,), (crane, winches, dropped) = (
+        re.findall(rf"```{kind}\n(.*?)```", PAGE, re.DOTALL) for kind in ("toml", "python")
+    )
     Path("crane.toml").write_text(toml, encoding="utf-8")
     names = {}
     exec(crane, names)
@@ -22,6 +24,8 @@ def test_the_examples_of_the_page_run(tmp_path, monkeypatch):
     exec(winches, names)
     assert np.isclose(names["outputs"].lines["b"].tether_length, 19.0)  # 2 s at -0.5 m/s
     assert names["outputs"].lines["a"].winch_speed != 0.0
+    exec(dropped, names)
+    assert np.isclose(names["outputs"].points["load"].velocity[2], -9.81 * 0.8)  # 0.8 s after the release
 
 
 def test_the_table_has_the_keys():
