@@ -15,12 +15,15 @@ from pathlib import Path
 import jupytext
 from docutils import nodes
 
+from pictures import themed
+
 ROOT = Path(__file__).resolve().parents[2]
 COURSE = "course"  # folder of the lessons, in docs and on the site
 FMUS = ("TetherDynamic", "TetherCatenary")
 WARNING = "Warning: missing input for variable"  # of FMPy
 NO_JIT = "NUMBA_DISABLE_JIT"  # which conf.py sets for the docstrings of kernels
 LINK = re.compile(r"(?<!!)\[([^\]]*)\]\((?!https:)[^)]*\)")  # to another page of the manual
+ANIMATION = re.compile(r"^!\[[^\]]*\]\([^)]*\)\n*", re.MULTILINE)
 
 STARTUP = """\
 import os, sys
@@ -51,13 +54,13 @@ def lessons(docs):
 
 
 def write_notebooks(docs, folder):
-    """Write each lesson as a notebook to a folder; links to other pages of the manual become their text there."""
+    """Write each lesson as a notebook to a folder, without animations; links to other pages become their text there."""
     folder.mkdir(parents=True, exist_ok=True)
     for page in lessons(docs):
         notebook = jupytext.read(page, fmt="md:myst")
         for cell in notebook.cells:
             if cell.cell_type == "markdown":
-                cell.source = LINK.sub(r"\1", cell.source)
+                cell.source = ANIMATION.sub("", LINK.sub(r"\1", cell.source))
             elif "tags" in cell.metadata:
                 cell.metadata["jupyter"] = {"source_hidden": True}  # the answer
         jupytext.write(notebook, folder / f"{page.stem}.ipynb", fmt="ipynb")
@@ -95,8 +98,10 @@ def add_link(app, doctree, docname):
         section.insert(1, nodes.paragraph("", "", link, classes=["notebook"]))
 
 
-def clean_up(app, exception):
-    """Remove what was made for the build."""
+def finish(app, exception):
+    """Let the figures of the lessons follow the theme of the reader; remove what was made for the build."""
+    for path in (Path(app.outdir) / app.builder.imagedir).glob("*.svg"):
+        path.write_text(themed(path.read_text(encoding="utf-8")), encoding="utf-8")
     shutil.rmtree(app.course_folder, ignore_errors=True)
 
 
@@ -105,5 +110,5 @@ def setup(app):
     app.connect("builder-inited", prepare)
     app.connect("doctree-read", without_warnings)
     app.connect("doctree-resolved", add_link)
-    app.connect("build-finished", clean_up)
+    app.connect("build-finished", finish)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

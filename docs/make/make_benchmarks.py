@@ -1,6 +1,6 @@
 """Measure what the tethers cost, and write docs/measurements/benchmarks.md, docs/data/benchmarks.csv and a diagram.
 
-python docs/make/make_benchmarks.py --fmus dist --out docs --figure docs/figures/work_precision.png
+python docs/make/make_benchmarks.py --fmus dist --out docs --figure docs/figures/work_precision.svg
 """
 
 import sys
@@ -22,7 +22,7 @@ def parse(arguments):
     option("--fmus", type=folder, metavar="DIR", help="folder of the FMUs (default: build them)")
     about = "folder for measurements/ and data/ (default: benchmark)"
     option("--out", type=folder, metavar="DIR", default=Path("benchmark"), help=about)
-    option("--figure", type=new_file(".png"), metavar="FILE", help="draw the work-precision diagram to this PNG file")
+    option("--figure", type=new_file(".svg"), metavar="FILE", help="draw the work-precision diagram to this SVG file")
     return parser.parse_args(arguments)
 
 

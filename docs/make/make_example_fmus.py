@@ -61,24 +61,24 @@ saved and restored bit for bit.
 `python examples/power_system/pumping_cycle.py` flies `TetherDynamicFree`, `PointMassKite`, `FlightController` and `Winch`
 through FMPy:
 
-![Force, reel-out speed, power and length over three traction phases](../figures/pumping_series.png)
+![Force, reel-out speed, power and length over three traction phases](../figures/pumping_series.svg)
 
-![Path of the kite in space, coloured by force](../figures/pumping_path.png)
+![Path of the kite in space, coloured by force](../figures/pumping_path.svg)
 
 Two cycles in a wind of 8 m/s at 10 m (`--cycles 2`):
 
 | exchange | step | segments | mean power | mean force | peak force |
 |---|---|---|---|---|---|
-| `--master jacobi` | 20 ms | 10 | 4038 W | 1808 N | 3531 N |
-| `--master gauss_seidel` | 20 ms | 10 | 4039 W | 1808 N | 3536 N |
-| `--master jacobi --step 0.001` | 1 ms | 10 | 4034 W | 1806 N | 3527 N |
-| `--segments 30` | 20 ms | 30 | 4038 W | 1808 N | 3530 N |
-| `--segments 1` | 20 ms | 1 | 4167 W | 1818 N | 3694 N |
+| `--master jacobi` | 20 ms | 10 | 4038 W | 1808 N | 3530 N |
+| `--master gauss_seidel` | 20 ms | 10 | 4037 W | 1808 N | 3535 N |
+| `--master jacobi --step 0.001` | 1 ms | 10 | 4032 W | 1805 N | 3526 N |
+| `--segments 30` | 20 ms | 30 | 4036 W | 1807 N | 3529 N |
+| `--segments 1` | 20 ms | 1 | 4165 W | 1817 N | 3692 N |
 
 The load on the kite is delayed, so there is a longest step ([Coupling](coupling.md#the-ways)). With the Jacobi exchange 30
 ms hold and 35 ms diverge at 8 m/s; at 10 to 14 m/s 30 ms diverge and 20 ms hold. The example recognizes divergence. It
-flies in 6 to 14 m/s; from 11 m/s on it says for how long the motor of the winch is too weak. The work over a cycle balances
-within 1 % (`tests/physics/test_pumping_energy.py`). The flight is plausible, but not a measured one.
+flies in 6 to 14 m/s; from 11 m/s on it prints for how long the motor of the winch is too weak. The work over a cycle
+balances within 1 % (`tests/physics/test_pumping_energy.py`). The flight is plausible, but not a measured one.
 
 ## The winch inside the tether
 
@@ -88,13 +88,13 @@ Mean power over a cycle in 8 m/s [W]:
 
 | exchange | winch | 20 ms | 100 ms | 200 ms |
 |---|---|---|---|---|
-| `pumping_cycle.py`, either master | FMU | 4039 | diverges after 0.5 s | diverges after 0.6 s |
-| tether and kite iterate | FMU | 4040 | 4031 | 3593 |
-| tether and kite iterate | inside the tether | 4037 | 4023 | 4009 |
+| `pumping_cycle.py`, either master | FMU | 4037 | diverges after 0.5 s | diverges after 0.6 s |
+| tether and kite iterate | FMU | 4038 | 4035 | 3549 |
+| tether and kite iterate | inside the tether | 4036 | 4027 | 4008 |
 | `winch_inside.ssp` in libcosim | inside the tether | 4036 | diverges | diverges |
 | its `OspSystemStructure.xml`: tether and kite always 20 ms | inside the tether | 4036 | 4035 | 4037 |
 
-![Reel-out speed over a cycle in three steps: the winch FMU swings in 200 ms](../figures/winch_inside.png)
+![Reel-out speed over a cycle in three steps: the winch FMU swings in 200 ms](../figures/winch_inside.svg)
 
 Two signals are delayed. The load on the kite makes steps of 100 ms diverge, unless tether and kite iterate. The tension at
 the winch is the other one: at 200 ms the motor of the `Winch` FMU saturates and the speed oscillates during reel-in. A drum
@@ -115,7 +115,7 @@ height h:
 | `.npz` | `numpy.savez` (not `savez_compressed`) | `velocity` (along, across, up, 3) [m/s] and `spacing` (3,) [m] |
 
 `file` is a String parameter: set it before the initialization, or build the FMU with it (`build("TurbulentWind", folder,
-[("file", path)])` of `examples/shared/example_fmus.py`). A path that begins with `resources/` leads into the FMU; without a
+[("file", path)])` of `examples/shared/example_fmus.py`). A path that begins with `resources/` refers to the FMU; without a
 file there is the mean wind alone. The file is mapped into memory: it must not change during a run.
 
 - **Wiring.** Connect `kite_position`, and `shape` of a tether that is built with `--wind-points 21`, which gets `wind_at`
@@ -135,7 +135,7 @@ file there is the mean wind alone. The file is mapped into memory: it must not c
 `python examples/wind/turbulence.py` flies a parked kite and a kite on a circle, in a box that it makes (15 % of 8 m/s at 10
 m; `--box FILE` takes yours):
 
-![Wind at the kite and along the tether, and tension at the ground, over 120 s](../figures/turbulence.png)
+![Wind at the kite and along the tether, and tension at the ground, over 120 s](../figures/turbulence.svg)
 
 | flight | wind at the kite | along the tether | tension at the ground | peak |
 |---|---|---|---|---|
@@ -173,7 +173,7 @@ in the tether:
 - `simulate_ssp` of FMPy sets all connected inputs to 0 in the first step: a kite refuses that, and the circles begin with a
   false tension of 4e5 N and more. Use another tool.
 - `extra/com.open-simulation-platform` in each file is the system for the Open Simulation Platform
-  (`CosimExecution.from_osp_config_file`), in which each FMU may have steps of its own.
+  (`CosimExecution.from_osp_config_file`), in which each FMU may have its own step.
 
 ## Parameters
 

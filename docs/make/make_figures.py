@@ -1,17 +1,57 @@
-"""Draw docs/figures/circle.png, shapes and forces along one turn of the example; `python docs/make/make_figures.py`."""
+"""Draw the figures of examples and of tables: `python docs/make/make_figures.py`, or the named ones, such as `landing`."""
 
+import csv
 import sys
+from functools import partial
+from importlib import import_module
 from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import pandas as pd
+
+from pictures import as_svg, save
 
 DOCS = Path(__file__).resolve().parents[1]
-sys.path.append(str(DOCS.parent / "examples"))
+FIGURES, DATA = DOCS / "figures", DOCS / "data"
+sys.path += [str(DOCS.parent / "examples"), str(DOCS.parent / "tests" / "benchmarks")]
 WIND = (8.0, 0.0, 0.0)
+EXAMPLES = {  # module, its options, and its figures: name that it writes -> name in the manual
+    "constant_tension": ("cranes.constant_tension", [], {}),
+    "four_drones": ("systems.four_drones", [], {"four_drones_7s": "four_drones"}),
+    "force_spectrum": ("wind.force_spectrum", [], {}),
+    "hoist": ("systems.hoist", [], {}),
+    "hoisting": ("cranes.hoisting", [], {}),
+    "kite_on_circle": ("learning.steered_circle", [], {}),
+    "landing": ("ground.landing", [], {}),
+    "pumping_cycle": (
+        "power_system.pumping_cycle",
+        ["--cycles", "2"],
+        {"pumping_path": "pumping_path", "pumping_series": "pumping_series"},
+    ),
+    "set_down": ("cranes.set_down", [], {}),
+    "turbulence": ("wind.turbulence", [], {}),
+    "steered_kite": ("systems.steered_kite", [], {}),
+    "two_kites": ("systems.two_kites", [], {}),
+    "winch_inside": ("power_system.winch_inside", [], {}),
+    "y_bridle": ("systems.y_bridle", [], {}),
+}
 
 
-def draw(flight, path):
-    """Shapes in space at the left, forces over time at the right."""
+def of_example(name):
+    """Run an example, and take its figures."""
+    module, options, figures = EXAMPLES[name]
+    with TemporaryDirectory() as folder, as_svg():
+        import_module(module).main([*options, "--out", folder])
+        for written, shown in (figures or {name: name}).items():
+            (Path(folder) / f"{written}.svg").replace(FIGURES / f"{shown}.svg")
+
+
+def circle():
+    """Shapes in space at the left, forces over time at the right: the circle of the example in wind."""
+    from first_flight.circular_flight import find_fmu, fly
     from shared.flight_figures import ENDS, draw_components, draw_shapes, plt, times_of
 
+    flight = fly(find_fmu("TetherDynamic"), length=525.0, wind=WIND)
     figure = plt.figure(figsize=(12.0, 5.2), layout="constrained")
     grid = figure.add_gridspec(2, 2, width_ratios=(1.25, 1.0))
     space = figure.add_subplot(grid[:, 0], projection="3d")
@@ -27,17 +67,53 @@ def draw(flight, path):
         axes.grid(alpha=0.3)
         axes.tick_params(labelbottom=row == len(ENDS) - 1)
     axes.set_xlabel("time [s]")
-    figure.savefig(path, dpi=90, metadata={"Software": None})
+    save(figure, FIGURES / "circle")
 
 
-def main():
-    """Fly the circle of the example with `TetherDynamic.fmu` in wind and draw it."""
-    from first_flight.circular_flight import find_fmu, fly
+def coupling():
+    """The figures of `examples/coupling/coupling_limits.py`, from its tables."""
+    from coupling.coupling_figures import DRAWN
 
-    folder = DOCS / "figures"
-    folder.mkdir(exist_ok=True)
-    draw(fly(find_fmu("TetherDynamic"), length=525.0, wind=WIND), folder / "circle.png")
+    for name, draw in DRAWN.items():
+        save(draw(pd.read_csv(DATA / f"coupling_{name}.csv")), FIGURES / f"coupling_{name}")
+
+
+def fixed_steps():
+    """The figure of `tests/benchmarks/fixed_steps.py`, from its table."""
+    from fixed_steps import draw
+
+    names = {"solver": "method", "error, median": "error: median [%]", "largest force, 95 %": "largest force: 95 % [%]"}
+    table = pd.read_csv(DATA / "fixed_steps_by_step.csv").rename(columns=names | {"time of a scene": "time of a scene [ms]"})
+    numbers = [name for name in table if name.endswith("]")]
+    table[numbers] = table[numbers].map(lambda text: float(text.split()[0]))
+    with as_svg():
+        draw(table, FIGURES / "fixed_steps")
+
+
+def work_precision():
+    """The figure of `make_benchmarks.py`, from its table."""
+    from benchmark.races import draw
+
+    columns = ["table", "scene", "segments", "solver", "tolerance", "error", "ms"]
+    with (DATA / "benchmarks.csv").open(encoding="utf-8", newline="") as file:
+        rows = [row[: len(columns)] for row in csv.reader(file) if row and row[0] == "Work and precision"]
+    table = pd.DataFrame(rows, columns=columns).astype(dict.fromkeys(["segments", "tolerance", "error", "ms"], float))
+    with as_svg():
+        draw(table.assign(segments=table.segments.astype(int), seconds=1e-3 * table.ms), FIGURES / "work_precision")
+
+
+DRAWN = {
+    **{name: partial(of_example, name) for name in EXAMPLES},
+    **{each.__name__: each for each in (circle, coupling, fixed_steps, work_precision)},
+}
+
+
+def main(names):
+    """Draw the figures of these names, all if there are none."""
+    for name in names or DRAWN:
+        print(name)
+        DRAWN[name]()
 
 
 if __name__ == "__main__":
-    main()
+    main(sys.argv[1:])

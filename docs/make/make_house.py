@@ -1,4 +1,4 @@
-"""Draw docs/figures/house.png: the rooms of the package, their floors and their imports; `python docs/make/make_house.py`.
+"""Draw docs/figures/house.svg: the rooms of the package, their floors and their imports; `python docs/make/make_house.py`.
 
 The floors are those of the import contract in pyproject.toml, the arrows are read from the import statements of the sources.
 """
@@ -9,10 +9,12 @@ from functools import cache
 from pathlib import Path
 from textwrap import fill
 
+from pictures import save
+
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "fmu_sources" / "tetherfmu"
-FIGURE = ROOT / "docs" / "figures" / "house.png"
-FLOOR = 1.25  # height of a floor [inch]
+FIGURE = ROOT / "docs" / "figures" / "house.svg"
+FLOOR = 1.15  # height of a floor [inch]
 APART = ("check", "console")  # rooms at the right
 SHIPPED = ("fmi", "runtime")  # rooms that every FMU has
 ROOMS_OF_FILES = {  # modules that stand beside the folders
@@ -121,7 +123,7 @@ def draw(path):
     from matplotlib.patches import FancyBboxPatch
 
     levels = floors()
-    figure = Figure(figsize=(12.0, FLOOR * len(levels)), layout="constrained")
+    figure = Figure(figsize=(9.0, FLOOR * len(levels)), layout="constrained")
     axis = figure.add_subplot()
     places = {}
     for level, rooms in enumerate(levels):
@@ -131,9 +133,9 @@ def draw(path):
             colour = "#dceaf7" if room.startswith("kernels") else "#f3ead7" if room in SHIPPED else "#eeeeee"
             shape = FancyBboxPatch((left, bottom), width, 0.6, "round,pad=0,rounding_size=0.01", fc=colour, ec="#555555")
             axis.add_patch(shape)
-            axis.text(middle, -level + 0.23, room, ha="center", va="center", fontsize=11, weight="bold")
-            text = fill(contents(room), int(205 * width))
-            axis.text(middle, -level - 0.07, text, ha="center", va="center", fontsize=7.5, linespacing=1.1)
+            axis.text(middle, -level + 0.18, room, ha="center", va="center", fontsize=12, weight="bold")
+            text = fill(contents(room), int(140 * width))
+            axis.text(middle, -level - 0.08, text, ha="center", va="center", fontsize=8.2, linespacing=1.1)
     heights = {room: -level for level, rooms in enumerate(levels) for room in rooms}
     style = {"arrowstyle": "-|>", "color": "#1f5a92", "shrinkA": 0, "shrinkB": 0, "lw": 1.3}
     for start, end in sorted(without_detours(arrows())):
@@ -142,7 +144,7 @@ def draw(path):
     axis.set_xlim(-0.005, 1.005)
     axis.set_ylim(-len(levels) + 0.65, 0.35)
     axis.axis("off")
-    figure.savefig(path, dpi=100)
+    save(figure, path)
 
 
 if __name__ == "__main__":

@@ -17,6 +17,7 @@ import pandas as pd
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from matplotlib.figure import Figure
 
+from pictures import save
 from tetherfmu import PlausibilityWarning
 from tetherfmu.console.colours import BLUE, COLOUR, REFERENCE
 from tetherfmu.console.options import file
@@ -54,7 +55,7 @@ def led_by_tension(name, flight):
     half = first_half(flight)
     found = replay(flight, "tension", fit_part=half)
     errors = found.errors[found.errors.part == comparison.ALL].set_index("tether")
-    (value, width), start = found.fit.found["length offset m"], half.end
+    ((value, width),), start = found.fit.found.values(), half.end
     rest = found.residuals[(found.residuals.time >= start) & (found.residuals.tether == "dynamic")]
     distance = np.linalg.norm(flight.kite(flight.times)[0], axis=1)
     more = np.abs(found.flown["dynamic"].table.tether_length - distance)
@@ -128,7 +129,7 @@ def draw_drop(ground, flights, path):
     upper.legend(loc="upper right", frameon=False)
     for axes in (upper, lower):
         axes.grid(alpha=0.3)
-    figure.savefig(path, dpi=90, metadata={"Software": None})
+    save(figure, path)
 
 
 def fly_2019():
@@ -152,7 +153,7 @@ def fly_2025(path, figures):
     for name, options in OF_DROP.items():
         row, flights[name] = of_drop(drop, **options)
         rows.append({"tether": name} | row)
-    draw_drop(read.map.ground.ground_height, flights, figures / "measured_drop.png")
+    draw_drop(read.map.ground.ground_height, flights, figures / "measured_drop.svg")
     mean = flights[FULL].measured[flights[FULL].time.between(comparison.SETTLED, COMPARED)].mean()
     fit = fitting.fit(before)
     said = pd.DataFrame([{"tether": f"measured; {fit}", "tension, rms of the difference [N]": mean}])

@@ -1,7 +1,7 @@
-"""Draw docs/figures/pumping.gif and pumping.png, a pumping cycle: `python docs/make/make_pumping.py`.
+"""Draw docs/figures/pumping.svg, .gif and .png, a pumping cycle: `python docs/make/make_pumping.py`.
 
-The cycle is the first whole one of examples/power_system/pumping_cycle.py. The animation is for screens and starts again at
-its end; the still picture is for print.
+The cycle is the first whole one of examples/power_system/pumping_cycle.py. The animations are for screens and start again at
+their end: that of the site follows its theme, the other is for README.md. The still picture is for print.
 """
 
 import sys
@@ -13,8 +13,11 @@ from PIL import Image
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
-from matplotlib.colors import ListedColormap, to_rgb
+from matplotlib.colors import ListedColormap, to_hex, to_rgb
+from matplotlib.lines import Line2D
+from mpl_toolkits.mplot3d.proj3d import proj_transform
 
+from pictures import save_moving
 from tetherfmu.console.colours import BLACK, GREY, VERMILLION
 
 DOCS = Path(__file__).resolve().parents[1]
@@ -24,6 +27,7 @@ SIZE, DOTS = (7.6, 3.5), 110  # of the animation [in], [1/in]
 SHOWN_FOR = 60  # a frame [ms]
 TINTS = (1.0, 0.75, 0.5, 0.25)  # of a colour on white, for edges
 PRINTED, IN_PRINT = 300, 9  # dots per inch, shapes
+FOR_WHITE, FOR_BOTH = ("plasma_r", 0.12, 1.0), ("plasma", 0.3, 0.78)  # colours of tensions, on white, on dark paper, too
 LIMITS = {"x": (0.0, 330.0), "y": (-110.0, 110.0), "z": (0.0, 265.0)}  # of the space that is shown [m]
 
 
@@ -70,16 +74,17 @@ def forces(figure, place, times, force, depowered):
     return axes
 
 
-def drawn(cycle, count=None):
+def drawn(cycle, count=None, shades=FOR_WHITE):
     """Figure of a cycle, and what the animation changes in it: tether, its shadow, path and force so far, present force.
 
-    count : of shapes that the still picture shows; None: one, which the animation moves.
+    count : of shapes that the still picture shows; None: one, which the animation moves.  shades : colour map of tensions,
+    its first and last colour.
     """
     times, shapes, force, depowered = cycle
     figure = plt.figure(figsize=SIZE, layout="constrained")
     grid = figure.add_gridspec(1, 2, width_ratios=(1.5, 1.0))
     colours = plt.cm.ScalarMappable(
-        plt.Normalize(0.0, 3.5), cmap=ListedColormap(plt.get_cmap("plasma_r")(np.linspace(0.12, 1.0, 256)))
+        plt.Normalize(0.0, 3.5), cmap=ListedColormap(plt.get_cmap(shades[0])(np.linspace(*shades[1:], 256)))
     )
     axes = space(figure, grid[0], shapes, colours)
     beside = forces(figure, grid[1], times, force, depowered)
@@ -121,6 +126,36 @@ def animate(cycle, path):
     pictures[0].save(path, save_all=True, append_images=pictures[1:], duration=SHOWN_FOR, loop=0, optimize=True)
 
 
+def move(cycle, path):
+    """Write the animation as an SVG file."""
+    times, shapes, force, _ = cycle
+    figure, colours, _ = drawn(cycle, shades=FOR_BOTH)
+    figure.canvas.draw()  # before the axes in space are projected
+    in_space, beside = figure.axes[0], figure.axes[-1]
+
+    def projected(points):
+        """Places in the plane of the picture of points in space, array (frames, points, 3)."""
+        return np.stack(proj_transform(*np.moveaxis(points, -1, 0).reshape(3, -1), in_space.get_proj())[:2], -1).reshape(
+            *points.shape[:-1], 2
+        )
+
+    def line(axes, **style):
+        return axes.add_artist(Line2D([0.0], [0.0], **style))
+
+    shades = [to_hex(colours.to_rgba(each)) for each in force]
+    tether, dot = line(in_space, color=shades[0], linewidth=2.6), {"linewidth": 6.0, "solid_capstyle": "round"}
+    trail = np.maximum(np.arange(len(times))[:, None] - np.arange(20, -1, -1), 0)
+    now = np.stack([times, force], axis=-1)[:, None].repeat(2, axis=1)
+    moving = {
+        line(in_space, color=GREY, linewidth=1.0, alpha=0.5): projected(shapes * (1.0, 1.0, 0.0)),
+        line(in_space, color=VERMILLION, linewidth=1.2): projected(shapes[trail, -1]),
+        tether: projected(shapes),
+        line(in_space, color=BLACK, **dot): projected(shapes[:, [-1, -1]]),
+        line(beside, color=VERMILLION, **dot): now,
+    }
+    save_moving(figure, moving, 1e-3 * SHOWN_FOR * len(times), path, {tether: shades})
+
+
 def palette(colours):
     """Picture with the colours of the animation: greys, and tints of the colours of a tension and of its curve."""
     greys = np.linspace(0.0, 1.0, 20)[:, None] * np.ones(3)
@@ -132,10 +167,11 @@ def palette(colours):
 
 
 def main():
-    """Fly, write both."""
+    """Fly, write all of them."""
     flown = cycle()
     drawn(flown, IN_PRINT)[0].savefig(FIGURES / "pumping.png", dpi=PRINTED, metadata={"Software": None})
     animate(flown, FIGURES / "pumping.gif")
+    move(flown, FIGURES / "pumping")
 
 
 if __name__ == "__main__":

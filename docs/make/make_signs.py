@@ -1,12 +1,13 @@
-"""Draw docs/figures/signs.png: both ends of the tether with frame, forces and signs; `python docs/make/make_signs.py`."""
+"""Draw docs/figures/signs.svg: both ends of the tether with frame, forces and signs; `python docs/make/make_signs.py`."""
 
 from pathlib import Path
 
 import numpy as np
 
 from make_assets import FORCE, MOTION, TETHER, arrow, draw_kite, draw_station, plt
+from pictures import save
 
-FIGURE = Path(__file__).resolve().parents[1] / "figures" / "signs.png"
+FIGURE = Path(__file__).resolve().parents[1] / "figures" / "signs.svg"
 DIRECTION = np.array([np.cos(np.radians(40.0)), np.sin(np.radians(40.0))])  # from the ground end to the kite
 BLACK = "#333333"
 
@@ -71,7 +72,7 @@ def draw(path):
     figure, (ground, kite) = plt.subplots(1, 2, figsize=(11.0, 4.2), layout="constrained")
     draw_ground_end(ground)
     draw_kite_end(kite)
-    figure.savefig(path, dpi=90, metadata={"Software": None})
+    save(figure, path)
 
 
 if __name__ == "__main__":

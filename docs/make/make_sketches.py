@@ -1,7 +1,7 @@
 """Draw the free-body sketches of docs/models/theory.md: `python docs/make/make_sketches.py`.
 
 One SVG each of a segment, the drum of a winch, a node on the ground, and rope that flows past nodes, with the letters of
-that page. The paper is white, to be readable wherever a page is shown; the site makes it dark on its dark theme.
+that page.
 """
 
 from pathlib import Path
@@ -10,6 +10,7 @@ import matplotlib as mpl
 import numpy as np
 
 from make_assets import FORCE, MOTION, TETHER, WIND, arrow, canvas
+from pictures import save
 from tetherfmu.console.colours import GROUND
 
 FIGURES = Path(__file__).resolve().parents[1] / "figures"
@@ -126,10 +127,10 @@ def flow():
 
 
 def main():
-    """Draw all of them; their text is drawn as lines, which need no font."""
-    mpl.rcParams.update({"svg.fonttype": "path", "svg.hashsalt": "tetherfmu", "mathtext.fontset": "cm"})
+    """Draw all of them."""
+    mpl.rcParams["mathtext.fontset"] = "cm"
     for draw in (segment, winch, ground, flow):
-        draw().savefig(FIGURES / f"sketch_{draw.__name__}.svg", metadata={"Date": None, "Creator": None})
+        save(draw(), FIGURES / f"sketch_{draw.__name__}")
 
 
 if __name__ == "__main__":

@@ -14,6 +14,7 @@ import numpy as np
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 
+from pictures import save
 from tetherfmu import TetherQuasiSteady
 from tetherfmu.console.colours import BLACK, BLUE, GREY, VERMILLION
 from tetherfmu.runtime.inputs import COUNT, by_name
@@ -23,14 +24,14 @@ EXAMPLES = DOCS.parent / "examples"
 sys.path.append(str(EXAMPLES))
 LOG = EXAMPLES / "flights" / "kitepower_20191008_0012.csv"
 ROPE = {"diameter": 0.010, "density": 724.0, "axial_stiffness": 3.84e6, "drag_coefficient": 1.1}  # of this flight
-SIZE, DOTS = (3.4, 2.8), 200  # of each picture [in], [1/in]
+SIZE = (3.4, 2.8)  # of each picture [in]
 STEP, KILOGRAM = 0.1, 9.81  # of the log [s]; its unit of force [N]
 SHAPES = 14  # of the tether in the picture of the flight
 
 
 def saved(figure, name):
     """Write a picture."""
-    figure.savefig(DOCS / "figures" / f"small_{name}.png", dpi=DOTS, metadata={"Software": None})
+    save(figure, DOCS / "figures" / f"small_{name}")
     plt.close(figure)
 
 
@@ -86,7 +87,7 @@ def flight():
     axes = figure.add_subplot(projection="3d")
     for k in np.linspace(0, len(shapes), SHAPES, endpoint=False).astype(int):
         axes.plot(*shapes[k].T, color=GREY, linewidth=0.7)
-    dots = axes.scatter(*path.T, c=1e-3 * force, cmap="plasma_r", s=2)
+    dots = axes.scatter(*path[::3].T, c=1e-3 * force[::3], cmap="plasma_r", s=2)
     axes.plot([0.0], [0.0], [0.0], "s", color=BLACK, markersize=4)
     axes.set(zlabel="up [m]", title="A measured flight")
     axes.set_xlabel("east [m]", labelpad=-4.0)

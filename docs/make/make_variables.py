@@ -16,6 +16,7 @@ from tetherfmu.runtime.variants import TABLE, class_name
 PAGE = Path(__file__).resolve().parents[1] / "reference" / "variables.md"
 POINTS = DEFAULT_OPTIONS["shape_points"]
 DYNAMIC, FREE = "dynamic", "dynamic_free"
+ZERO = ": 0, "  # before the reason why an output is 0
 LETTERS = {variant.name: "".join(filter(str.isupper, class_name(variant.name)[len("Tether") :])) for variant in TABLE}
 TEXT = """---
 hide-toc: true
@@ -35,10 +36,10 @@ that have it. How they are exchanged, and all signs: [Interface](../use/interfac
 
 FMUs: {letters}. In brackets: the FMU ignores the parameter, but checks its range.
 
-Value references (VR) are the same in all FMUs, in PythonFMU and native ones. A vector is one array in FMI 3 with the VR
-of its first element. With K points of the shape (`--shape-points`) the VR of parameters are greater by 3 (K - {points}).
-Types: Real, in FMI 3 Float64; where the column says so, {integer}. A [group](#groups-and-presets) stands for its
-variables in the options for lean FMUs.
+Value references (VR) are the same in all FMUs. A vector is one array in FMI 3 with the VR of its first element. With K
+points of the shape (`--shape-points`) the VR of parameters are greater by 3 (K - {points}). Types: Real (FMI 3:
+Float64) unless the VR column says {integer} or Boolean. A [group](#groups-and-presets) stands for its variables in the
+options for lean FMUs.
 
 ## Inputs
 
@@ -53,8 +54,8 @@ points](../use/interface.md#wind-at-points)).
 
 ## Local variables
 
-They are read and plotted, not connected. K is the build option `--shape-points`, {points} by default; 0 leaves the shape
-out. With `--wind-points` the shape is an output.
+They are read and plotted, not connected. K is the build option `--shape-points`, {points} by default. With
+`--wind-points` the shape is an output.
 
 {local}
 
@@ -65,9 +66,8 @@ All are fixed: set them before the initialization ends.
 {parameters}
 
 More rules: with `wind_profile` 3 or 4 `surface_roughness` must be less than `wind_reference_height`; `initial_length`
-must be at least 0.01 m for each segment; `shortest_length` must be less than `longest_length`, unless that is 0, and with
-force control `initial_length` must lie between them. `segments` starts at the build option `--segments`, {segments} by
-default.
+must be at least 0.01 m for each segment; with force control `initial_length` must lie between `shortest_length` and
+`longest_length`. `segments` starts at the build option `--segments`.
 
 The time of FMI 3 has the VR {time}, in `TetherDynamicFree.fmu` {free_time}.
 
@@ -105,10 +105,12 @@ def table(head, rows):
 
 def limits(quantity):
     """The allowed range of a quantity, its unit aside; of an enumeration the meanings of its choices."""
-    lowest, highest = (f"{limit:g}" for limit in (quantity.minimum, quantity.maximum))
+    lowest, highest = (
+        f"{limit:g}".replace("e+0", "e").replace("e-0", "e-") for limit in (quantity.minimum, quantity.maximum)
+    )
     if quantity.choices or (lowest, highest) == ("-inf", "inf"):
         return quantity.in_words()
-    return f">= {lowest}" if highest == "inf" else f"[{lowest}, {highest}]"
+    return f">= {lowest}" if highest == "inf" else f"{lowest}…{highest}"
 
 
 def has(variant, name, causality):
@@ -165,11 +167,11 @@ def rows_of(causality):
 
 
 def by_tether(field, last_column):
-    """Table of what a field of `variants.Variant` says of variables, equal texts in one row."""
+    """Table of what a field of `variants.Variant` says of variables, equal texts in one row; of a 0 only why it is 0."""
     fmus, names = {}, {}
     for variant in TABLE:
         for name, text in getattr(variant, field).items():
-            fmus.setdefault((name, text), []).append(LETTERS[variant.name])
+            fmus.setdefault((name, text[max(text.find(ZERO), 0) :].lstrip(": ")), []).append(LETTERS[variant.name])
     for (name, text), found in fmus.items():
         names.setdefault((" ".join(found), text), []).append(f"`{name}`")
     rows = [(", ".join(listed), found, text) for (found, text), listed in names.items()]
@@ -194,16 +196,13 @@ def page():
     kinds = {"inputs": INPUT, "outputs": OUTPUT, "local": LOCAL, "parameters": PARAMETER}
     return TEXT.format(
         letters=", ".join(f"{LETTERS[each.name]} `{class_name(each.name)}`" for each in TABLE),
-        integer=" and ".join(
-            f"{kind} ({TYPES[2][kind]}, in FMI 3 {TYPES[3][kind]})" for kind in ("Integer", "Enumeration", "Boolean")
-        ),
+        integer=", ".join(f"{kind} (FMI 3: {TYPES[3][kind]})" for kind in ("Integer", "Enumeration")),
         **{key: rows_of(causality) for key, causality in kinds.items()},
         meanings=by_tether("meanings", "meaning"),
         ignored=by_tether("ignored", "why"),
         groups="; ".join(f"`{key}`: {what}" for key, what in GROUPS.items()),
         presets=presets(),
         points=POINTS,
-        segments=DEFAULT_OPTIONS["segments"],
         time=wiring(DYNAMIC).ends[2],
         free_time=wiring(FREE).ends[2],
     )

@@ -3,8 +3,8 @@
     python examples/coupling/iterated_master.py
 
 `FlyingKite` takes the force of the tether and gives its motion, `TetherDynamic` the other way round. The master saves the
-state of both at t. It guesses the force at t + h, lets the kite go there under it, leads the tether to where the kite has
-come, and compares the force that the tether then has with the guess. While they differ by more than a tolerance, both go
+state of both at t. It guesses the force at t + h, lets the kite move under it, moves the tether to where the kite is
+then, and compares the force that the tether then has with the guess. While they differ by more than a tolerance, both go
 back to t, with a better guess: that of Aitken's method, or another (`--next-guess`).
 
 The other master in this file needs no way back: `PointMassKite` gives its load to `TetherDynamicFree`, which moves the kite.

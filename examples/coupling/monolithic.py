@@ -1,9 +1,9 @@
 """How does a mass on tethers move, exactly? One set of equations for all of it, integrated by scipy. Helper of the examples.
 
 A point mass (a kite, a knot) hangs on one or more legs (`Scene` in `ways_of_coupling.py`); each is a chain of lumped masses
-and spring-dampers. Nothing is exchanged, so nothing is late: what the ways of coupling are judged by. The equations are
-those of docs/models/theory.md, "One segment" and "The chain", for uniform tethers in a uniform wind and air, written anew in
-numpy.
+and spring-dampers. Nothing is exchanged, so nothing is delayed: this is the reference of the ways of coupling.
+The equations are those of docs/models/theory.md, "One segment" and "The chain", for uniform tethers in a uniform wind and
+air, written anew in numpy.
 """
 
 import numpy as np

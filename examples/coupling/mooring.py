@@ -9,8 +9,9 @@ in a point, the knot. One leg is a `TetherDynamicFree` that carries the balloon;
 `TetherDynamic`, are part of the load: their `kite_force` is the force on the knot. Their half segments move with the knot,
 so that `kite_mass` contains their `kite_end_mass`; its weight is in their forces already.
 
-The forces of the two are one communication step late, so the step must suit a knot of this mass on legs of this stiffness:
-h < 0.2 sqrt(M/k), docs/use/coupling.md, "Knots". The example also prints how far the forces are from the exact ones.
+The forces of the two are delayed by one communication step, so the step must suit a knot of this mass on legs of this
+stiffness: h < 0.2 sqrt(M/k), docs/use/coupling.md, "Knots". The example also prints how far the forces are from the exact
+ones.
 """
 
 import sys

@@ -82,9 +82,9 @@ class Mass:
 
 
 def inputs_towards(position, velocity, last_velocity, last_step, h):
-    """Kite position and velocity to give to a tether so that its end is led to this position [m] and velocity [m/s].
+    """Kite position and velocity to give to a tether so that its end gets to this position [m] and velocity [m/s].
 
-    A tether leads its end to p + v h + a h^2/2 and v + a h, a = (v - v_last)/h_last (docs/models/theory.md, "Driven ends"):
+    A tether moves its end to p + v h + a h^2/2 and v + a h, a = (v - v_last)/h_last (docs/models/theory.md, "Driven ends"):
     solved for p and v.  last_velocity, last_step : v_last [m/s] and h_last [s], 0 before the first step.  ValueError for a
     step that is shorter than the last one, in which the tether makes a difference good in part, or more than four times as
     long.

@@ -6,11 +6,11 @@ importer: it moves the kite, and drives the tether, an FMU, step by step through
     python examples/first_flight/circular_flight.py --wind 8 0 0 --html
 
 Exchange. In a communication step of length h the tether gets position p and velocity v of the kite at the *start* of the
-step; its outputs belong to the *end* of the step. Within the step it leads its kite end along a smooth curve to the
+step; its outputs belong to the *end* of the step. Within the step its kite end moves on a smooth curve to the
 predicted position p + v h + a h^2/2, with the acceleration a estimated from the last two velocities; the error of its forces
-is of second order in h. A kite model that feels the force has only the one from the end of the step before: it sees it one
-communication step late. This flight path is prescribed and feels nothing; with a kite model of your own, keep h well below
-the time in which its motion answers to a change of the force.
+is of second order in h. A kite model that feels the force has only the one from the end of the step before: it gets it
+one communication step late. This flight path is prescribed; with a kite model of your own, keep h well below the time in
+which its motion answers to a change of the force.
 
 Start. The tether starts turning with the kite. `--start static_equilibrium` starts it at rest while the kite already flies:
 the jolt, 274 N at the ground in still air instead of 46 N, is damped out within some ten seconds.

@@ -10,7 +10,7 @@ file or, where it has none, of the curves; so the tether starts in flight, witho
 
 Winch. It follows the speed, the unstretched length or the force that the file has a column for. With a length the tether
 starts with the first one. With a force it follows from the balance at the winch, from the start on or from --length on.
-Otherwise nobody knows how long it is: say it with --length.
+Otherwise set the length with --length.
 
 Everything else is as the FMU has it; unless it was built otherwise, the winch stands still and there is no wind. Build one
 for your tether (`tetherfmu build TetherDynamic --diameter 0.008`), or set parameters for this flight only

@@ -1,4 +1,4 @@
-"""PythonFMU slave: the soft kite with a mass of its own, moved by the force of a tether with a driven kite end."""
+"""PythonFMU slave: the soft kite with its own mass, moved by the force of a tether with a driven kite end."""
 
 from dataclasses import dataclass
 from math import ceil

@@ -21,7 +21,7 @@ CIRCLE, FIGURE_OF_EIGHT = 1, 2
 
 @dataclass(frozen=True)
 class Path:
-    """Where a kite is led."""
+    """Where the kite moves."""
 
     path: int = quantity(
         CIRCLE,

@@ -1,4 +1,4 @@
-"""PythonFMU slave: a soft kite without mass of its own, for `TetherDynamicFree`, which has the mass."""
+"""PythonFMU slave: a soft kite without mass, for `TetherDynamicFree`, which has the mass."""
 
 from tetherfmu.runtime.parameters import Environment
 from tetherfmu.runtime.variables import INPUT, OUTPUT

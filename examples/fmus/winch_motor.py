@@ -63,7 +63,7 @@ def pull(tension, speed, depower, position, step, motor):
 
 
 class WinchMotor(ModelSlave):
-    """The motor of a drum inside the tether, which leads the drum to what a flight controller wants."""
+    """The motor of a drum inside the tether, which makes the drum follow a flight controller."""
 
     description = (
         "Motor of a winch whose drum is inside the tether (winch_control = force), for the kite of FlightController. "

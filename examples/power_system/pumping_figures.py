@@ -14,6 +14,7 @@ PANELS = (  # name of the values, factor, label, colour
     ("power", 1e-3, "power [kW]", GREEN),
     ("tether_length", 1.0, "length [m]", BLACK),
 )
+SHOWN = 10  # every such row of a flight is a dot of its path
 
 
 def counted(flight):
@@ -28,9 +29,8 @@ def plot_series(flight):
     mean = 1e-3 * np.diff(energy[[0, -1]])[0] / (flight.time[flight.bounds[-1]] - flight.time[flight.bounds[0]])
     for axes, (name, factor, label, color) in zip(panels, PANELS, strict=True):
         axes.plot(flight.time, factor * flight.values[name], color=color, linewidth=1.0)
-        axes.fill_between(
-            flight.time, 0, 1, flight.values["depower"] > 0.0, transform=axes.get_xaxis_transform(), color="gray", alpha=0.15
-        )
+        is_depowered, whole = flight.values["depower"][::SHOWN] > 0.0, axes.get_xaxis_transform()
+        axes.fill_between(flight.time[::SHOWN], 0, 1, is_depowered, transform=whole, color="gray", alpha=0.15)
         for row in flight.bounds:
             axes.axvline(flight.time[row], color="black", linestyle="--", linewidth=0.8)
         axes.set(ylabel=label, xlim=(0.0, flight.time[-1]))
@@ -52,11 +52,14 @@ def plot_path(flight):
     axes = figure.add_subplot(projection="3d")
     rows = counted(flight)
     path = path_of(flight)[rows]
-    dots = axes.scatter(*path[::5].T, c=1e-3 * flight.values["ground_tension"][rows][::5], cmap="viridis", s=4)
+    force = 1e-3 * flight.values["ground_tension"][rows]
+    dots = axes.scatter(*path[::SHOWN].T, c=force[::SHOWN], cmap="viridis", s=4)
     axes.plot(*np.zeros((3, 1)), "s", color="black", label="ground station")
     axes.set(title="Path of the kite, whole cycles", xlabel="x, downwind [m]", ylabel="y [m]", zlabel="z [m]")
     axes.set_aspect("equal")
     axes.locator_params(axis="y", nbins=4)
+    axes.zaxis.set_rotate_label(False)
+    axes.zaxis.label.set_rotation(90.0)
     axes.view_init(elev=15.0, azim=-125.0)
     axes.legend(loc="upper left")
     figure.colorbar(dots, ax=axes, label="force at the ground [kN]", shrink=0.6, pad=0.1)

@@ -2,8 +2,8 @@
 
     python examples/power_system/winch_inside.py
 
-In steps of 100 ms `pumping_cycle.py` diverges with both of its masters, because the load on the kite is late. Here tether
-and kite repeat each step until they agree, whoever turns the drum, and what is still late is the winch: as an FMU it gets
+In steps of 100 ms `pumping_cycle.py` diverges with both of its masters, because the load on the kite is delayed. Here
+tether and kite repeat each step until they agree. Only the winch is still delayed: as an FMU it gets
 the tension at the end of a step and gives its speed to the next one. With `winch_control` = force the drum, its inertia
 and its friction are solved together with the tether, and only the motor is outside (`WinchMotor`).
 """

@@ -12,7 +12,8 @@ ARROW = 0.2  # length of the largest force, part of the diagonal of the scene
 EYE = {"x": 1.8, "y": 1.08, "z": 0.8}  # from where the scene is seen: all of it, with the names of its axes
 LONGEST = 1.7, 1.7, 1.4  # sides x, y, z of a scene as it is drawn: of longer ones not all is seen from there
 DIGITS = 6  # of a place [m]: of a plane flight plotly magnifies rounding errors
-HEAD = 0.18  # of an arrow, part of its length
+HEAD = 0.18  # of an arrow, half of the length of its cone, part of its length
+SHAFT = {"width": 9}  # of an arrow: wider than a tether, which it lies on if that is taut
 MOST = 10_000  # points of the path of the kite
 PAGE = """<!DOCTYPE html>
 <html lang="en">
@@ -60,8 +61,9 @@ def arrow(start, force, scale, colour):
     place = dict(zip("xyz", end[:, None], strict=True)) | dict(zip("uvw", head[:, None], strict=True))
     looks = {"colorscale": [[0, colour], [1, colour]], "showscale": False, "anchor": "tip", "hoverinfo": "skip"}
     text = f"{np.linalg.norm(force):.1f} N"
-    shaft = line([start, end - head], text, "lines", colour, showlegend=False, hovertemplate=text)
-    return shaft, go.Cone(**place, sizemode="absolute", sizeref=np.linalg.norm(head), **looks)
+    wide = {"line": {"color": colour, **SHAFT}}
+    shaft = line([start, end - head], text, "lines", colour, showlegend=False, hovertemplate=text, **wide)
+    return shaft, go.Cone(**place, sizemode="absolute", sizeref=2.0 * np.linalg.norm(head), **looks)
 
 
 def scene(points):

@@ -1,5 +1,5 @@
 """Systems of FMUs as SSP 1.0 files: the system structure, parameter sets, and FMUs that are built with their start values.
-The same system for the Open Simulation Platform, with which libcosim lets FMUs take steps of their own, is an extra file.
+The same system for the Open Simulation Platform, with which libcosim lets FMUs take different steps, is an extra file.
 
 The FMUs carry all start values themselves, because not every importer sets enumerations, or reads parameter sets. A
 parameter set holds what a fidelity changes. Each fidelity has a system structure of its own in the file, as SSP allows; the

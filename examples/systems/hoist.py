@@ -1,9 +1,9 @@
-"""How far does a load tilt, and where does it hang, when its two winches run at different speeds? Four bars know.
+"""How far does a load tilt, and where does it hang, when its two winches run at different speeds?
 
     python examples/systems/hoist.py
 
 `hoist.toml` is a gantry with two winches that hold a beam of 8 m with 200 kg at each end. The left rope is paid out by 3 m
-while the right one is hauled in by 1 m, in 30 s, without a jerk. The beam tilts, and moves sideways.
+while the right one is hauled in by 1 m, in 30 s, smoothly. The beam tilts, and moves sideways.
 
 Gantry, ropes and beam are four bars with one angle left, and the load hangs where its weight is lowest. The ropes of the
 flight stretch and weigh something, and the load swings a little.

@@ -4,7 +4,7 @@
 
 Two kites circle opposite to each other about an axis, each on an arm of 60 m; the arms meet in a knot, a free point of 2 kg,
 on a main tether of 150 m. `TetherSystem` solves the three lines and the knot in one system. For comparison each kite flies
-the same circle on a tether of its own all the way to the ground: that sweeps through the air, and the kite has to pull it.
+the same circle on a separate tether to the ground: that sweeps through the air, and the kite has to pull it.
 
 A straight tether of length L that turns about one end with the speed v at the other holds it back by rho C d v^2 L/8: the
 drag of a piece grows with the square of its distance from that end, and its lever with the distance. On the shared tether L

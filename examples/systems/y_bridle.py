@@ -1,4 +1,4 @@
-"""How far does a kite on a Y-bridle roll when its load turns and moves from one tip to the other? Statics know.
+"""How far does a kite on a Y-bridle roll when its load turns and moves from one tip to the other?
 
     python examples/systems/y_bridle.py
 

@@ -1,7 +1,7 @@
 """How does a tether swing while it is reeled out, and how much of its energy is lost to a solver with fixed steps?
 
 Dyneema, 50 m, 5 segments, pi/10 off the vertical, 2 m/s are reeled out, no air. From here on TetherDynamic replaces the
-function `rates`, the shared masses and `solve_ivp` of lesson 05. It also knows what reeling changes: length, stiffness and
+function `rates`, the shared masses and `solve_ivp` of lesson 05. It also has what reeling changes: length, stiffness and
 mass of each segment. Its solver, Rodas4P, chooses its steps; with `fixed_step`, for real time, and
 `fixed_step_method` backward_euler it takes backward Euler steps, which damp.
 """

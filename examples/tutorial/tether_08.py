@@ -1,7 +1,7 @@
 """What does a tether do between any two points, and when one of its ends is let go?
 
 70 m and 10 segments between (0, 0, 0) and (-40, 0, -47) m in a wind of 2 m/s: first at rest, then the lower end is released
-while the tether is reeled out at 0.3 m/s. To hold a tether until it rests took a simulation of its own; here the start is
+while the tether is reeled out at 0.3 m/s. Holding a tether until it rests would be another simulation; here the start is
 an equilibrium, which Newton's method finds: `initial_shape="static_equilibrium"`, the default.
 """
 

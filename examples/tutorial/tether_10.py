@@ -2,7 +2,7 @@
 
 A tether is a component: each end is fixed, moves along a path (`MovingEnd`), or is free (`free_ends`). Tethers in a list
 are joined in series, and `point_masses` puts a knot between them. That replaces a system of equations put together anew for
-each arrangement of ends. Here the lower end of 50 m is led along an ellipse for 30 s.
+each arrangement of ends. Here the lower end of 50 m moves on an ellipse for 30 s.
 """
 
 import numpy as np

@@ -1,7 +1,7 @@
 """How are tethers composed into a system that branches, and what does composing change?
 
-A `TetherSystem` is made of points and of lines between them. A driven point is led by its inputs; a point with a mass is
-free, and several lines may meet there. A rope of 24 m hangs from a mast and is led at its lower end. As one line it is a
+A `TetherSystem` is made of points and of lines between them. A driven point follows its inputs; a point with a mass is
+free, and several lines may meet there. A rope of 24 m hangs from a mast, and its lower end is driven. As one line it is a
 tether of lesson 10; cut in two and knotted without mass it is the same. With a third line, from a second mast, it is a Y.
 """
 

@@ -1,10 +1,10 @@
 """What does the log of a real flight say about its tether, and what not?
 
 A pumping cycle of 2019 (Kitepower, CC BY 4.0; `examples/flights`): positions of the kite by GPS, tension and reel-out speed
-of the winch, 10 times a second. The tension leads the tether: it finds the length with which it pulls as measured. Beside it
-stands the length that the winch has paid out; where that began is not known, so it is fitted on the first half. The rest, a
-metre or two, is an error of the positions. As a stretch it would be many times the measured tension: positions do not give
-the tension of a taut tether. For a log of your own: `tetherfmu replay LOG.csv --as columns.toml`.
+of the winch, 10 times a second. The winch holds the tension: this gives the length with which the tether pulls as measured.
+Beside it stands the length that the winch has paid out; where that began is not known, so it is fitted on the first half.
+The rest, a metre or two, is an error of the positions. As a stretch it would be many times the measured tension: positions
+do not give the tension of a taut tether. For a log of your own: `tetherfmu replay LOG.csv --as columns.toml`.
 """
 
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""What of turbulence arrives at the ground? Spectrum of the force there against quasi-steady linear theory.
+"""Which part of turbulence reaches the ground? Spectrum of the force there against quasi-steady linear theory.
 
     python examples/wind/force_spectrum.py
 

@@ -7,10 +7,10 @@ carries past them; it gets the position of the kite and the shape of the tether.
 drawn beside.
 
     parked  `TetherDynamicFree` moves a soft kite (`PointMassKite`), which a law in this file steers to the zenith
-    circle  `KiteOnPath` leads the end of `TetherDynamic` along a circle
+    circle  `KiteOnPath` moves the end of `TetherDynamic` along a circle
 
 The tether has one wind, the mean along it (its `wind_profile` is uniform): gusts that are short beside the tether, 300 m,
-cancel in that mean. All FMUs step from the same communication point. Without `--box` the script makes a box of its own
+cancel in that mean. All FMUs step from the same communication point. Without `--box` the script makes a box
 (`box_of_turbulence.py`), which is no model of the atmosphere.
 """
 
@@ -56,7 +56,7 @@ class Flight(NamedTuple):
 
 
 def upwards(kite, position):
-    """Steering to the zenith: a turn rate towards a heading that leads back above the ground station's downwind side."""
+    """Steering to the zenith: a turn rate towards a heading back above the ground station's downwind side."""
     wanted = INWARDS * np.arctan2(position[1], np.hypot(position[0], position[2]))
     rate = QUICKNESS * (wanted - kite.get("heading"))
     return float(np.clip(rate / (TURNING * max(kite.get("apparent_wind_speed"), 3.0)), -1.0, 1.0))

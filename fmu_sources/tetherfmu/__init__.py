@@ -14,6 +14,7 @@ _HOMES = {
     "paths": ("MovingEnd", "inputs_along", "kite_at"),
     "systems.tether_system": ("TetherSystem",),
     "systems.records": ("Line", "Point"),
+    "systems.shared_winches": ("SharedWinch",),
     "materials": ("MATERIALS", "tether_of"),
     "runtime.parameters": ("Tether", "Environment", "Solver", "Winch", "Ground"),
     "energy": ("Energy", "EnergyAudit"),

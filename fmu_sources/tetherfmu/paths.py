@@ -28,7 +28,7 @@ def kite_at(elevation: float, azimuth: float, distance: float, ground_position: 
 
     elevation : above the horizon [rad].  azimuth : from the x axis, anti-clockwise seen from above [rad], as the output
     `ground_azimuth`.  distance : along a straight line [m].  ValueError if the elevation is beyond pi/2; an azimuth of more
-    than two turns is told in a `PlausibilityWarning`.
+    than two turns causes a `PlausibilityWarning`.
 
     >>> kite_at(elevation=0.0, azimuth=0.0, distance=500.0).tolist()
     [500.0, 0.0, 0.0]

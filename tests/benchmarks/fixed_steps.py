@@ -3,7 +3,7 @@
     python tests/benchmarks/fixed_steps.py --scenes 300
     python tests/benchmarks/fixed_steps.py --scenes 300 --winch force
     python tests/benchmarks/fixed_steps.py --scenes 50 --fixed-steps 20 10 5 2 1 0.5 --tolerances 1e-2 1e-3 1e-4 1e-5 \
-        --figure docs/figures/fixed_steps.png
+        --figure fixed_steps.png
 
 The scenes of `tolerance.py`, 60 of each of its five families, for 20 s with communication steps of 20 ms, against the
 adaptive solver with a tolerance of 1e-9. Error: root mean square of the difference of the forces at both ends over that of

@@ -156,7 +156,7 @@ WRONG = [  # what is typed, status, what must be said
     ("make_stability --results folder", 2, ("--results", "'folder'", "is a folder")),
     ("make_benchmarks --fmus text.txt", 2, ("make_benchmarks.py", "--fmus", "'text.txt'")),
     ("make_benchmarks --figure folder", 2, ("--figure", "'folder'", "is a folder")),
-    ("make_benchmarks --figure diagram.docx", 2, ("--figure", "'diagram.docx'", ".png")),
+    ("make_benchmarks --figure diagram.docx", 2, ("--figure", "'diagram.docx'", ".svg")),
     ("at_rest.catenary --out text.txt", 2, ("--out", "'text.txt'", "is a file")),
     ("at_rest.catenary 7", 2, ("unrecognized arguments: 7",)),
     ("at_rest.forces_over_wind_and_slack --out ''", 2, ("--out", "''", "is no folder")),

@@ -222,7 +222,7 @@ def test_parameters_of_the_crane_are_those_of_its_wire(name):
 
 
 def test_each_picture_of_the_gallery_has_the_command_that_draws_it():
-    shown = re.findall(r"^!\[[^\]]+\]\(\.\./figures/(\w+)\.png\)\n\n```text\n(.*)\n```$", page("gallery"), re.MULTILINE)
+    shown = re.findall(r"^!\[[^\]]+\]\(\.\./figures/(\w+)\.svg\)\n\n```text\n(.*)\n```$", page("gallery"), re.MULTILINE)
     assert len(shown) == 9
     for name, command in shown:
         script = ROOT / command.split()[1]

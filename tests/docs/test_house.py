@@ -42,8 +42,8 @@ def test_the_manual_has_a_paragraph_for_each_room():
 
 
 def test_the_figure_can_be_drawn(tmp_path):
-    make_house.draw(tmp_path / "house.png")
-    assert (tmp_path / "house.png").stat().st_size > 10_000
+    make_house.draw(tmp_path / "house.svg")
+    assert (tmp_path / "house.svg").stat().st_size > 10_000
 
 
 def test_only_pairs_arrays_and_the_compilation_know_llvm():

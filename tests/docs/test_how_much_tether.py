@@ -2,14 +2,12 @@
 
 import csv
 import re
-import struct
 from collections import namedtuple
 from pathlib import Path
 from types import SimpleNamespace
 
 import pandas as pd
 import pytest
-from matplotlib.figure import Figure
 from matplotlib.text import Text
 
 import make_scene_files
@@ -66,15 +64,15 @@ def test_the_files_of_the_advice_have_the_columns_of_the_sources(name, columns):
 def test_letters_of_the_scenes_are_large_enough(monkeypatch, tmp_path):
     """On a page that is 700 pixels wide no letter is smaller than 11 pixels, which the text of the page is not far from."""
     kept = []
-    monkeypatch.setattr(Figure, "savefig", lambda figure, path, dpi, metadata: kept.append((figure, dpi)))
+    monkeypatch.setattr("advice.figures.save", lambda figure, path: kept.append(figure))
     points = pd.DataFrame({"variant": VARIANTS, "error": [0.1, 0.03, 0.01, 0.003], "cost": [1e-6, 1e-5, 2e-5, 1e-4]})
     reference = SimpleNamespace(own_error=lambda names: 1e-4)
     scenes = map(namedtuple("Named", "name"), "abcdefgh")
-    draw_scenes({scene: (reference, points, None) for scene in scenes}, (), tmp_path / "scenes.png")
-    ((figure, dpi),) = kept
+    draw_scenes({scene: (reference, points, None) for scene in scenes}, (), tmp_path / "scenes.svg")
+    (figure,) = kept
     figure.canvas.draw()
-    shown = 700.0 / (figure.get_size_inches()[0] * dpi)
+    width = 72.0 * figure.get_size_inches()[0]  # points
     sizes = {text.get_fontsize() for text in figure.findobj(Text) if text.get_text()}
-    assert min(sizes) * dpi / 72.0 * shown > 11.0
-    width = struct.unpack(">I", (DOCS / "figures" / "scenes.png").read_bytes()[16:20])[0]
-    assert width == round(figure.get_size_inches()[0] * dpi)
+    assert min(sizes) * 700.0 / width > 11.0
+    picture = (DOCS / "figures" / "scenes.svg").read_text(encoding="utf-8")
+    assert float(re.search(r'<svg [^>]*width="([\d.]+)pt"', picture)[1]) == pytest.approx(width)

@@ -167,28 +167,32 @@ def test_the_filter_leaves_the_variables_with_its_words(site, browser):
     assert {re.match(r"\w+", row)[0] for row in shown} == {"winch_damping", "winch_friction", "winch_mass"}
 
 
-def test_figures_are_links_and_dark_on_the_dark_theme(site, browser):
+def test_figures_are_links_and_follow_the_theme(site, browser):
+    """Each SVG file has rules for a dark theme; nothing is inverted, least of all a picture or a colour map."""
     opened(browser, f"{site}/manual/use/how_much_tether.html")
     figures = browser.execute_script(
-        "return [...document.querySelectorAll('article img')].map("
-        "figure => [figure.src, figure.parentElement.href, figure.naturalWidth, getComputedStyle(figure).filter])"
+        "return [...document.querySelectorAll('article img')].map(figure => [figure.src, figure.parentElement.href,"
+        "        figure.naturalWidth, getComputedStyle(figure).filter, getComputedStyle(figure).colorScheme])"
     )
     assert len(figures) >= 2
-    for source, link, width, filtered in figures:
+    for source, link, width, filtered, scheme in figures:
         assert link == source
         assert width > 0
-        assert filtered.startswith("invert")
+        assert (filtered, scheme) == ("none", "dark")
+        if source.endswith(".svg"):
+            with urlopen(source) as file:
+                assert b"prefers-color-scheme: dark" in file.read()
     browser.execute_script("document.body.dataset.theme = 'light'")
-    assert browser.execute_script("return getComputedStyle(document.querySelector('article img')).filter") == "none"
+    assert browser.execute_script("return getComputedStyle(document.querySelector('article img')).colorScheme") == "light"
 
 
 def test_letters_of_the_decision_chart_can_be_read(site, browser):
-    """They are 11 points high at the 110 points per inch that the chart is drawn with."""
+    """They are 11 points high."""
     opened(browser, f"{site}/manual/use/how_much_tether.html")
     scale = browser.execute_script(
-        "const chart = document.querySelector(\"img[src$='decision.png']\"); return chart.clientWidth / chart.naturalWidth"
+        "const chart = document.querySelector(\"img[src$='decision.svg']\"); return chart.clientWidth / chart.naturalWidth"
     )
-    assert 11.0 / 72.0 * 110.0 * scale > 10.0  # px
+    assert 11.0 * 96.0 / 72.0 * scale > 10.0  # px
 
 
 @pytest.mark.parametrize("page", [page for page in PAGES if page.startswith("course/")])

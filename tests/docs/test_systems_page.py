@@ -14,18 +14,21 @@ PAGE = (Path(__file__).parents[2] / "docs" / "use" / "systems.md").read_text(enc
 
 def test_the_examples_of_the_page_run(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    (toml,), (crane, winches, dropped) = (
+    (first, *_), (crane, winches, letting_go, atwood) = (
         re.findall(rf"```{kind}\n(.*?)```", PAGE, re.DOTALL) for kind in ("toml", "python")
     )
-    Path("crane.toml").write_text(toml, encoding="utf-8")
+    Path("crane.toml").write_text(first, encoding="utf-8")
     names = {}
     exec(crane, names)
     assert np.isclose(names["outputs"].lines["rope"].tether_length, 21.0)  # 2 s at 0.5 m/s
     exec(winches, names)
     assert np.isclose(names["outputs"].lines["b"].tether_length, 19.0)  # 2 s at -0.5 m/s
     assert names["outputs"].lines["a"].winch_speed != 0.0
-    exec(dropped, names)
-    assert np.isclose(names["outputs"].points["load"].velocity[2], -9.81 * 0.8)  # 0.8 s after the release
+    exec(atwood, names)
+    assert np.isclose(names["outputs"].portions["rope"].payout[0], 0.5 * 98.1 / 55.5, rtol=0.1)  # of 10 kg more on one side
+    exec(letting_go, names)
+    assert np.isclose(names["outputs"].lines["rope"].break_time, 0.2)  # the beginning of step 10
+    assert np.isclose(names["outputs"].points["load"].velocity[2], -9.81 * 0.8, rtol=1e-3)  # free fall since then
 
 
 def test_the_table_has_the_keys():

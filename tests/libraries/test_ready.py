@@ -1,41 +1,22 @@
-"""Libraries are found, or compiled when they are missing; both ways of compiling give the same numbers."""
+"""Libraries are found, or compiled when they are missing."""
 
 import subprocess
 import sys
-import warnings
 from importlib.metadata import PackageNotFoundError
 
-import numpy as np
 import pytest
 
-from tetherfmu import TetherStraight
 from tetherfmu.libraries import ready
-from tetherfmu.runtime.kernel_library import file_name, load, this_platform
+from tetherfmu.runtime.kernel_library import file_name, this_platform
 
 HERE = (this_platform(),)
 OTHER = next(platform for platform in ("aarch64-linux", "x86_64-linux") if platform not in HERE)
 
 
 @pytest.fixture(scope="session")
-def compiled(built_once):
-    """Folders of the straight tether, compiled in both ways; the fast way is that of the installation, with all variants."""
-    root = built_once("plain_way", lambda folder: ready.compiled_in(folder, ["straight"], HERE, "plain"))
-    return {"fast": ready.folders(["straight"], HERE)["straight"], "plain": ready.place(root, "straight")}
-
-
-def test_the_fast_way_gives_the_bits_of_the_plain_way(compiled):
-    """Random ends, winds and lengths, taut and slack: 200 flights of 20 steps."""
-    rng = np.random.default_rng(1)
-    tethers = [TetherStraight(kernels=load(folder, "straight")) for folder in compiled.values()]
-    for _ in range(200):
-        kite, velocity = rng.uniform(0.3, 1.1) * np.array((300.0, 0.0, 400.0)), rng.normal(0.0, 10.0, 3)
-        wind = rng.normal(0.0, 8.0, 3)
-        flown = []
-        for tether in tethers:
-            tether.initialize(kite, velocity, wind_velocity=wind)
-            flown += [tether.step(0.02, kite + 0.02 * k * velocity, velocity, wind_velocity=wind) for k in range(20)]
-        for one, other in zip(flown[:20], flown[20:], strict=True):
-            assert all(np.array_equal(a, b) for a, b in zip(one, other, strict=True))
+def compiled():
+    """Folder of the straight tether."""
+    return ready.folders(["straight"], HERE)["straight"]
 
 
 def test_equal_sources_give_equal_bytes_whatever_was_compiled_together(tmp_path, capfd, monkeypatch):
@@ -46,8 +27,9 @@ def test_equal_sources_give_equal_bytes_whatever_was_compiled_together(tmp_path,
     assert second.startswith("  straight after ")
     others = "catenary, quasi_steady, dynamic, systems of tethers, tetherfmu web"
     assert third == f"not yet compiled, each will be when it is first used: {others}"
-    monkeypatch.setitem(ready.FOR_NUMBA, "NUMBA_DISABLE_JIT", "1")  # see `test_what_the_compiler_says_is_told`
-    ready.compiled_in(tmp_path, ["straight"], [*HERE, OTHER])
+    with monkeypatch.context() as broken:
+        broken.setitem(ready.FOR_NUMBA, "NUMBA_DISABLE_JIT", "1")  # see `test_what_the_compiler_says_is_told`
+        ready.compiled_in(tmp_path, ["straight"], [*HERE, OTHER])
     assert capfd.readouterr().err.startswith(f"compiling kernels for {OTHER}, once: straight\n")
     together = ready.folders(["straight"], [*HERE, OTHER])["straight"]
     for name in (file_name("straight", platform) for platform in (*HERE, OTHER)):
@@ -55,7 +37,7 @@ def test_equal_sources_give_equal_bytes_whatever_was_compiled_together(tmp_path,
 
 
 def test_what_is_there_is_not_compiled_again(compiled, capfd):
-    assert ready.compiled_in(compiled["fast"].parent, ["straight"], HERE) == {"straight": compiled["fast"]}
+    assert ready.compiled_in(compiled.parent, ["straight"], HERE) == {"straight": compiled}
     assert capfd.readouterr().err == ""
 
 
@@ -72,9 +54,9 @@ def test_what_the_compiler_says_is_told(tmp_path, monkeypatch):
 
 
 def test_the_libraries_of_the_wheel_come_first(compiled, monkeypatch):
-    monkeypatch.setattr(ready, "IN_WHEEL", compiled["fast"].parent)
+    monkeypatch.setattr(ready, "IN_WHEEL", compiled.parent)
     monkeypatch.setattr(ready, "version", lambda package: pytest.fail("what compiles was looked for"))
-    assert ready.folders(["straight"], HERE) == {"straight": compiled["fast"]}
+    assert ready.folders(["straight"], HERE) == {"straight": compiled}
 
 
 def test_a_missing_compiler_is_named_with_the_remedy(monkeypatch):
@@ -86,14 +68,12 @@ def test_a_missing_compiler_is_named_with_the_remedy(monkeypatch):
         ready.folders(["straight"], HERE)
 
 
-def test_an_unknown_numba_is_told(monkeypatch):
+def test_an_unknown_numba_is_refused(tmp_path, monkeypatch):
     monkeypatch.setattr(ready, "version", lambda package: "99.1.0rc1")
-    with pytest.warns(UserWarning, match=r"numba 99\.1\.0rc1 is not one of those .* tested with"):
-        assert ready.fitting_way() == "plain"
-    monkeypatch.undo()
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        assert ready.fitting_way() == "fast"  # with the one that the extra `build` installs
+    with pytest.raises(
+        RuntimeError, match=r'numba 99\.1\.0rc1 cannot compile them, only 0\.63 to 0\.68; .* "tetherfmu\[build\]"'
+    ):
+        ready.compiled_in(tmp_path, ["straight"], HERE)
 
 
 def test_flying_compiles_nothing_and_needs_no_compiler():
@@ -117,4 +97,4 @@ print(tether.energy().elastic)
 def test_files_in_the_folder_of_the_user_are_not_taken_for_modules_of_python(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "gzip.py").write_text("raise ImportError('a file of the user')")
-    ready.run("ahead_of_time", ["fast", this_platform()], tmp_path / "libraries")
+    ready.run("ahead_of_time", [this_platform()], tmp_path / "libraries")

@@ -265,7 +265,7 @@ def test_what_a_winch_cannot_do_is_refused_by_its_line():
         system.step(STEP, winch_lengths={"line": -5.0})
     with pytest.raises(StepRefused, match=r"line\.winch_force is nan"):
         system.step(STEP, winch_forces={"line": np.nan})
-    with pytest.raises(ValueError, match="no winch_length of a line with the name 'rope'"):
+    with pytest.raises(ValueError, match="no winch_length of a line or a winch with the name 'rope'"):
         system.step(STEP, winch_lengths={"rope": 5.0})
     assert np.array_equal(system.get_state(), before)
 

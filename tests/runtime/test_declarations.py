@@ -35,8 +35,9 @@ def test_each_place_has_a_name_of_its_own():
 def test_each_scalar_of_the_parameters_has_a_place_of_its_own():
     """A parameter must not take the name of anything else in `layout`: an input, an output, a number of the state."""
     declared = [each.name.upper() for each in PARAMETERS if hasattr(layout, each.name.upper())]
-    others = ("GROUND_IS_FREE", "KITE_IS_FREE", "CALM_LAYER", "WIND_POINTS", "TORN_NOW", "CAN_BREAK")
-    others += tuple(f"WHOLE_{what}" for what in ("STIFFNESS", "DAMPING", "DRAG_WIDTH", "CONTROL"))
+    others = ["GROUND_IS_FREE", "KITE_IS_FREE", "CALM_LAYER", "WIND_POINTS", "TORN_NOW", "CAN_BREAK"]
+    others += [f"WHOLE_{what}" for what in ("STIFFNESS", "DAMPING", "DRAG_WIDTH", "CONTROL")]
+    others += ["IS_PORTION", "GIVEN_PORTION", "SHEAVE_MASS", "SHEAVE_FRICTION", "SHEAVE_EFFICIENCY"]
     places = [getattr(layout, name) for name in (*declared, *others)]
     assert sorted(places) == list(range(layout.PARAMETER_SCALARS))
     taken = {name.upper() for name in (*inputs.PLACES, *outputs.PLACES)} | written_in(layout)

@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
+from pictures import save
 from tetherfmu.console.colours import COLOUR
 from tetherfmu.runtime.variants import class_name
 from tetherfmu.study.advice.figures import draw_points
@@ -24,6 +25,7 @@ STRETCHES = (0.001, 0.0)  # of the curves that are shown: a middle one
 CHART_LEVEL = 0.01  # error for which the decision chart is drawn
 COLUMNS, LETTERS = 2, 12  # of small figures, and their font size [pt]: wide letters, because pages show figures smaller
 PALE = ("straight", "dynamic_free")  # white letters are hard to read on their colours
+NEARLY_BLACK = "#181008"  # of letters that are dark on a dark theme, too
 
 
 def draw_scenes(results, names, path):
@@ -41,7 +43,7 @@ def draw_scenes(results, names, path):
     figure.supylabel("kernel time per simulated second [µs]", fontsize=LETTERS + 1)
     legend = {"loc": "outside upper center", "ncols": 3, "frameon": False, "fontsize": LETTERS, "markerscale": 3.0}
     figure.legend(*axis.get_legend_handles_labels(), **legend)
-    figure.savefig(path, dpi=100, metadata={"Software": None})
+    save(figure, path)
 
 
 def draw_sweeps(path):
@@ -60,7 +62,7 @@ def draw_sweeps(path):
         axis.set_ylim(5e-3, 200.0)
     axes[0].set_ylabel("error of the force on the kite [%]", fontsize=9)
     figure.legend(handles.values(), handles.keys(), loc="outside lower center", ncols=6, frameon=False, fontsize=9)
-    figure.savefig(path, dpi=90, metadata={"Software": None})
+    save(figure, path)
 
 
 def questions():
@@ -97,11 +99,11 @@ def draw_chart(path):
     draw_answer(axis, 0.05, -len(asked), last)
     axis.set(xlim=(0.0, 1.0), ylim=(-len(asked) - 0.2, 0.3))
     axis.axis("off")
-    figure.savefig(path, dpi=110, metadata={"Software": None})
+    save(figure, path)
 
 
 def draw_answer(axis, x, y, variant):
     """A box with the name of the FMU of a variant, which begins at x."""
     box = {"boxstyle": "round,pad=0.6", "fc": COLOUR[variant], "ec": "none"}
-    letters = "black" if variant in PALE else "white"
+    letters = NEARLY_BLACK if variant in PALE else "white"
     axis.text(x, y, class_name(variant), color=letters, weight="bold", fontsize=12, ha="left", va="center", bbox=box)

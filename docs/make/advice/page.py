@@ -180,7 +180,7 @@ def run(options):
         results = {scene: (*found, verdicts) for scene, found, verdicts in zip(scenes, studied, advice, strict=True)}
         others = list(progress_bar(others, UNSEEN, "unseen scenes"))
     figures.mkdir(parents=True, exist_ok=True)
-    draw_scenes(results, NAMES, figures / "scenes.png")
-    draw_sweeps(figures / "thresholds.png")
-    draw_chart(figures / "decision.png")
+    draw_scenes(results, NAMES, figures / "scenes.svg")
+    draw_sweeps(figures / "thresholds.svg")
+    draw_chart(figures / "decision.svg")
     write(results, others, options.out)

@@ -14,6 +14,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
+from pictures import save
 from tetherfmu.console.colours import BLACK, COLOUR, REFERENCE
 from tetherfmu.study.scenes.start import tether_at_start
 
@@ -130,7 +131,7 @@ def equal_errors(runs):
 
 
 def draw(runs, path):
-    """Write the work-precision diagram of a table of races to a PNG file (Path): time against error, a panel per scene."""
+    """Write the work-precision diagram of a table of races to an SVG file (Path): time against error, a panel per scene."""
     panels = list(runs.groupby(["scene", "segments"], sort=False))
     rows, handles = ceil(len(panels) / COLUMNS), {}
     figure = Figure(figsize=(5.2 * COLUMNS, 4.0 * rows + 0.4), layout="constrained")
@@ -154,4 +155,4 @@ def draw(runs, path):
     shown = {solver: handles[solver] for solver in STYLES if solver in handles}
     figure.legend(shown.values(), shown.keys(), loc="outside lower center", ncols=3, frameon=False, fontsize=9)
     path.parent.mkdir(parents=True, exist_ok=True)
-    figure.savefig(path, dpi=100, metadata={"Software": None})
+    save(figure, path)

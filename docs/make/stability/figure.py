@@ -5,9 +5,9 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from matplotlib import rc_context
 from matplotlib.figure import Figure
 
+from pictures import save
 from tetherfmu.console.colours import GREEN, VERMILLION
 
 # by column of the results as `report.prepared` makes them: head in tables; name, unit and bands as a region;
@@ -56,5 +56,4 @@ def draw(table, path):
         panel.set_ylabel("converged flights [%]")
     figure.legend(panels[0, 1].lines, DYNAMIC, loc="outside upper center", ncols=2, frameon=False)
     path.parent.mkdir(parents=True, exist_ok=True)
-    with rc_context({"svg.hashsalt": path.stem}):
-        figure.savefig(path, metadata={"Date": None})
+    save(figure, path)

@@ -1,7 +1,7 @@
 """Check FMUs on this machine: `python -m tetherfmu.check FILE.fmu [FILE.fmu ...]`; needs FMPy.
 
-It validates the archive and the model description, looks for what is known to make trouble and names the remedy, and runs
-the evidence sets in a process of their own. Exit status: 0 no problem, 1 a problem was found, 2 wrong use.
+It validates the archive and the model description, looks for known problems and names the remedy, and runs the evidence
+sets in a separate process. Exit status: 0 no problem, 1 a problem was found, 2 wrong use.
 """
 
 import importlib.util

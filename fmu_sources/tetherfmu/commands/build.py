@@ -202,7 +202,7 @@ def build_for_scene(wanted):
     """
     from tetherfmu.study.advice.scene_build import advised
 
-    now(f"flying {wanted.scene} with what may do, and with a finer model")
+    now(f"flying {wanted.scene} with candidates and with a finer model")
     text, met, name, options = advised(wanted.scene, wanted.shape_points, wanted.platforms, lean_of(wanted))
     print(text)
     if not met:

@@ -25,6 +25,7 @@ from tetherfmu.runtime.inputs import KITE_AT_START, ZERO, components, wind_at_na
 from tetherfmu.runtime.parameters import DEFAULT_TOLERANCE, Environment, FreeKite, Solver, Winch
 from tetherfmu.runtime.variables import INPUT, OUTPUT, names_of, variables
 from tetherfmu.runtime.variants import BY_NAME, DYNAMIC
+from tetherfmu.systems.shared_winches import holding
 from tetherfmu.systems.tether_system import TetherSystem
 
 from .texts import filled
@@ -305,7 +306,13 @@ _MEAN, _GUSTS, _RISES, _RATE = 4.0, 1.0, 3.0, 0.7  # [m/s], [m/s], [s], [rad/s]
 _AMPLITUDE = 0.01  # of the driven points, in the mean length of the lines [-]
 _PAID_OUT = 2e-4  # of the length of a line, in a second [1/s]
 # arguments of `TetherSystem.step`, and the inputs of points and lines that they are
-KINDS = {"positions": "position", "velocities": "velocity", "reel_out_speeds": "reel_out_speed", "wind_at": "wind_at"}
+KINDS = {
+    "positions": "position",
+    "velocities": "velocity",
+    "reel_out_speeds": "reel_out_speed",
+    "winch_lengths": "winch_length",
+    "wind_at": "wind_at",
+}
 _TENSIONS = {"tension_from": "ground_tension", "tension_to": "kite_tension", "tether_length": "tether_length"}
 
 
@@ -315,9 +322,12 @@ def of_system(system, wind_points=0):
 
     def model(tolerance):
         solver = replace(system.solver, relative_tolerance=tolerance)
-        return TetherSystem(system.points, system.lines, system.environment, solver, system.ground, wind_points=wind_points)
+        more = {"winches": system.winches, "wind_points": wind_points}
+        return TetherSystem(system.points, system.lines, system.environment, solver, system.ground, **more)
 
     moves = [name for what in ("position", "velocity") for each in driven for name in components(f"{each}.{what}", 3)]
+    turns = [f"{line.name}.reel_out_speed" for line in lines_alone(system)]
+    turns += [f"{winch.name}.{winch.input}" for winch in system.winches]
     winds = [f"{line}.{name}" for line in lines for name in wind_at_names(wind_points)]
     forces = {each.name: f"{each.name}.{'force' if each.is_driven else 'position'}" for each in system.points}
     at = partial(inputs_of_system, system=system)
@@ -325,7 +335,7 @@ def of_system(system, wind_points=0):
         kind="",
         model=model,
         scene=[with_wind_at(rounded(at(k * STEP)), wind_points, lines) for k in range(_SYSTEM_STEPS + 1)],
-        inputs=(*moves, *(f"{line}.reel_out_speed" for line in lines), *components("wind_velocity", 3), *winds),
+        inputs=(*moves, *turns, *components("wind_velocity", 3), *winds),
         outputs=(
             *(name for vector in forces.values() for name in components(vector, 3)),
             *(f"{line}.{what}" for line in lines for what in _TENSIONS),
@@ -338,17 +348,26 @@ def of_system(system, wind_points=0):
     )
 
 
+def lines_alone(system):
+    """The lines of a system that no winch with several lines holds."""
+    return [line for line in system.lines if not holding(system.winches, line.name)]
+
+
 def inputs_of_system(time, system):
     """Inputs at a time [s], as a dict of arguments of `TetherSystem.step` (SI units)."""
-    share, rate, _ = rise(time, _RISES)
-    length = _AMPLITUDE * sum(line.tether.initial_length for line in system.lines) / len(system.lines)
+    share, rate, integral = rise(time, _RISES)
+    mean = sum(line.tether.initial_length for line in system.lines) / len(system.lines)
+    length = _AMPLITUDE * mean
     sway = length * share * sin(_RATE * time)
     speed = length * (rate * sin(_RATE * time) + share * _RATE * cos(_RATE * time))
     driven = {point.name: point.position for point in system.points if point.is_driven}
+    speeds = {line.name: share * _PAID_OUT * line.tether.initial_length for line in lines_alone(system)}
+    winches = {name: [each for each in system.winches if each.input == name] for name in ("reel_out_speed", "winch_length")}
     return {
         "positions": {name: (x, y + sway, z) for name, (x, y, z) in driven.items()},
         "velocities": dict.fromkeys(driven, (0.0, speed, 0.0)),
-        "reel_out_speeds": {line.name: share * _PAID_OUT * line.tether.initial_length for line in system.lines},
+        "reel_out_speeds": speeds | {each.name: share * _PAID_OUT * mean for each in winches["reel_out_speed"]},
+        "winch_lengths": {each.name: integral * _PAID_OUT * mean for each in winches["winch_length"]},
         "wind_velocity": (_MEAN * share, _GUSTS * share * sin(_RATE * time), 0.0),
     }
 

@@ -11,7 +11,7 @@ from .texts import xml_text
 
 NAMESPACE = "https://open-simulation-platform.com/OspModelDescription/1.0.1"
 KINDS = {"m/s": "LinearVelocity", "N": "Force", "m": "LinearDisplacement"}  # of groups, by the unit of their variables
-WINCH = (*inputs_at("winch"), "winch_speed", "tether_length")  # variables that have a group of their own
+WINCH = (*inputs_at("winch"), "winch_speed", "tether_length", "payout")  # variables that have a group of their own
 GROUPS = {"reel_out_speed": "reel_out", "winch_force": "winch_pull", "winch_length": "winch"}  # those of other names
 
 
@@ -35,12 +35,12 @@ def model_description(table):
 
 
 def model_description_of_system(structure, table):
-    """Text of the file of a system: a Generic group for each point, as for the end of a tether, wind, winches of lines.
+    """Text of the file of a system: a Generic group for each point, as for the end of a tether, wind, winches.
 
     The force of a free point is its load.  structure : `system_variables.Structure`.  table : of `variables.Variable`.
     """
     ports = [(point.name, f"{point.name}.", "load" if point.is_free else "force") for point in structure.points]
-    return _text(table, ports, [(f"{line.name}_", f"{line.name}.") for line in structure.lines])
+    return _text(table, ports, [(f"{each.name}_", f"{each.name}.") for each in (*structure.lines, *structure.winches)])
 
 
 def _text(table, ports, winches):

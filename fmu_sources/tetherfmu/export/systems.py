@@ -14,6 +14,8 @@ from tetherfmu.runtime.layout import START_AT_REST, START_GIVEN
 from tetherfmu.runtime.quantities import quantities
 from tetherfmu.systems import files
 from tetherfmu.systems.ordering import ordered
+from tetherfmu.systems.shared_winches import as_built
+from tetherfmu.systems.sheaves import check_with_sheaves, sheaves_of
 from tetherfmu.systems.tether_system import TetherSystem
 
 from . import evidence, lean_evidence, osp
@@ -30,6 +32,9 @@ ABOUT = (
     "In: position and velocity of driven points, load on free points, reel-out speed of the lines, wind. "
     "Out: force of the lines on driven points, position and velocity of free points, tensions and shapes of the lines."
 )
+WINCHES = (
+    "<h2>Winches</h2>\n<p>Each pays out its lines in these ratios; a line in several winches is paid out by their sum.</p>"
+)
 TIMES = DEFAULT_OPTIONS["step"], DEFAULT_OPTIONS["stop"]  # of the default experiment [s]
 
 
@@ -43,6 +48,10 @@ def build(path, folder, options=None, native=None, with_header=False, with_sourc
     """
     options = options or BuildOptions(shape_points=None)
     found, positions = read(path)
+    try:
+        check_with_sheaves(found.lines, found.solver, options.wind_points)
+    except ValueError as error:
+        raise ValueError(f"{path}: {error}") from None
     structure, folder = structure_from(found, positions, options.shape_points, options.wind_points), Path(folder)
     try:
         own = chosen(options.lean.over(found.build), table_of(structure))
@@ -91,7 +100,7 @@ def read(path):
     found = files.load(path)
     if found.name.lower() in {name.lower() for name in SLAVES}:
         raise ValueError(f"{path}: name is {found.name!r}; it must not be that of the FMU of a single tether")
-    system = TetherSystem(found.points, found.lines, found.environment, found.solver, found.ground)
+    system = TetherSystem(found.points, found.lines, found.environment, found.solver, found.ground, winches=found.winches)
     places = {point.name: point.position for point in found.points}
     if None in places.values():
         try:
@@ -113,9 +122,10 @@ def structure_from(found, positions, shape_points=None, wind_points=0):
     for each in found.lines:
         starts = values_of(each.tether, each.winch) | {"reel_out_speed": each.reel_out_speed}
         shown = each.tether.segments + 1 if shape_points is None else shape_points
-        lines.append(Line(each.name, each.start, each.end, starts, shown, wind_points))
+        own = sheaves_of(each) if each.through else {}
+        lines.append(Line(each.name, each.start, each.end, starts, shown, wind_points, each.through, own))
     starts = values_of(found.environment, found.solver, found.ground)
-    return Structure(found.name, tuple(points), tuple(lines), tuple(free), band, starts)
+    return Structure(found.name, tuple(points), tuple(lines), tuple(free), band, starts, as_built(found.winches))
 
 
 def values_of(*records):
@@ -134,10 +144,24 @@ def documents(structure, table, description, platforms, sets, native, left_out):
         name=structure.name,
         points="\n".join(_row(point.name, "free" if point.is_free else "driven") for point in structure.points),
         lines="\n".join(_row(line.name, line.start, line.end) for line in structure.lines),
+        winches=_about_winches(structure.winches),
         **about(description, native),
     )
     groups = osp.model_description_of_system(structure, shown(table, frozenset(left_out)))
     return files_beside(structure.name, page(structure.name, body, table, left_out), sets, platforms, groups, native)
+
+
+def _about_winches(winches):
+    """Section of the page on shared winches, "" without any."""
+    if not winches:
+        return ""
+    rows = [
+        _row(each.name, f"{each.name}.{each.input}", ", ".join(f"{line}: {ratio:g}" for line, ratio in each.ratios))
+        for each in winches
+    ]
+    return "\n".join(
+        [WINCHES, "<table>", "<tr><th>name</th><th>input</th><th>lines and ratios</th></tr>", *rows, "</table>"]
+    )
 
 
 def _row(*cells):

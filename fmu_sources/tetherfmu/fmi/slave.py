@@ -6,7 +6,7 @@ from pathlib import Path
 from ..runtime import layout, refusals, saved_state, status
 from ..runtime.instance import Instance, zeros
 from ..runtime.kernel_library import load
-from ..runtime.packing import pack_lines
+from ..runtime.packing import pack_lines, put_sheaves
 from ..runtime.parameters import DEFAULT_TOLERANCE
 from ..runtime.plan_layout import DRIVEN
 from ..runtime.quantities import NOT_WHOLE, checked, is_beyond
@@ -18,6 +18,14 @@ from .system_variables import structure_of
 from .wiring import of_system, of_tether
 
 _KITE_END = slice(layout.KITE_POSITION, layout.KITE_VELOCITY + 3)  # inputs of the kernels, for a free kite its start
+
+
+def _sheave(row, values):
+    """What `put_sheaves` takes, of a row of `Wiring.sheaves` and all values."""
+    kind, *references = row
+    defaults = (0.0, 0.0, 0.0, 1.0)
+    given = zip(references, defaults, strict=False)
+    return [kind, *(default if each < 0 else values[each] for each, default in given)] if kind else None
 
 
 class TetherSlave(BaseSlave):
@@ -136,7 +144,9 @@ class TetherSlave(BaseSlave):
             for line, row, masses in zip(wiring.lines, wiring.quantities, wiring.carried, strict=True)
         )
         sought = [(place, int(values[reference] == layout.START_AT_REST)) for place, reference in wiring.starts]
-        return *pack_lines(self._instance.kernels, lines, tolerance, int(self._kite_is_free)), sought
+        counts, parameters = pack_lines(self._instance.kernels, lines, tolerance, int(self._kite_is_free))
+        put_sheaves(counts, parameters, [_sheave(row, values) for row in wiring.sheaves or [(0,)] * len(counts)])
+        return counts, parameters, sought
 
     def _set_up(self, packed):
         """Make the arrays of the instance."""
@@ -148,22 +158,31 @@ class TetherSlave(BaseSlave):
             given, values = self._instance.values, self.values
             for place, reference, _, _ in self._wiring.inputs:
                 given[place] = values[reference]
+            for place, *_ in self._wiring.held:
+                given[place] = 0.0
+            for place, reference, _, _, factor in self._wiring.held:
+                given[place] += factor * values[reference]
 
     def _shown(self, problem):
         """Put the outputs of a system into the values, if nothing is wrong; returns what is."""
         if problem or self._is_direct:
             return problem
         values, found, state = self.values, self._instance.values, self._instance.state
+        first = self._instance.outputs_at
         for reference, place in self._alone:
             values[reference] = found[place]
         for reference, places in self._sums:
             values[reference] = sum(found[place] for place in places)
+        for reference, *_ in self._wiring.turned:
+            values[reference] = 0.0
+        for reference, place, factor, less in self._wiring.turned:
+            values[reference] += factor * (found[first + place] - (0.0 if less < 0 else values[less]))
         for reference, k, is_end, component in self._wiring.motion:
-            first = self._instance.states_at[k]
-            segments = self._instance.counts[k] + int(state[first + layout.LET_GO])
+            own = self._instance.states_at[k]
+            segments = self._instance.counts[k] + int(state[own + layout.LET_GO])
             what, axis = divmod(component, 3)
             node = (segments + 1) * what + segments * is_end
-            values[reference] = state[first + layout.STATE_HEADER + 3 * node + axis]
+            values[reference] = state[own + layout.STATE_HEADER + 3 * node + axis]
         return problem
 
     # --- state

@@ -7,7 +7,7 @@ its place in the array of all values: inputs, outputs, parameters.
 
 import hashlib
 import json
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 from ..runtime import inputs, outputs
 from ..runtime import layout as at
@@ -16,8 +16,10 @@ from ..runtime.inputs import DRIVEN_KITE, FREE_KITE, components
 from ..runtime.outputs import POINTS, VECTOR
 from ..runtime.parameters import Environment, FreeKite, Ground, Solver, Tether, Winch
 from ..runtime.quantities import Quantity, quantities
+from ..runtime.sheaves import SHEAVE_QUANTITIES
 from ..runtime.variables import INPUT, OUTPUT, PARAMETER, Variable, elements, parameters_of, without_effect
 from ..runtime.variants import DYNAMIC
+from .portions import all_portions, portions_of
 
 
 def inputs_at(*terminals):
@@ -43,6 +45,25 @@ OF_A_LINE = {  # outputs of a tether that a line has, and their names there
 MEANINGS = {
     "tension_from": "tension of the first segment, at {}; with winch_control = force where the line leaves the winch",
     "tension_to": "tension of the last segment, at {}",
+}
+TOLD = {  # inputs of shared winches
+    "reel_out_speed": "speed at which {} pays out a line with the ratio 1; positive pays out",
+    "winch_length": "length of a line with the ratio 1 that {} should have paid out since the start",
+}
+TURNED = {  # their outputs: the output of a tether that they are made of
+    "winch_speed": ("winch_speed", "reel-out speed of a line with the ratio 1"),
+    "payout": ("tether_length", "length of a line with the ratio 1 that it has paid out since the start"),
+}
+PARTING = ("broken", "break_time")  # outputs that a line over sheaves has not, which cannot break or let go
+# outputs of the portions and the sheaves of a line, in the order of `layout.PORTION_LENGTH`, ...: unit, meaning
+OF_PORTIONS = {
+    "portion_length": ("m", "unstretched length of portion {}"),
+    "portion_tension_from": ("N", "tension at the start of portion {}"),
+    "portion_tension_to": ("N", "tension at the end of portion {}"),
+}
+OF_SHEAVES = {
+    "sheave_payout": ("m", "rope that has run over sheave {} from the portion before it since the start"),
+    "sheave_speed": ("m/s", "rate of the rope that runs over sheave {}"),
 }
 SUMMED = ("solver_iterations",)  # of all lines; the others are those of the first line
 GIVEN_TO_ALL = inputs_at("wind")  # vectors that all lines share
@@ -75,7 +96,8 @@ class Point:
 class Line:
     """A line of a system: its name, the names of its points, start values of its quantities by name, points of its shape.
 
-    wind_points : at which the wind is an input; 0 for none.
+    wind_points : at which the wind is an input; 0 for none.  through : names of the points over whose sheaves it runs.
+    sheaves : of such a line, dict of start values of `SHEAVE_QUANTITIES`, one for each sheave, and `initial_portions` [m].
     """
 
     name: str
@@ -84,6 +106,8 @@ class Line:
     starts: dict
     shape_points: int
     wind_points: int = 0
+    through: tuple = ()
+    sheaves: dict = field(default_factory=dict)
 
     @property
     def ends(self):
@@ -92,8 +116,23 @@ class Line:
 
 
 @dataclass(frozen=True)
+class SharedWinch:
+    """A winch that holds several lines of a system, see `systems/shared_winches.py`: its name and its input.
+
+    ratios : pairs of a line and its ratio.  shares : pairs of a line and what it counts in the payout.  reel_out_speed : at
+    the start.
+    """
+
+    name: str
+    input: str
+    ratios: tuple
+    shares: tuple
+    reel_out_speed: float = 0.0
+
+
+@dataclass(frozen=True)
 class Structure:
-    """Points and lines of a system, and what does not change while it runs.
+    """Points, lines and shared winches of a system, and what does not change while it runs.
 
     free : names of the free points in the order of their matrix, and band : its band, see `systems/ordering.py`.
     starts : start values of quantities of the whole system, dict by name, where they are not the defaults.
@@ -105,6 +144,11 @@ class Structure:
     free: tuple
     band: int
     starts: dict
+    winches: tuple = ()
+
+    def holding(self, line):
+        """The shared winches that hold a line with this name."""
+        return [each for each in self.winches if line in dict(each.ratios)]
 
     @property
     def has_wind_points(self):
@@ -118,14 +162,19 @@ class Structure:
         facts.append([(line.name, line.start, line.end, line.shape_points) for line in self.lines])
         if self.has_wind_points:
             facts.append([line.wind_points for line in self.lines])
+        if self.winches:
+            facts.append([(each.name, each.input, each.ratios) for each in self.winches])
+        if any(line.through for line in self.lines):
+            facts.append([line.through for line in self.lines])
         return f"system_{hashlib.sha256(json.dumps(facts).encode()).hexdigest()[:HASH_DIGITS]}"
 
 
 def structure_of(given):
     """`Structure` of what `dataclasses.asdict` makes of one, or of what JSON holds of that."""
     points = tuple(Point(**each) for each in given["points"])
-    lines = tuple(Line(**each) for each in given["lines"])
-    return Structure(**{**given, "points": points, "lines": lines, "free": tuple(given["free"])})
+    lines = tuple(Line(**{**each, "through": tuple(each["through"])}) for each in given["lines"])
+    winches = tuple(SharedWinch(**each) for each in given["winches"])
+    return Structure(**{**given, "points": points, "lines": lines, "winches": winches, "free": tuple(given["free"])})
 
 
 def input_name(name, line):
@@ -163,12 +212,19 @@ def _inputs(structure):
             declared = Quantity(each.unit, f"{what} of {point.name}")
             yield from _vector(f"{point.name}.{what}", INPUT, declared, each.group, start)
     for line in structure.lines:
-        for name in GIVEN:
+        for name in () if structure.holding(line.name) else GIVEN:
             declared = inputs.BY_NAME[name]
             quantity = Quantity(declared.unit, f"{declared.meaning}; of {line.name}, whose winch is at {line.start}")
             start = line.starts.get(name, declared.start[0])
             yield Variable(f"{line.name}.{name}", INPUT, "Real", quantity, 0, start, group=declared.group)
+    for winch in structure.winches:
+        declared = inputs.BY_NAME[winch.input]
+        quantity = Quantity(declared.unit, TOLD[winch.input].format(winch.name))
+        start = getattr(winch, winch.input, declared.start[0])
+        yield Variable(f"{winch.name}.{winch.input}", INPUT, "Real", quantity, 0, start, group=declared.group)
     for line in structure.lines:
+        if line.through:
+            continue  # it cannot let go
         declared = inputs.BY_NAME[RELEASE]
         quantity = Quantity("", _RELEASE.format(line))
         yield Variable(f"{line.name}.{RELEASE}", INPUT, declared.kind, quantity, 0, 0.0, group=declared.group)
@@ -208,18 +264,38 @@ def _parameters(structure):
                 declared = Quantity(unit, f"{what} of {point.name} at the start", -at.LARGEST_INPUT, at.LARGEST_INPUT)
                 yield from _vector(f"{point.name}.initial_{what}", PARAMETER, declared, MOTION, getattr(point, what))
     for line in structure.lines:
-        for each in parameters_of(RECORDS_OF_A_LINE, line.starts):
+        for each in parameters_of((Tether,) if structure.holding(line.name) else RECORDS_OF_A_LINE, line.starts):
             yield replace(each, name=f"{line.name}.{each.name}")
+        yield from _parameters_of_sheaves(line)
 
 
-def _dependency(name, structure, line):
-    """Name of an input or parameter that a line depends on; name : that which a tether depends on."""
+def _parameters_of_sheaves(line):
+    """Parameters of the portions and the sheaves of a line that runs over some."""
+    portions = portions_of(line) if line.through else ()
+    for k, portion in enumerate(portions):
+        meaning = (
+            f"unstretched length at the start of portion {k + 1}, from {portion.start} to {portion.end}, in proportion to "
+        )
+        meaning += "those of the others; 0 of any: each sheave starts with the same tension on both sides"
+        declared, start = Quantity("m", meaning, 0.0, 1e5), line.sheaves["initial_portions"][k]
+        yield Variable(f"{line.name}.initial_portions[{k + 1}]", PARAMETER, "Real", declared, 0, start, group="geometry")
+    for name, declared in SHEAVE_QUANTITIES.items():
+        for k, portion in enumerate(portions[:-1]):
+            own = replace(declared, meaning=f"{declared.meaning}; of sheave {k + 1}, at {portion.end}")
+            start = line.sheaves[name][k]
+            yield Variable(f"{line.name}.{name}[{k + 1}]", PARAMETER, "Real", own, 0, start, group="forces")
+
+
+def _dependencies(name, structure, line):
+    """Names of inputs and parameters that a line depends on; name : of the one that a tether depends on."""
+    if name in GIVEN and structure.holding(line.name):
+        return [f"{winch.name}.{name}" for winch in structure.holding(line.name)]
     if name in _QUANTITIES_OF_A_LINE:
-        return f"{line.name}.{name}"
+        return [f"{line.name}.{name}"]
     renamed = input_name(name, line)
     point, _, what = renamed.partition(".")
     is_free = any(point == each.name and each.is_free for each in structure.points)
-    return f"{point}.initial_{what}" if is_free else renamed
+    return [f"{point}.initial_{what}" if is_free else renamed]
 
 
 _QUANTITIES_OF_A_LINE = frozenset(name for record in RECORDS_OF_A_LINE for name, _ in quantities(record))
@@ -232,9 +308,9 @@ def _known(structure, line, output, element, known):
     of inputs and parameters.
     """
     found = depends_on(DYNAMIC, output, element, line.shape_points, line.wind_points)
-    if structure.free and any(name.startswith(("kite_position", "ground_position")) for name in found):
+    if line.through or (structure.free and any(name.startswith(("kite_position", "ground_position")) for name in found)):
         return None
-    named = (_dependency(name, structure, line) for name in found)
+    named = (each for name in found for each in _dependencies(name, structure, line))
     return tuple(name for name in dict.fromkeys(named) if name in known)
 
 
@@ -255,7 +331,8 @@ def _outputs(structure, known):
                 yield from _vector(f"{point.name}.{what}", OUTPUT, declared, MOTION, known=known_of)
             continue
         declared = replace(outputs.BY_NAME["kite_force"].quantity, meaning=f"force of its lines on {point.name}")
-        at_it = [(line, end) for line in structure.lines for end, name in line.ends if name == point.name]
+        ends = [(each.line, end, name) for each in all_portions(structure.lines) for end, name in each.ends]
+        at_it = [(line, end) for line, end, name in ends if name == point.name]
         at_it = [(line, outputs.BY_NAME[f"{end}_force"]) for line, end in at_it]
         found = [
             _together(_known(structure, line, force, f"{force.name}[{i}]", known) for line, force in at_it)
@@ -264,6 +341,13 @@ def _outputs(structure, known):
         yield from _vector(f"{point.name}.force", OUTPUT, declared, at_it[0][1].group, known=found)
     for line in structure.lines:
         yield from _outputs_of_line(structure, line, known)
+    for winch in structure.winches:
+        lines = [line for line in structure.lines if line.name in dict(winch.ratios)]
+        for own, (name, meaning) in TURNED.items():
+            each = outputs.BY_NAME[name]
+            found = _together(_known(structure, line, each, name, known) for line in lines)
+            quantity = replace(each.quantity, meaning=f"{meaning}; of {winch.name}")
+            yield Variable(f"{winch.name}.{own}", OUTPUT, each.kind, quantity, 0, depends_on=found, group=each.group)
     for name in outputs.COUNTERS:
         each = outputs.BY_NAME[name]
         yield Variable(name, each.causality(), each.kind, each.quantity, 0, group=each.group)
@@ -272,6 +356,8 @@ def _outputs(structure, known):
 def _outputs_of_line(structure, line, known):
     """Outputs of a line."""
     for name, own in OF_A_LINE.items():
+        if line.through and name in PARTING:
+            continue
         each = outputs.BY_NAME[name]
         meaning = MEANINGS[own].format(dict(line.ends)[name.partition("_")[0]]) if own in MEANINGS else each.quantity.meaning
         found = _known(structure, line, each, name, known)
@@ -279,9 +365,24 @@ def _outputs_of_line(structure, line, known):
         yield Variable(f"{line.name}.{own}", OUTPUT, each.kind, quantity, 0, depends_on=found, group=each.group)
     shape = outputs.BY_NAME["shape"]
     points = f"points on the line at equal unstretched length, {line.start} first"
-    for name, meaning in elements(f"{line.name}.shape", points, POINTS, line.shape_points):
+    count = line.shape_points * len(portions_of(line))
+    for name, meaning in elements(f"{line.name}.shape", points, POINTS, count):
         quantity = replace(shape.quantity, meaning=meaning)
         yield Variable(name, shape.causality(line.wind_points), "Real", quantity, 0, group=shape.group)
+    if line.through:
+        for name, unit, meaning, count in outputs_of_portions(line):
+            for k in range(count):
+                quantity = Quantity(unit, meaning.format(k + 1))
+                yield Variable(f"{line.name}.{name}[{k + 1}]", OUTPUT, "Real", quantity, 0, depends_on=None, group="tether")
+
+
+def outputs_of_portions(line):
+    """Outputs of the portions and the sheaves of a line: name, unit, meaning with a number, and how many there are."""
+    count = len(line.through) + 1
+    for name, (unit, meaning) in OF_PORTIONS.items():
+        yield name, unit, meaning, count
+    for name, (unit, meaning) in OF_SHEAVES.items():
+        yield name, unit, meaning, count - 1
 
 
 def table_of(structure):

@@ -12,18 +12,31 @@ from ..runtime import layout as at
 from ..runtime import outputs
 from ..runtime import plan_layout as plan
 from ..runtime.enumerations import UNIFORM
-from ..runtime.inputs import WIND_AT, components
+from ..runtime.inputs import PLACES, WIND_AT, components
 from ..runtime.instance import Line
 from ..runtime.kernel_library import SYSTEM
 from ..runtime.outputs import COUNTERS
 from ..runtime.parameters import Ground, Tether, Winch
 from ..runtime.quantities import doubts_in
+from ..runtime.sheaves import SHEAVE_QUANTITIES
 from ..runtime.variables import INPUT, PARAMETER, input_names, line_of_tether, parameters_at, references, wind_points_in
 from ..runtime.variants import BY_NAME, Variant, library_of
+from .portions import all_portions, portions_of
 from .selection import shown, with_starts
-from .system_variables import OF_A_LINE, OF_THE_SYSTEM, SUMMED, input_name, table_of
+from .system_variables import (
+    OF_A_LINE,
+    OF_PORTIONS,
+    OF_SHEAVES,
+    OF_THE_SYSTEM,
+    SUMMED,
+    TURNED,
+    input_name,
+    outputs_of_portions,
+    table_of,
+)
 
 IDLE_PROFILE = "wind_profile has no effect: the wind is that of wind_at"
+CONTROLS = {"reel_out_speed": at.WINCH_BY_SPEED, "winch_length": at.WINCH_BY_LENGTH}  # of lines at shared winches
 FORCES = ("force", "tension_from", "tension_to")  # of a system: on driven points, and of lines at their ends
 
 
@@ -50,9 +63,12 @@ class Wiring(NamedTuple):
     outputs: tuple = ()  # (reference, places): the sum of the numbers there
     motion: tuple = ()  # of free points: (reference, line, 1 at its end, component from 0 to 5)
     starts: tuple = ()  # (place in the plan, reference) of the starts of free points
+    held: tuple = ()  # terms of inputs of lines that shared winches hold: as those of `inputs`, with a factor
+    turned: tuple = ()  # terms of their outputs: (reference, place, factor, reference of what is subtracted)
     checked: tuple = ()  # variables of parameters that the kernel `pack` does not check
     free: tuple = ()  # names of the free points
     band: int = 0  # of their matrix
+    sheaves: tuple = ()  # of each line `layout.IS_PORTION`, and of the numbers behind it the references, -1 for the default
 
 
 def of_tether(variant, table, shape_points, left_out=()):
@@ -89,8 +105,11 @@ def of_system(structure, left_out=(), starts=()):
     table = with_starts(table_of(structure), starts)
     own = {each.name: each.place for each in table}
     given, fixed = (sum(each.causality == kind for each in table) for kind in (INPUT, PARAMETER))
-    names = [line.name for line in structure.lines]
-    sizes = {f"{line.name}.shape": (line.shape_points, 3) for line in structure.lines}
+    sizes = {f"{line.name}.shape": (line.shape_points * len(portions_of(line)), 3) for line in structure.lines}
+    for line in (line for line in structure.lines if line.through):
+        sizes |= {f"{line.name}.{name}": (count,) for name, *_, count in outputs_of_portions(line)}
+        sizes |= {f"{line.name}.{name}": (len(line.through),) for name in SHEAVE_QUANTITIES}
+        sizes[f"{line.name}.initial_portions"] = (len(line.through) + 1,)
     sizes |= {f"{line.name}.{WIND_AT.name}": (line.wind_points, 3) for line in structure.lines}
     return Wiring(
         name=structure.hash,
@@ -101,19 +120,22 @@ def of_system(structure, left_out=(), starts=()):
         **_selection(table, [each.place for each in table], left_out),
         ends=(given, len(table) - fixed, len(table)),
         lines=lines_of(structure),
-        quantities=[_quantities_of(line, own) for line in structure.lines],
+        quantities=[_quantities_of(structure, each, own) for each in all_portions(structure.lines)],
         doubtful=_doubtful([(each.place, each) for each in table[-fixed:]], structure.has_wind_points),
-        slack_segments=[own[f"{name}.slack_segments"] for name in names],
+        slack_segments=[own[f"{each.line.name}.slack_segments"] for each in all_portions(structure.lines)],
         forces=[each.place for each in table if each.name.rpartition(".")[2].partition("[")[0] in FORCES],
         sizes=sizes,
         inputs=_inputs_of(structure, own),
         carried=[[own[f"{point}.mass"] if point else -1 for point in points] for points in carried(structure)],
         outputs=tuple(_outputs_of(structure, own)),
         motion=tuple(_motion_of(structure, own)),
+        held=tuple(_held_of(structure, own)),
+        turned=tuple(_turned_of(structure, own)),
         starts=tuple(_starts_of(structure, own)),
-        checked=tuple(each for each in table[-fixed:] if each.name.partition(".")[0] in structure.free),
+        checked=tuple(each for each in table[-fixed:] if _is_checked(each.name, structure)),
         free=structure.free,
         band=structure.band,
+        sheaves=tuple(_sheaves_of(structure, own)),
     )
 
 
@@ -140,22 +162,38 @@ def _selection(table, references, left_out):
 # --- of systems
 
 
+def _is_checked(name, structure):
+    """Whether a parameter is one that the kernel `pack` does not check: of a free point, or of a sheave."""
+    return name.partition(".")[0] in structure.free or name.endswith("]")
+
+
 def lines_of(structure):
     """`instance.Line` of each line of a system, a tuple.
 
-    structure : has `lines`, with `name`, `start`, `end`, `shape_points` and `wind_points`, and `free`.
+    structure : has `lines`, with `name`, `start`, `through`, `end`, `shape_points` and `wind_points`, `free` and `winches`.
+    A line that runs over sheaves is one for each of its portions.
     """
     number = {name: k for k, name in enumerate(structure.free)}
     return tuple(
         Line(
-            line.name,
-            tuple(input_name(each, line) for each in input_names(line.wind_points)),
-            line.shape_points,
-            line.wind_points,
-            *(number.get(name, plan.DRIVEN) for name in (line.start, line.end)),
+            each.name,
+            tuple(
+                (told_by(structure.winches, each.line, name) if each.number == 0 else None) or input_name(name, each)
+                for name in input_names(each.line.wind_points)
+            ),
+            each.line.shape_points,
+            each.line.wind_points,
+            *(number.get(name, plan.DRIVEN) for name in (each.start, each.end)),
+            each.is_through,
+            each.is_portion,
         )
-        for line in structure.lines
+        for each in all_portions(structure.lines)
     )
+
+
+def told_by(winches, line, name):
+    """Names of the inputs of shared winches that make an input of a line, "" if none does."""
+    return " and ".join(f"{each.name}.{name}" for each in winches if each.input == name and line.name in dict(each.ratios))
 
 
 def carried(structure):
@@ -164,35 +202,72 @@ def carried(structure):
     The first line at a point does.
     """
     free, found = set(structure.free), []
-    for line in structure.lines:
+    for line in all_portions(structure.lines):
         own = [point if point in free else None for point in (line.start, line.end)]
         free -= set(own)
         found.append(own)
     return found
 
 
-def _quantities_of(line, places):
-    """Quantities of a line; what the system has no variable for has its default. places : references by name, as below."""
-    found = []
+def _quantities_of(structure, portion, places):
+    """Quantities of a line or a portion; what the system has no variable for has its default.
+
+    The winch is that of the first portion. places : references by name, as below.
+    """
+    found, line = [], portion.line
+    control = {CONTROLS[winch.input] for winch in structure.holding(portion.name)}
     for record in (Tether, *OF_THE_SYSTEM[:2], Winch, Ground):
         for item in fields(record):
             own = item.name if record in OF_THE_SYSTEM else f"{line.name}.{item.name}"
-            found.append((item.name, places.get(own, -1), item.default))
+            own = "" if record is Winch and portion.number > 0 else own
+            default = max(control) if control and item.name == "winch_control" else item.default
+            found.append((item.name, places.get(own, -1), default))
     return found
+
+
+def _sheaves_of(structure, places):
+    """Rows of portions of lines over sheaves, and of the sheaves at their ends."""
+    for each in all_portions(structure.lines):
+        kind = int(at.BEHIND_SHEAVE) if each.number else 1
+        own = [f"{each.line.name}.{name}[{each.number + 1}]" for name in ("initial_portions", *SHEAVE_QUANTITIES)]
+        yield kind if each.is_portion else 0, *(places.get(name, -1) for name in own)
 
 
 def _inputs_of(structure, places):
     """Rows of inputs; free points have the motion of their start there."""
-    found, first = [], 0
+    found, first, winches = [], 0, [each.name for each in structure.winches]
     for k, line in enumerate(lines_of(structure)):
         for own, name in enumerate(line.inputs):
             point, _, what = name.partition(".")
             name = f"{point}.initial_{what}" if point in structure.free else name
-            if name in places:
+            if name in places and point not in winches:
                 found.append((first + own, places[name], k, own))
         first += len(line.inputs)
     loads = [name for point in structure.free for name in components(f"{point}.load", 3)]
     return found + [(first + own, places[name], -1, own) for own, name in enumerate(loads)]
+
+
+def _held_of(structure, places):
+    """Terms of inputs of lines that shared winches hold: `winch_length` begins with the initial length."""
+    first = 0
+    for k, line in enumerate(lines_of(structure)):
+        for winch in structure.holding(line.name):
+            own = PLACES[winch.input]
+            if winch.input == "winch_length" and winch is structure.holding(line.name)[0]:
+                yield first + own, places[f"{line.name}.initial_length"], k, own, 1.0
+            yield first + own, places[f"{winch.name}.{winch.input}"], k, own, float(dict(winch.ratios)[line.name])
+        first += len(line.inputs)
+
+
+def _turned_of(structure, places):
+    """Terms of the outputs of shared winches."""
+    firsts = accumulate((line.outputs_size for line in lines_of(structure)), initial=0)
+    firsts = dict(zip((each.name for each in all_portions(structure.lines)), firsts, strict=False))
+    for winch in structure.winches:
+        for own, (name, _) in TURNED.items():
+            for line, share in winch.shares:
+                less = places[f"{line}.initial_length"] if name == "tether_length" else -1
+                yield places[f"{winch.name}.{own}"], firsts[line] + outputs.PLACES[name], float(share), less
 
 
 def _outputs_of(structure, places):
@@ -200,17 +275,25 @@ def _outputs_of(structure, places):
 
     The force on a point is that of its lines in their order, and of each line that of its start before that of its end.
     """
-    *firsts, _ = accumulate((at.outputs_size(line.shape_points) for line in structure.lines), initial=0)
+    *firsts, _ = accumulate((line.outputs_size for line in lines_of(structure)), initial=0)
     found = {}
-    for line, first in zip(structure.lines, firsts, strict=True):
-        for end, point in line.ends:
+    for each, first in zip(all_portions(structure.lines), firsts, strict=True):
+        line = each.line
+        for end, point in each.ends:
             for i, name in enumerate(components(f"{point}.force", 3)):
                 found.setdefault(name, []).append(first + outputs.PLACES[f"{end}_force"] + i)
-        for name, own in OF_A_LINE.items():
-            found[f"{line.name}.{own}"] = [first + outputs.PLACES[name]]
+        for (
+            name,
+            own,
+        ) in OF_A_LINE.items():  # those of a line over sheaves are in its first portion, but for its last tension
+            if each.number == 0 or (name == "kite_tension" and not each.is_through):
+                found[f"{line.name}.{own}"] = [first + outputs.PLACES[name]]
         for k in range(line.shape_points):
             for i in range(3):
-                found[f"{line.name}.shape[{k + 1},{i + 1}]"] = [first + at.SHAPE + 3 * k + i]
+                number = each.number * line.shape_points + k + 1
+                found[f"{line.name}.shape[{number},{i + 1}]"] = [first + at.SHAPE + 3 * k + i]
+        for i, name in enumerate((*OF_PORTIONS, *OF_SHEAVES) if each.is_portion else ()):
+            found[f"{line.name}.{name}[{each.number + 1}]"] = [first + at.SHAPE + 3 * line.shape_points + i]
     for name in COUNTERS:
         every = [first + outputs.PLACES[name] for first in firsts]
         found[name] = every if name in SUMMED else every[:1]
@@ -220,7 +303,7 @@ def _outputs_of(structure, places):
 def _motion_of(structure, places):
     """Rows of the motion of free points; of several lines at a point the last one counts."""
     found, free = {}, set(structure.free)
-    for k, line in enumerate(structure.lines):
+    for k, line in enumerate(all_portions(structure.lines)):
         for is_end, (_, point) in enumerate(line.ends):
             if point in free:
                 names = (*components(f"{point}.position", 3), *components(f"{point}.velocity", 3))
@@ -230,7 +313,7 @@ def _motion_of(structure, places):
 
 def _starts_of(structure, places):
     """Rows of the starts of free points, of all ends of lines there."""
-    for k, line in enumerate(structure.lines):
+    for k, line in enumerate(all_portions(structure.lines)):
         row = plan.PLAN_HEADER + plan.LINE_NUMBERS * k
         for place, name in ((plan.START_IS_SOUGHT, line.start), (plan.END_IS_SOUGHT, line.end)):
             if name in structure.free:

@@ -5,7 +5,7 @@ becomes internal, and the whole is optimized once for each architecture: all tha
 vanishes. llvmlite makes an object file for each platform, on x86-64 for two kinds of processors (`processors.py`), which is
 linked (`linking.py`) whatever machine this runs on.
 
-    python -m tetherfmu.libraries.ahead_of_time plain|fast PLATFORM,... VARIANT=FOLDER ...     run by `ready`
+    python -m tetherfmu.libraries.ahead_of_time PLATFORM,... VARIANT=FOLDER ...     run by `ready`
 
 writes the libraries of each variant into its folder, and the name of each variant to the standard output when it is done.
 """
@@ -16,7 +16,7 @@ import signal
 import sys
 import tempfile
 from concurrent.futures import ProcessPoolExecutor, as_completed
-from functools import cache, partial
+from functools import partial
 from multiprocessing import get_context
 from pathlib import Path
 
@@ -106,33 +106,31 @@ def write(path, content):
 def main(arguments, more=None):
     """Write the libraries of all variants; each is optimized by another process while numba goes on with the next one.
 
-    more : function of the way, after all variants: a function and its arguments, for another process, too.
+    more : function, after all variants, that returns a function and its arguments, for another process, too.
     """
-    way, platforms, *variants = arguments
+    platforms, *variants = arguments
     at_once = signal.SIGINT, signal.SIG_DFL  # Ctrl-C ends a process also while LLVM works
     signal.signal(*at_once)
     with ProcessPoolExecutor(os.cpu_count(), get_context("spawn"), signal.signal, at_once) as pool:
         waiting = []
-        for each in variants:
-            variant, _, place = each.partition("=")
-            folder = Path(place)
+        folders = {variant: Path(place) for variant, _, place in (each.partition("=") for each in variants)}
+        for variant, folder in sorted(
+            folders.items(), key=lambda item: not (item[1] / CODE).exists()
+        ):  # without numba first
             folder.mkdir(parents=True, exist_ok=True)
-            code = None if (folder / CODE).exists() else code_of(variant, way)
+            code = None if (folder / CODE).exists() else code_of(variant)
             waiting.append(pool.submit(write_libraries, folder, variant, platforms.split(","), code))
         if more is not None:
-            waiting.append(pool.submit(*more(way)))
+            waiting.append(pool.submit(*more()))
         for done in as_completed(waiting):
             print(done.result(), flush=True)
 
 
-@cache
-def code_of(variant, way):
+def code_of(variant):
     """`intermediate_code.Code` of a variant; numba is imported where it is needed, by no other process."""
     from tetherfmu.libraries import intermediate_code
 
-    if way == "fast":
-        intermediate_code.write_only()
-    return intermediate_code.code_of(variant, way == "fast")
+    return intermediate_code.code_of(variant)
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""The intermediate code of the entry points: numba's own way, and a fast one, `write_only`, that replaces numba's internals.
+"""The intermediate code of the entry points, by a numba of which some internals are replaced, `write_only`.
 
 By default numba links, optimizes and compiles each function with copies of all that it calls, since Python may call it at
 once: two thirds of the time. Python calls none of these; `ahead_of_time.py` does all that once, at the end. Replaced are
@@ -8,8 +8,8 @@ once: two thirds of the time. Python calls none of these; `ahead_of_time.py` doe
 - `Function.get_call_type`: numba works out anew at each place what an operator or function of plain numbers returns; asking
   once saves a fifth of the time.
 
-Both ways are for a process of their own: nothing that is compiled there can be called. The internals are those of
-numba.core, `codegen` and `types.functions`, of the versions in `ready.TESTED`.
+That is for a process of its own: nothing that is compiled there can be called. The internals are those of numba.core,
+`codegen` and `types.functions`, of the versions in `ready.TESTED`.
 """
 
 import gc
@@ -66,8 +66,10 @@ def keep_texts():
     return Library
 
 
-def code_of(variant, fast):
-    """`Code` of the entry points of a variant; fast : whether `write_only` was called in this process."""
+@cache
+def code_of(variant):
+    """`Code` of the entry points of a variant."""
+    write_only()
     from tetherfmu.kernels import compilation
 
     compilation.OPTIONS |= {"no_cpython_wrapper": True, "_nrt": False}  # Python calls none of these, and they own no arrays
@@ -75,7 +77,7 @@ def code_of(variant, fast):
     texts = {}  # without repetition, callees first
     for function in functions.values():
         library = function._library
-        texts |= dict.fromkeys(texts_below(library) if fast else [library.get_llvm_str()])
+        texts |= dict.fromkeys(texts_below(library))
     return Code(list(texts), {function._wrapper_name: f"{variant}_{verb}" for verb, function in functions.items()})
 
 

@@ -4,7 +4,6 @@ import os
 import subprocess
 import sys
 import tempfile
-import warnings
 from functools import cache
 from hashlib import sha256
 from importlib.metadata import PackageNotFoundError, version
@@ -55,17 +54,14 @@ def folders(variants, platforms, browser=None):
     return compiled_in(cache_folder(), variants, platforms, browser=browser)
 
 
-def compiled_in(root, variants, platforms, way=None, browser=None):
-    """As `folders`, below the folder `root`.
-
-    way : "fast" or "plain", see `intermediate_code`; None for the one that fits the installed numba.
-    """
+def compiled_in(root, variants, platforms, browser=None):
+    """As `folders`, below the folder `root`."""
     found = {variant: place(root, variant) for variant in variants}
     missing = [variant for variant in found if not has_all(found[variant], variant, platforms)]
     if missing:
         slowest_first = sorted(missing, key=LIBRARIES.index, reverse=True)
         wanted = [each for each in platforms if not all(has_all(found[variant], variant, [each]) for variant in missing)]
-        _compile({variant: found[variant] for variant in slowest_first}, wanted, way or fitting_way(), browser)
+        _compile({variant: found[variant] for variant in slowest_first}, wanted, browser)
     return found
 
 
@@ -92,26 +88,24 @@ def cache_folder():
     return PACKAGE / "__pycache__" / f"libraries_{sha256(name.encode()).hexdigest()[:12]}"
 
 
-def fitting_way():
-    """The fast way, if the installed numba is one that it was tested with."""
+def check_numba():
+    """RuntimeError unless the installed numba is one whose internals are known."""
     numba = version("numba")
-    if TESTED[0] <= tuple(map(int, numba.split(".")[:2])) <= TESTED[1]:
-        return "fast"
-    first, last = (".".join(map(str, each)) for each in TESTED)
-    warnings.warn(
-        f"numba {numba} is not one of those that the fast way of compiling is tested with ({first} to {last}); "
-        "the kernels are compiled the slow way, with the same result",
-        stacklevel=2,
-    )
-    return "plain"
+    if not TESTED[0] <= tuple(map(int, numba.split(".")[:2])) <= TESTED[1]:
+        first, last = (".".join(map(str, each)) for each in TESTED)
+        raise RuntimeError(
+            f"the kernels are not compiled for this platform or were edited, and numba {numba} cannot compile them, only "
+            f'{first} to {last}; install one with: pip install "tetherfmu[build]"'
+        )
 
 
-def _compile(folders, platforms, way, browser):
+def _compile(folders, platforms, browser):
     """Compile variants in a process of its own, announced on stderr; folders : dict of variant to folder, in their order."""
+    check_numba()
     root = next(iter(folders.values())).parent
     print(f"compiling kernels for {', '.join(platforms)}, once: {', '.join(folders)}", file=sys.stderr, flush=True)
     variants = [f"{variant}={folder}" for variant, folder in folders.items()]
-    module, first = ("ahead_of_time", [way]) if browser is None else ("webassembly", [way, str(browser)])
+    module, first = ("ahead_of_time", []) if browser is None else ("webassembly", [str(browser)])
     run(module, [*first, ",".join(platforms), *variants], root)
     if browser is None:
         later = [each for each in LIBRARIES if not has_all(place(root, each), each, platforms)]

@@ -6,7 +6,7 @@ It exports the entry points of each variant (`kernels/entry_points.py`) by the n
 
 numba writes the functions of all variants in one go, so that what variants share is in the file once.
 
-    python -m tetherfmu.libraries.webassembly plain|fast FILE [PLATFORM,... VARIANT=FOLDER ...]     run by `browser_file`
+    python -m tetherfmu.libraries.webassembly FILE [PLATFORM,... VARIANT=FOLDER ...]     run by `browser_file`
 
 writes the libraries of variants, too, as `ahead_of_time` does: numba then need not write the functions again.
 """
@@ -54,7 +54,7 @@ def browser_file():
     path = _place()
     if not path.exists():
         print("compiling the kernels for the browser, once", file=sys.stderr, flush=True)
-        ready.run("webassembly", [ready.fitting_way(), str(path)], path.parents[1])
+        ready.run("webassembly", [str(path)], path.parents[1])
     return path
 
 
@@ -162,10 +162,9 @@ def write(path, codes):
 
 def main(arguments):
     """Write the file for browsers, after libraries if there are any to be written."""
-    way, path, *libraries = arguments
+    path, *libraries = arguments
     ahead_of_time.main(
-        [way, *(libraries or [""])],
-        lambda way: (write, Path(path), [ahead_of_time.code_of(variant, way) for variant in VARIANTS]),
+        libraries or [""], lambda: (write, Path(path), [ahead_of_time.code_of(variant) for variant in VARIANTS])
     )
 
 

@@ -34,6 +34,13 @@ class Line(NamedTuple):
     wind_points: int = 0  # at which the wind is an input; 0 for none, at least 2 otherwise
     start_point: int = places.DRIVEN  # number of the free point at its start
     end_point: int = places.DRIVEN
+    is_through: bool = False  # whether it goes on over a sheave at its end as the next line
+    is_portion: bool = False  # whether it is a portion of such a line
+
+    @property
+    def outputs_size(self):
+        """Length of its outputs."""
+        return at.outputs_size(self.shape_points, self.is_portion)
 
 
 class Instance:
@@ -57,9 +64,9 @@ class Instance:
         for row, line in zip(self._rows(), lines, strict=True):
             self.plan[row + places.START_POINT], self.plan[row + places.END_POINT] = line.start_point, line.end_point
             self.plan[row + places.SHAPE_POINTS] = line.shape_points
-            self.plan[row + places.WIND_POINTS] = line.wind_points
+            self.plan[row + places.WIND_POINTS], self.plan[row + places.THROUGH] = line.wind_points, line.is_through
         self.outputs_at = sum(at.inputs_size(line.wind_points) for line in lines) + 3 * len(free)
-        self.parameters_at = self.outputs_at + sum(at.outputs_size(line.shape_points) for line in lines)
+        self.parameters_at = self.outputs_at + sum(line.outputs_size for line in lines)
         self.values, self.state = zeros(self.parameters_at + room), zeros(0)
         self.counts, self.segments, self.status = (), 0, status.OK
         self._warned = [0] * len(lines)

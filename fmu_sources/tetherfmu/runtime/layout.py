@@ -55,7 +55,15 @@ TORN_NOW = GROUND_IS_FREE + 4  # number of the segment that holds nothing, from 
 WHOLE_STIFFNESS, WHOLE_DAMPING, WHOLE_DRAG_WIDTH = TORN_NOW + 1, TORN_NOW + 2, TORN_NOW + 3  # what it had before
 WHOLE_CONTROL = TORN_NOW + 4  # `winch_control` before the winch was braked
 CAN_BREAK = TORN_NOW + 5  # 1 if any segment has a breaking force
-PARAMETER_SCALARS = TORN_NOW + 6
+# of a portion of a line that runs over sheaves, see `kernels/points/sheave_room.py`; the sheave is that at its end
+IS_PORTION = TORN_NOW + 6  # 1 of the first portion, 2 of those behind a sheave, else 0
+BEHIND_SHEAVE = 2.0
+ROUNDED_STOP = 1e-6  # of its length: how far below the shortest one it may have stopped
+GIVEN_PORTION = IS_PORTION + 1  # its unstretched length at the start [m]; 0: as the tensions at rest share the line
+SHEAVE_MASS = IS_PORTION + 2  # J/r2 [kg]
+SHEAVE_FRICTION = IS_PORTION + 3  # Coulomb friction of the rope on the sheave [-]
+SHEAVE_EFFICIENCY = IS_PORTION + 4  # tension on the side that the rope comes from over that of the other side [-]
+PARAMETER_SCALARS = IS_PORTION + 5
 # then one array of n numbers per property of a segment, in this order ...
 SHARE = 0  # of the unstretched length [-]
 STIFFNESS = 1  # E A [N]
@@ -74,13 +82,16 @@ INPUTS = inputs.COUNT
 for _name, _place in outputs.PLACES.items():
     globals()[f"{'OUTPUT_' if _name in inputs.PLACES else ''}{_name.upper()}"] = _place
 SHAPE = outputs.PLACES["shape"]  # the last one: its size is a build option
+# behind the shape, of a portion of a line over sheaves: its length, the tensions at its ends, and of the sheave at its end
+# the rope that has run over it and the speed
+PORTION_LENGTH, PORTION_TENSION_FROM, PORTION_TENSION_TO, SHEAVE_PAYOUT, SHEAVE_RATE, PORTION_OUTPUTS = range(6)
 
 # behind the inputs of the table, with wind points: the wind at each of them [m/s]
 
 # state: header, then node positions, then node velocities, then room for one node more, which a line that has let go has;
 # with wind points the winds there at the end of the last step [m/s], then their derivatives that are given for the next
 # step [m/s2]
-WARNING_KINDS = 36
+WARNING_KINDS = 37
 LENGTH = 0  # unstretched [m]
 REELING = 1  # rate of the unstretched length at the end of the last step [m/s]
 WIND = 2  # wind of the last step [m/s]
@@ -123,7 +134,15 @@ TORN_ENERGY = TORN_SEGMENT + 4  # energy [J] that parting has taken from the lin
 CLOCK = TORN_SEGMENT + 5  # time since the start [s]
 GIVEN_DERIVATIVES = TORN_SEGMENT + 6  # sum of 2**k, k of the inputs whose derivatives are given for the next step
 INPUT_DERIVATIVES = GIVEN_DERIVATIVES + 1  # those derivatives [1/s times the unit of the input], in the order of the inputs
-STATE_HEADER = INPUT_DERIVATIVES + INPUTS
+# of a portion of a line that runs over sheaves, else 0; the sheave is that at its end
+PAYOUT = INPUT_DERIVATIVES + INPUTS  # rope that has run over the sheave since the start [m]
+SHEAVE_SPEED = PAYOUT + 1  # rate of it [m/s]
+SHEAVE_ACCELERATION = PAYOUT + 2  # rate of that [m/s2]
+TENSION_FROM = PAYOUT + 3  # at its start and at its end [N]
+TENSION_TO = PAYOUT + 4
+START_ACCELERATION = PAYOUT + 5  # of the free points where it begins and ends, at a sheave [m/s2]; else 0
+END_ACCELERATION = PAYOUT + 8
+STATE_HEADER = PAYOUT + 11
 
 NO_TENSION = -1e300  # [N]: the PEAK_SO_FAR of no internal step
 NEVER, AT_ROWS, ALWAYS = 0, 1, 2  # when `fly` computes outputs
@@ -157,6 +176,6 @@ def state_size(segments, wind_points=0):
     return STATE_HEADER + 6 * (segments + 2) + 6 * wind_points
 
 
-def outputs_size(shape_points):
-    """Length of the `outputs` array [-] with so many points of the shape."""
-    return SHAPE + 3 * shape_points
+def outputs_size(shape_points, is_portion=False):
+    """Length of the `outputs` array [-] with so many points of the shape, also of a portion of a line over sheaves."""
+    return SHAPE + 3 * shape_points + (PORTION_OUTPUTS if is_portion else 0)

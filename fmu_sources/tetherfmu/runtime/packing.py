@@ -55,6 +55,19 @@ def pack_lines(kernels, lines, tolerance=0.0, kites=0):
     return counts, found
 
 
+def put_sheaves(counts, parameters, sheaves):
+    """Say in the parameters of all lines (modified) what portions they are, and what sheaves are at their ends.
+
+    counts : segments of each line.  sheaves : of each line None, or the numbers from `layout.IS_PORTION` on.
+    """
+    first = 0
+    for segments, numbers in zip(counts, sheaves, strict=True):
+        if numbers is not None:
+            place = first + at.IS_PORTION
+            parameters[place : place + len(numbers)] = array("d", numbers)
+        first += at.parameters_size(segments)
+
+
 def pack_records(
     kernels,
     tethers,

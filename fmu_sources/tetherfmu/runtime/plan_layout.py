@@ -31,7 +31,9 @@ INPUTS_SIZE = 7
 STATE_SIZE = 8
 OUTPUTS_SIZE = 9
 WORK_SIZE = 10
-PLAN_HEADER = 11
+SHEAVES = 11  # over which lines run
+SHEAVES_WORK = 12  # place of them in `work`
+PLAN_HEADER = 13
 # then of each line
 SEGMENTS = 0  # given
 START_POINT = 1  # given: number of the free point at its start, or DRIVEN
@@ -46,7 +48,9 @@ END_IS_SOUGHT = 9  # given; all lines at a point say the same
 WIND_POINTS = 10  # given: at which the wind along it is an input, 0 for none; its parameters say so, too
 INPUTS_AT = 11  # its first place in `inputs`
 FREED = 12  # written by the kernels: 1 while they run, if the line has let go: it has one segment more, which holds nothing
-LINE_NUMBERS = 13
+THROUGH = 13  # given: 1 if it runs over a sheave at its end and goes on as the next line, of which it is a portion; else 0
+PORTION_WORK = 14  # place in `work` of what a line needs in a system with sheaves
+LINE_NUMBERS = 15
 
 DRIVEN = -1  # a point
 ALL_LINES = -1

@@ -34,7 +34,7 @@ FALLBACK_AT_STOP, FALLBACK_ON_GROUND, FALLBACK_HARD = range(17, 20)
 GROUND_JUMP, KITE_JUMP, LENGTH_JUMP, STARTED_AT_REST, WINCH_OFF_BALANCE, FAST_WINCH, SLACK_PRESSES = range(20, 27)
 LONG_STEP = 27
 IDLE_REEL_OUT_SPEED, IDLE_WINCH_FORCE, IDLE_WINCH_LENGTH, IDLE_VELOCITY, IDLE_WIND, IDLE_DRUM = range(28, 34)
-BROKE, IDLE_RELEASE = range(34, at.WARNING_KINDS)
+BROKE, IDLE_RELEASE, SLACK_AT_SHEAVE = range(34, at.WARNING_KINDS)
 
 _ACCELERATION = (
     "the {end} end is accelerated by {value:.3g} m/s2, more than 1000 times gravity; check {end}_position and "
@@ -150,6 +150,10 @@ SENTENCES = {
         "on the winch is braked, and no other segment breaks"
     ),
     IDLE_RELEASE: _IDLE.format(name="release", why="this tether cannot let go; the dynamic one can"),
+    SLACK_AT_SHEAVE: (
+        "the tension at a sheave is {value:.3g} N below 0; a rope without tension leaves its sheave, which is not modelled: "
+        "check the lengths and loads of the portions beside it"
+    ),
 }
 _END = dict.fromkeys((GROUND_ACCELERATION, GROUND_SPEED, GROUND_RESIDUE, GROUND_JUMP), "ground")
 

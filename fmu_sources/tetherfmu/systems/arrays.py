@@ -4,6 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
+from tetherfmu.fmi.portions import all_portions
 from tetherfmu.fmi.system_variables import ENDS, Line
 from tetherfmu.fmi.wiring import carried, lines_of
 from tetherfmu.libraries import ready
@@ -12,41 +13,51 @@ from tetherfmu.runtime import plan_layout as places
 from tetherfmu.runtime.inputs import PLACES
 from tetherfmu.runtime.instance import Instance
 from tetherfmu.runtime.kernel_library import SYSTEM
-from tetherfmu.runtime.packing import pack_lines
-from tetherfmu.runtime.parameters import numbers_of
+from tetherfmu.runtime.packing import pack_lines, put_sheaves
+from tetherfmu.runtime.parameters import Winch, numbers_of
 
 from .ordering import ordered
+from .shared_winches import Turned, as_built, with_controls
+from .sheaves import sheave_numbers
 
 
-def instance_of(points, lines, environment, solver, ground, wind_points=0):
+def instance_of(points, lines, environment, solver, ground, wind_points=0, winches=()):
     """`Instance` of a system of records, set up; ValueError names the line if a quantity is not allowed."""
+    lines = with_controls(lines, winches)
     free, band = ordered([point.name for point in points if not point.is_driven], lines)
     planned = [
-        Line(line.name, line.start, line.end, {}, sum(each.segments for each in line.tethers) + 1, wind_points)
+        Line(line.name, line.start, line.end, {}, sum(each.segments for each in line.tethers) + 1, wind_points, line.through)
         for line in lines
     ]
-    structure = SimpleNamespace(lines=planned, free=tuple(free))
+    structure = SimpleNamespace(lines=planned, free=tuple(free), winches=as_built(winches))
     made = Instance(ready.kernels(SYSTEM), lines_of(structure), structure.free, band)
     masses = {point.name: point.mass for point in points} | {None: 0.0}
+    portions = all_portions(lines)
     packed = (
         (
-            line.name,
-            numbers_of(line.tethers, environment, solver, line.winch, ground),
-            len(line.tethers),
-            [name in free for name in (line.start, line.end)],
+            each.line.name,
+            numbers_of(each.line.tethers, environment, solver, each.line.winch if each.number == 0 else Winch(), ground),
+            len(each.line.tethers),
+            [name in free for name in (each.start, each.end)],
             [masses[name] for name in own],
         )
-        for line, own in zip(lines, carried(structure), strict=True)
+        for each, own in zip(portions, carried(structure), strict=True)
     )
-    made.set_up(*pack_lines(made.kernels, packed))
+    counts, parameters = pack_lines(made.kernels, packed)
+    put_sheaves(counts, parameters, [sheave_numbers(each) for each in portions])
+    made.set_up(counts, parameters)
     return made
 
 
 class Arrays:
-    """Views of the arrays of an `Instance` of lines between points: `inputs` and `state`, as `plan_layout.py` has them."""
+    """Views of the arrays of an `Instance` of lines between points: `inputs` and `state`, as `plan_layout.py` has them.
 
-    def __init__(self, instance, lines, wind_profile):
+    lines : those of the instance: `fmi.portions.Portion`.
+    """
+
+    def __init__(self, instance, lines, wind_profile, winches):
         self.instance, self.lines, self._profile = instance, lines, wind_profile
+        self.turned = Turned(winches, lines)
         self.inputs = np.frombuffer(instance.values)[: instance.outputs_at]
         self.state, self.plan = np.frombuffer(instance.state), np.frombuffer(instance.plan, dtype=np.int64)
 
@@ -106,6 +117,6 @@ class Arrays:
                     row[..., place : place + 3] = vector
 
     def outputs_by_line(self, outputs):
-        """Outputs of each line by its name, from those of all lines (..., outputs)."""
-        ends = np.cumsum([at.outputs_size(line.shape_points) for line in self.instance.lines])
+        """Outputs of each portion by its name, from those of all (..., outputs)."""
+        ends = np.cumsum([line.outputs_size for line in self.instance.lines])
         return dict(zip([line.name for line in self.lines], np.split(outputs, ends[:-1], axis=-1), strict=True))

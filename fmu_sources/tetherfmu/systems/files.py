@@ -9,6 +9,7 @@ from tetherfmu import lean
 from tetherfmu.input_files import (
     TABLE_OF_GROUND,
     ground_of,
+    in_si,
     keys_of,
     record,
     require,
@@ -25,8 +26,9 @@ from tetherfmu.runtime.parameters import Environment, FreeKite, Ground, Solver, 
 from tetherfmu.runtime.quantities import quantities, quantity
 
 from .records import Line, Point, check_system, checked_name
+from .shared_winches import SharedWinch, check_winches
 
-TABLES = ("points", "lines", "environment", "ground", "solver", "build")
+TABLES = ("points", "lines", "winches", "environment", "ground", "solver", "build")
 # names of variables and of the terminal that the whole system has, which no point and no line can have
 TAKEN = {"time", "wind", *(each.name for each in (*INPUT_TABLE, *OUTPUT_TABLE))} | {
     name for kind in (Environment, Solver, Ground) for name, _ in quantities(kind)
@@ -49,7 +51,47 @@ class TableOfLine(Winch, Tether):
     reel_out_speed: float = quantity(0.0, "m/s", "at the start; positive pays out", -at.LARGEST_INPUT, at.LARGEST_INPUT)
 
 
-OF_A_LINE = ("from", "to", "material", *keys_of(TableOfLine))
+def names_in(value):
+    """Names of points from a list in a file."""
+    if not isinstance(value, list) or not value or not all(isinstance(each, str) for each in value):
+        raise ValueError('it must be a list of names of points, as ["block"]')
+    return tuple(value)
+
+
+def numbers_of(unit):
+    """Function that reads a number of this unit, or a text with a unit, or a list of them, from a value of a file."""
+
+    def read_numbers(value):
+        if isinstance(value, list):
+            return tuple(in_si(each, unit) for each in value)
+        return in_si(value, unit)
+
+    return read_numbers
+
+
+def list_of(unit):
+    """The same for a list only."""
+
+    def read_list(value):
+        if not isinstance(value, list):
+            raise ValueError(f"it must be a list of numbers in {unit}")
+        return numbers_of(unit)(value)
+
+    return read_list
+
+
+@dataclass(frozen=True)
+class TableOfSheaves:
+    """What a file says of a line that runs over sheaves, beside what it says of any line; `Line` has the defaults."""
+
+    through: tuple = field(default=(), metadata={"read": names_in})
+    initial_portions: tuple | None = field(default=None, metadata={"read": list_of("m")})
+    sheave_mass: tuple | float = field(default=0.0, metadata={"read": numbers_of("kg")})
+    sheave_friction: tuple | float = field(default=0.0, metadata={"read": numbers_of("")})
+    sheave_efficiency: tuple | float = field(default=1.0, metadata={"read": numbers_of("")})
+
+
+OF_A_LINE = ("from", "to", "material", *keys_of(TableOfLine), *keys_of(TableOfSheaves))
 
 
 @dataclass(frozen=True)
@@ -62,6 +104,7 @@ class SystemFile:
     environment: Environment
     solver: Solver
     ground: Ground
+    winches: tuple = ()
     build: Lean = field(default_factory=Lean)
 
 
@@ -84,16 +127,18 @@ def read(table, name):
     points = tuple(point_of(each, given) for each, given in named(table["points"], "points"))
     lines = tuple(line_of(each, given) for each, given in named(table["lines"], "lines"))
     check_system(points, lines)
+    winches = tuple(winch_of(each, given) for each, given in named(table.get("winches", {}), "winches"))
+    check_winches(winches, lines, [each.name for each in (*points, *lines)])
     environment = record(Environment, table.get("environment", {}), "environment")
     ground = Ground()
     if "ground" in table:
         ground = ground_of(record(TABLE_OF_GROUND, table["ground"], "ground", ("contact",)), environment)
     solver = record(Solver, table.get("solver", {}), "solver")
-    return SystemFile(name, points, lines, environment, solver, ground, lean.read(table.get("build", {})))
+    return SystemFile(name, points, lines, environment, solver, ground, winches, lean.read(table.get("build", {})))
 
 
 def named(tables, section):
-    """Pairs (name, table) of the points or the lines; ValueError for a name that is taken."""
+    """Pairs (name, table) of points, lines or winches; ValueError for a name that is taken."""
     if not isinstance(tables, dict):
         raise ValueError(f"{section} is {tables!r}; it must have tables [{section}.NAME]")
     for name in tables:
@@ -118,7 +163,10 @@ def line_of(name, table):
     for end in ("from", "to"):
         if not isinstance(table[end], str):
             raise ValueError(f"{section}.{end} is {table[end]!r}; it must be the name of a point")
-    others = {key: value for key, value in table.items() if key not in ("from", "to", "material")}
+    of_sheaves = {
+        key: value_of(TableOfSheaves, key, table[key], f"{section}.") for key in keys_of(TableOfSheaves) if key in table
+    }
+    others = {key: value for key, value in table.items() if key not in ("from", "to", "material", *of_sheaves)}
     given = {key: value_of(TableOfLine, key, value, f"{section}.") for key, value in others.items()}
     speed = given.pop("reel_out_speed", 0.0)
     of_winch = {key: given.pop(key) for key, _ in quantities(Winch) if key in given}
@@ -127,7 +175,20 @@ def line_of(name, table):
     except ValueError as error:
         raise ValueError(f"{section}.{error}") from None
     tether = tether_in(table, given, section)
-    return Line(name, table["from"], table["to"], tether, speed, winch)
+    return Line(name, table["from"], table["to"], tether, speed, winch, **of_sheaves)
+
+
+def winch_of(name, table):
+    """`SharedWinch` of a table of a file; ValueError names the key."""
+    section = f"winches.{name}"
+    require(table, section, ("lines", "control", "reel_out_speed"), ("lines",))
+    given = {key: table[key] for key in ("lines", "control") if key in table}
+    if "reel_out_speed" in table:
+        given["reel_out_speed"] = value_of(TableOfLine, "reel_out_speed", table["reel_out_speed"], f"{section}.")
+    try:
+        return SharedWinch(name, **given)
+    except ValueError as error:
+        raise ValueError(f"winches.{error}") from None
 
 
 def tether_in(table, given, section):

@@ -16,6 +16,8 @@ from tetherfmu.runtime import status
 from tetherfmu.runtime.inputs import PLACES
 from tetherfmu.runtime.naming import check_names, meant_or_all
 
+from .shared_winches import holding
+
 Vectors = Mapping[str, ArrayLike]
 
 
@@ -25,13 +27,15 @@ class SystemInputs(TypedDict, total=False):
     Attributes
     ----------
     reel_out_speeds : dict of str to float
-        Of lines, by name [m/s]; winches that are controlled by force or length start with them.
+        Of lines and of winches that hold several, by name [m/s]; winches of lines that are controlled by force or length
+        start with them.
     wind_velocity : (3,) array, or dict of str to (segments + 1, 3) array
         Wind [m/s] at `wind_reference_height`; or at each node of lines, by name, whatever the wind profile says, until there
         is another one at that height (not in `fly`).
     winch_forces, winch_lengths : dict of str to float
         Of lines with this `Winch.winch_control`, by name: forces with which winches pull [N], from the first step on, and
-        unstretched lengths that they should have paid out [m]; 0: `initial_length`.
+        unstretched lengths that they should have paid out [m]; 0: `initial_length`. Of winches that hold several lines the
+        length paid out since the start [m].
     releases : dict of str to bool
         True lets lines, by name, go at their last ends, at the beginning of the step and for good.
     wind_at : dict of str to (wind_points, 3) array
@@ -50,9 +54,16 @@ _WINCHES = {f"{name}s": name for name in (*GIVEN, RELEASE)}  # arguments: inputs
 _KNOWN = ("positions", "velocities", "loads", *_WINCHES, "wind_velocity", "wind_at")
 
 
-def starts(lines, free, wind_points):
-    """All inputs but the motion of points as they are at a start where they are not given, a dict by name."""
-    winches = {each: {line.name: getattr(line, name, 0.0) for line in lines} for each, name in _WINCHES.items()}
+def starts(lines, shared, free, wind_points):
+    """All inputs but the motion of points as they are at a start where they are not given, a dict by name.
+
+    shared : the winches that hold several lines.
+    """
+    alone = [line for line in lines if not holding(shared, line.name)]
+    winches = {}
+    for each, name in _WINCHES.items():
+        turned = (*alone, *(winch for winch in shared if winch.input == name))
+        winches[each] = {one.name: getattr(one, name, 0.0) for one in turned}
     winds = {"wind_at": {line.name: np.zeros((wind_points, 3)) for line in lines}} if wind_points else {}
     return {"wind_velocity": (0.0, 0.0, 0.0), "loads": dict.fromkeys(free, (0.0, 0.0, 0.0)), **winches, **winds}
 
@@ -70,7 +81,8 @@ def put(given, arrays, points, lines, inputs=None, at_start=False):
     """Set the inputs that are given; ValueError if a name does not exist or a value has another shape.
 
     given : arguments of `TetherSystem.step` by name; None is none.  arrays : `Arrays` of the system, whose inputs are
-    modified unless others are given.  inputs : array (steps, inputs) to be set instead of those of the next step.
+    modified unless others are given.  inputs : array (steps, inputs) to be set instead of those of the next step.  Returns
+    what the winches that hold several lines are told then, an array (steps, winches) or (winches,).
     at_start : of free points, too.  TypeError if there is no such argument.
     """
     check_names("TetherSystem", given, _KNOWN)
@@ -96,22 +108,32 @@ def put(given, arrays, points, lines, inputs=None, at_start=False):
                 status.INPUT_NOT_FINITE,
             )
         arrays.loads_in(whole)[..., arrays.instance.free.index(name), :] = load
-    names = [line.name for line in lines]
+    names, told = [line.name for line in lines], np.tile(arrays.turned.told, (*steps, 1))
+    whole_lines = [line.name for line in lines if line.number == 0]
+    alone = [line.name for k, line in enumerate(lines) if k not in arrays.turned.held and line.number == 0]
     for each, what in _WINCHES.items():
+        shared = arrays.turned.by(what)
         for name, value in given.get(each, {}).items():
-            _check_known(f"{what} of a line", name, names)
+            _check_known(f"{what} of a line or a winch", name, alone + shared)
+            numbers = _numbers(f"{name}.{what}", value, (), steps)
+            if name in shared:
+                told[..., arrays.turned.place_of(name)] = numbers
+                continue
             own = rows[names.index(name)][..., PLACES[what] : PLACES[what] + 1]
-            own[..., 0] = _numbers(f"{name}.{what}", value, (), steps)
+            own[..., 0] = numbers
             check_effect(what, own, arrays.instance.parameters_of(names.index(name)), at_start, f"{name}.{what}")
+    if arrays.turned.winches:
+        arrays.turned.put(told, rows)
     points = arrays.instance.lines[0].wind_points
     for name, value in given.get("wind_at", {}).items():
-        _check_known("wind_at of a line", name, names)
+        _check_known("wind_at of a line", name, whole_lines)
         if not points:
             raise ValueError("this TetherSystem has no wind points for wind_at: make it with wind_points=11")
         winds = _numbers(f"{name}.wind_at", value, (points, 3), steps)
         rows[names.index(name)][..., at.INPUTS :] = winds.reshape(*winds.shape[:-2], 3 * points)
     if "wind_velocity" in given:
         _put_wind(given["wind_velocity"], arrays, rows, names, at_start)
+    return told
 
 
 def _put_wind(wind, arrays, rows, names, at_start):
@@ -125,9 +147,13 @@ def _put_wind(wind, arrays, rows, names, at_start):
         raise ValueError("wind_velocity is given at nodes; in a flight it must be (3,), or (steps, 3)")
     winds = []
     for name, value in wind.items() if at_nodes else ():
-        _check_known("wind_velocity of a line", name, names)
-        k = names.index(name)
-        winds.append((k, node_vectors(f"wind_velocity of {name}", value, instance.counts[k])))
+        _check_known("wind_velocity of a line", name, [line.name for line in arrays.lines if line.number == 0])
+        first = names.index(name)
+        own = range(first, first + sum(line.line.name == name for line in arrays.lines))
+        value, node = node_vectors(f"wind_velocity of {name}", value, sum(instance.counts[k] for k in own)), 0
+        for k in own:
+            winds.append((k, value[node : node + instance.counts[k] + 1]))
+            node += instance.counts[k]
     if at_start or not at_nodes:
         for row in rows:
             row[..., at.WIND_VELOCITY : at.WIND_VELOCITY + 3] = 0.0 if at_nodes else wind

@@ -4,11 +4,13 @@ By distances along lines from a point at the rim of the network, backwards (reve
 Source: George and Liu, Computer Solution of Large Sparse Positive Definite Systems, section 4.3.
 """
 
+from tetherfmu.fmi.portions import all_portions
+
 
 def ordered(free, lines):
     """Names of the free points in their order, and the band of their matrix: how far neighbours are apart at most."""
     neighbours = {name: set() for name in free}
-    for line in lines:
+    for line in all_portions(lines):
         if line.start in neighbours and line.end in neighbours:
             neighbours[line.start].add(line.end)
             neighbours[line.end].add(line.start)

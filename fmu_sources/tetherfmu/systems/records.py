@@ -9,9 +9,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tetherfmu import arguments
+from tetherfmu.fmi.portions import all_portions
 from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.enumerations import WINCH_BY_FORCE
 from tetherfmu.runtime.naming import LONGEST_NAME, meant_or_all, names_checked, shortened
 from tetherfmu.runtime.parameters import FreeKite, Tether, Winch
+
+from .sheaves import check_sheaves
 
 Vector = tuple[float, float, float]
 
@@ -102,6 +106,18 @@ class Line:
         Rate of the unstretched length [m/s] at the start; positive pays out.
     winch : Winch
         How the winch at the start of the line is controlled, and its drum.
+    through : sequence of str
+        Points over whose sheaves the line runs, in their order; between two of them is a portion, which has the segments of
+        the tether, while `initial_length` is that of the whole line. A point may come more than once, not twice in a row.
+    initial_portions : sequence of float or None
+        Unstretched lengths of the portions at the start [m], which add up to `initial_length`.  None: each sheave starts
+        with the same tension on both sides.
+    sheave_mass : float or sequence of float
+        J/r2 of each sheave, or of all [kg].
+    sheave_friction : float or sequence of float
+        Coulomb friction of the rope on the sheave [-]: it holds up to exp(friction angle of wrap) times the other tension.
+    sheave_efficiency : float or sequence of float
+        Tension on the side from which the rope runs over that on the other side [-], instead of friction.
 
     Examples
     --------
@@ -115,11 +131,17 @@ class Line:
     tether: Tether | Sequence[Tether] = Tether()  # noqa: RUF009 (a constant record)
     reel_out_speed: float = 0.0
     winch: Winch = Winch()  # noqa: RUF009
+    through: Sequence[str] = ()
+    initial_portions: Sequence[float] | None = None
+    sheave_mass: float | Sequence[float] = 0.0
+    sheave_friction: float | Sequence[float] = 0.0
+    sheave_efficiency: float | Sequence[float] = 1.0
 
     def __post_init__(self):
         checked_name("line", self.name)
         arguments.record_of("Line", self.winch, Winch).check_effect()
-        if self.start == self.end:
+        check_sheaves(self)
+        if self.start == self.end and not self.through:
             raise ValueError(f"the line {self.name} goes from the point {self.start} to itself; it needs two points")
         if not abs(self.reel_out_speed) <= at.LARGEST_INPUT:
             raise ValueError(
@@ -146,12 +168,19 @@ def check_system(points: Sequence[Point], lines: Sequence[Line]) -> None:
         raise ValueError(f"the name {twice} is given twice; each point and each line needs a name of its own")
     known = [point.name for point in points]
     for line in lines:
-        for end in (line.start, line.end):
+        for end in (line.start, *line.through, line.end):
             if end not in known:
                 raise ValueError(
                     f"the line {line.name} goes to the point {end}, which does not exist{meant_or_all(end, known)}"
                 )
-    _check_connected(known, lines)
+    _check_connected(known, all_portions(lines))
+    if any(line.through for line in lines):
+        drum = next((line.name for line in lines if line.winch.winch_control == WINCH_BY_FORCE), None)
+        if drum is not None:
+            raise ValueError(
+                f"the line {drum} has winch_control = force in a system with a line over sheaves, which it cannot have yet; "
+                "set it to speed or length"
+            )
 
 
 def _check_connected(names, lines):

@@ -25,6 +25,43 @@ class PointOutputs(NamedTuple):
     force: np.ndarray
 
 
+class PortionOutputs(NamedTuple):
+    """The portions and the sheaves of a line, at an instant; along a flight with a row for each kept step.
+
+    Attributes
+    ----------
+    length : (portions,) array
+        Unstretched lengths [m].
+    tension_from, tension_to : (portions,) array
+        Tensions at the start and at the end of each portion [N].
+    payout : (sheaves,) array
+        Rope that has run over each sheave from the portion before it since the start [m].
+    speed : (sheaves,) array
+        The rate of it [m/s].
+    """
+
+    length: np.ndarray
+    tension_from: np.ndarray
+    tension_to: np.ndarray
+    payout: np.ndarray
+    speed: np.ndarray
+
+
+class WinchOutputs(NamedTuple):
+    """A winch that holds several lines, at an instant.
+
+    Attributes
+    ----------
+    winch_speed : float
+        Reel-out speed of a line with the ratio 1 [m/s].
+    payout : float
+        Length of such a line that it has paid out since the start [m].
+    """
+
+    winch_speed: float
+    payout: float
+
+
 class SystemOutputs(NamedTuple):
     """A system at an instant.
 
@@ -37,11 +74,32 @@ class SystemOutputs(NamedTuple):
     solver_iteration_limit : int
         The most iterations of all lines together that the last communication step could take with its fixed steps (before
         the first: one fixed step); 0 with adaptive steps.
+    winches : dict of str to WinchOutputs
+        By the names of the winches that hold several lines.
+    portions : dict of str to PortionOutputs
+        Of the lines that run over sheaves, by their names.
     """
 
     points: dict[str, PointOutputs]
     lines: dict[str, Outputs]
     solver_iteration_limit: int
+    winches: dict[str, WinchOutputs]
+    portions: dict[str, PortionOutputs]
+
+
+class SheaveEnergy(NamedTuple):
+    """Energies and losses of the sheaves of a line at an instant.
+
+    Attributes
+    ----------
+    kinetic : (sheaves,) array
+        Kinetic energy [J].
+    friction_loss : (sheaves,) array
+        Heat of the friction [W].
+    """
+
+    kinetic: np.ndarray
+    friction_loss: np.ndarray
 
 
 class SystemEnergy(NamedTuple):
@@ -54,20 +112,24 @@ class SystemEnergy(NamedTuple):
         drives the point, 0 at a free one.
     loads : dict of str to float
         Powers of the loads on free points [W].
+    sheaves : dict of str to SheaveEnergy
+        Of the lines that run over sheaves, by their names. In `lines`, their `winch_power` has their `material_power`, too.
     """
 
     lines: dict[str, Energy]
     loads: dict[str, float]
+    sheaves: dict[str, SheaveEnergy]
 
     @property
     def total(self) -> float:
-        """Kinetic + elastic + potential energy of all lines and points [J]."""
-        return sum(each.total for each in self.lines.values())
+        """Kinetic + elastic + potential energy of all lines, points and sheaves [J]."""
+        return sum(each.total for each in self.lines.values()) + sum(sum(each.kinetic) for each in self.sheaves.values())
 
     @property
     def power(self) -> float:
         """Sum of all powers minus the losses [W]: the rate at which `total` has to change."""
-        return sum(each.power for each in self.lines.values()) + sum(self.loads.values())
+        gains = sum(each.power for each in self.lines.values()) + sum(self.loads.values())
+        return gains - sum(sum(each.friction_loss) for each in self.sheaves.values())
 
 
 class SystemFlown(NamedTuple):
@@ -87,6 +149,10 @@ class SystemFlown(NamedTuple):
         Steps that could not be done, see `on_refusal` of `TetherSystem.fly`.
     time : (rows,) array
         As that of `tetherfmu.Flown`.
+    winches : dict of str to WinchOutputs
+        Of each winch that holds several lines, with arrays (rows,).
+    portions : dict of str to PortionOutputs
+        Of the lines that run over sheaves, by their names.
     """
 
     points: dict[str, PointOutputs]
@@ -95,6 +161,8 @@ class SystemFlown(NamedTuple):
     seconds: float
     refusals: tuple
     time: np.ndarray
+    winches: dict[str, WinchOutputs]
+    portions: dict[str, PortionOutputs]
 
     def __repr__(self):
         """How much there is, instead of all its numbers."""

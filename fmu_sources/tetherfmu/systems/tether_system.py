@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from array import array
 from collections.abc import Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Unpack
 
@@ -12,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from tetherfmu import arguments
 from tetherfmu.energy import account
+from tetherfmu.fmi.portions import all_portions, joined
 from tetherfmu.results import StepRefused, outputs_of
 from tetherfmu.running import Running
 from tetherfmu.runtime import layout as at
@@ -23,6 +25,8 @@ from .arrays import Arrays, instance_of
 from .inputs import SystemInputs, Vectors, completed, put, starts
 from .records import Line, Point, check_system
 from .results import SystemEnergy, SystemFlown, SystemOutputs, points_of
+from .shared_winches import SharedWinch, check_winches
+from .sheaves import along, check_with_sheaves, energy_of, portions_in, whole_outputs
 
 
 class TetherSystem(Running):
@@ -42,6 +46,8 @@ class TetherSystem(Running):
     environment : Environment
     solver : Solver
     ground : Ground
+    winches : sequence of SharedWinch
+        Winches that hold several lines.
     wind_points : int
         Points of each line at which the wind is given (`wind_at`), at least 2, at equal unstretched lengths from its start
         to its end; in between it is linear. `wind_velocity` and the wind profile are then not used. 0: none.
@@ -79,16 +85,19 @@ class TetherSystem(Running):
         solver: Solver = Solver(),  # noqa: B008
         ground: Ground = Ground(),  # noqa: B008
         *,
+        winches: Sequence[SharedWinch] = (),
         wind_points: int = 0,
     ):
-        points, lines = tuple(points), tuple(lines)
+        points, lines, winches = tuple(points), tuple(lines), tuple(winches)
         check_system(points, lines)
+        check_winches(winches, lines, [each.name for each in (*points, *lines)])
         kinds = {Environment: environment, Solver: solver, Ground: ground}
         for kind, record in kinds.items():
             arguments.record_of(type(self).__name__, record, kind)
         for line in lines:
             arguments.tethers_of("Line", line.tether)
-        self.points, self.lines = points, lines
+        check_with_sheaves(lines, solver, wind_points)
+        self.points, self.lines, self.winches = points, lines, winches
         self._records = environment, solver, ground
         self.wind_points: int = arguments.wind_points(wind_points)
         arguments.check_wind(environment, self.wind_points)
@@ -96,8 +105,8 @@ class TetherSystem(Running):
 
     def _make(self):
         """Make the arrays."""
-        self._instance = instance_of(self.points, self.lines, *self._records, self.wind_points)
-        self._arrays = Arrays(self._instance, self.lines, self._records[0].wind_profile)
+        self._instance = instance_of(self.points, self.lines, *self._records, self.wind_points, self.winches)
+        self._arrays = Arrays(self._instance, all_portions(self.lines), self._records[0].wind_profile, self.winches)
 
     @classmethod
     def from_file(cls, path: str | Path) -> TetherSystem:
@@ -107,9 +116,20 @@ class TetherSystem(Running):
         """
         found = files.load(path)
         try:
-            return cls(found.points, found.lines, found.environment, found.solver, found.ground)
+            return cls(found.points, found.lines, found.environment, found.solver, found.ground, winches=found.winches)
         except ValueError as error:
             raise ValueError(f"{path}: {error}") from None
+
+    @contextmanager
+    def _all_or_nothing(self):
+        """Also what winches are told is as it was before where that is refused."""
+        told = self._arrays.turned.told
+        try:
+            with super()._all_or_nothing():
+                yield
+        except ValueError:
+            self._arrays.turned.told = told
+            raise
 
     def __repr__(self) -> str:
         """What it is, and whether it runs."""
@@ -150,10 +170,10 @@ class TetherSystem(Running):
             raise ValueError(f"{next(iter(set(wanted) - set(self._instance.free)))} is no free point: give its position")
         with self._all_or_nothing():
             moving = {"velocities": {each.name: each.velocity for each in self.points}}
-            moving |= starts(self.lines, self._instance.free, self.wind_points)
+            moving |= starts(self.lines, self.winches, self._instance.free, self.wind_points)
             given = completed({"wind_velocity": wind_velocity, "velocities": velocities, "loads": loads, **inputs}, moving)
             given["positions"] = {name: position for name, position in positions.items() if position is not None}
-            put(given, self._arrays, self.points, self.lines, at_start=True)
+            self._arrays.turned.told = put(given, self._arrays, self.points, self._arrays.lines, at_start=True)
             self._arrays.seek(wanted)
             self._refuse(self._instance.start())
         self._runs = True
@@ -187,7 +207,7 @@ class TetherSystem(Running):
         self._check_started()
         with self._all_or_nothing():
             given = {"positions": positions, "velocities": velocities, "loads": loads, **inputs}
-            put(given, self._arrays, self.points, self.lines)
+            self._arrays.turned.told = put(given, self._arrays, self.points, self._arrays.lines)
             self._refuse(self._instance.advance(arguments.number("step", step, "s")))
         self._warn()
         return self._present()
@@ -227,9 +247,14 @@ class TetherSystem(Running):
         step = arguments.number("step", step, "s")
         rows = np.repeat(self._arrays.inputs[None, :], steps, axis=0)
         given = {"positions": positions, "velocities": velocities, "loads": loads, **inputs}
-        put(given, self._arrays, self.points, self.lines, rows)
+        told = put(given, self._arrays, self.points, self._arrays.lines, rows)
         when = at.AT_ROWS if every else at.NEVER
-        return self._fly(np.ascontiguousarray(rows), step, every, when, on_refusal, self._flown)
+        try:
+            return self._fly(np.ascontiguousarray(rows), step, every, when, on_refusal, self._flown)
+        finally:
+            done = np.flatnonzero(np.all(rows == self._arrays.inputs, axis=1))
+            if len(done):
+                self._arrays.turned.told = told[done[-1]]
 
     def get_state(self) -> NDArray[np.float64]:
         """Copy of the whole state, one flat array: topology, states of all lines, inputs, parameters.
@@ -238,7 +263,9 @@ class TetherSystem(Running):
         """
         self._check_started()
         arrays = self._arrays
-        return np.concatenate([arrays.topology(), arrays.state, arrays.inputs, self._instance.parameters])
+        return np.concatenate(
+            [arrays.topology(), arrays.state, arrays.inputs, self._instance.parameters, arrays.turned.told]
+        )
 
     def set_state(self, state: ArrayLike) -> None:
         """Go back to a state of `get_state`, of this system or one that equals it, bit for bit.
@@ -248,10 +275,10 @@ class TetherSystem(Running):
         arrays = self._arrays
         state = np.asarray(state, dtype=float)
         ours = self._instance.parameters
-        sizes = [len(each) for each in (arrays.topology(), arrays.state, arrays.inputs, ours)]
+        sizes = [len(each) for each in (arrays.topology(), arrays.state, arrays.inputs, ours, arrays.turned.told)]
         if state.shape != (sum(sizes),):
             raise ValueError(f"state has the shape {state.shape}; it must be {(sum(sizes),)}")
-        topology, own, inputs, parameters = np.split(state, np.cumsum(sizes)[:-1])
+        topology, own, inputs, parameters, told = np.split(state, np.cumsum(sizes)[:-1])
         is_same = np.array_equal(*map(arrays.without_winds, (parameters, ours)))
         if not (np.array_equal(topology, arrays.topology()) and is_same):
             raise ValueError("state belongs to another system: its points, lines, environment or solver differ")
@@ -261,7 +288,7 @@ class TetherSystem(Running):
             self._instance.take(array("d", own))
         except ValueError as problem:
             raise ValueError(f"state {problem}") from None
-        arrays.inputs[:], ours[:] = inputs, array("d", parameters)
+        arrays.inputs[:], ours[:], arrays.turned.told = inputs, array("d", parameters), told
         self._runs = True
 
     def outputs(self) -> SystemOutputs:
@@ -274,34 +301,53 @@ class TetherSystem(Running):
     def _present(self):
         """`SystemOutputs` as they were computed last."""
         values = self._arrays.outputs_by_line(np.array(self._instance.values[self._instance.outputs_at :]))
-        motion = [self._motion(k) for k in range(len(self.lines))]
-        lines = {name: outputs_of(each) for name, each in values.items()}
+        portions = self._arrays.lines
+        motion = [self._motion(k) for k in range(len(portions))]
+        lines = {line.name: outputs_of(whole_outputs(line, values)) for line in self.lines}
         most = next(iter(lines.values())).solver_iteration_limit  # of all lines the same
-        return SystemOutputs(points_of(self.points, self.lines, motion, values), lines, most)
+        points = points_of(self.points, portions, motion, values)
+        found = {line.name: portions_in(line, values) for line in self.lines if line.through}
+        return SystemOutputs(points, lines, most, self._arrays.turned.outputs(list(values.values())), found)
 
     def energy(self) -> SystemEnergy:
         """Energies and powers of the present state, with the inputs of the last step; StepRefused before `initialize`."""
         self._check_started()
-        found = {line.name: account(self._instance, k)[0] for k, line in enumerate(self.lines)}
+        count = range(len(self._arrays.lines))
+        parts = joined(self.lines, (account(self._instance, k)[0] for k in count))
+        states = joined(self.lines, (self._instance.state_of(k) for k in count))
+        found, sheaves = {}, {}
+        for line, energies, own in zip(self.lines, parts, states, strict=True):
+            found[line.name], of_sheaves = energy_of(line, energies, own)
+            if of_sheaves is not None:
+                sheaves[line.name] = of_sheaves
         loads = self._arrays.loads_in(self._arrays.inputs)
         velocities = {name: point.velocity for name, point in self._present().points.items()}
         powers = {name: float(load @ velocities[name]) for name, load in zip(self._instance.free, loads, strict=True)}
-        return SystemEnergy(found, powers)
+        return SystemEnergy(found, powers, sheaves)
 
     @property
     def positions(self) -> dict[str, NDArray[np.float64]]:
-        """Node positions of each line [m], arrays (segments + 1, 3)."""
-        return {line.name: self._motion(k)[0].copy() for k, line in enumerate(self.lines)}
+        """Node positions of each line [m], arrays (segments + 1, 3); of a line over sheaves those of all its portions."""
+        return self._nodes(0)
 
     @property
     def velocities(self) -> dict[str, NDArray[np.float64]]:
-        """Node velocities of each line [m/s], arrays (segments + 1, 3)."""
-        return {line.name: self._motion(k)[1].copy() for k, line in enumerate(self.lines)}
+        """Node velocities of each line [m/s], arrays as `positions`."""
+        return self._nodes(1)
+
+    def _nodes(self, which):
+        """Positions [m] (0) or velocities [m/s] (1) of the nodes of each line."""
+        motion = [self._motion(k)[which] for k in range(len(self._arrays.lines))]
+        return {line.name: along(each) for line, each in zip(self.lines, joined(self.lines, motion), strict=True)}
 
     def _flown(self, rows, seconds, refusals, time):
         """`SystemFlown` of the rows of `compiled_flight.fly` at these times [s]."""
         outputs = np.zeros((len(rows.motion[0]), len(self._instance.values) - self._instance.outputs_at))
         values = self._arrays.outputs_by_line(outputs if rows.outputs is None else rows.outputs)
-        positions = {line.name: motion[:, 0].copy() for line, motion in zip(self.lines, rows.motion, strict=True)}
-        points = points_of(self.points, self.lines, rows.motion, values)
-        return SystemFlown(points, values, positions, seconds, refusals, time)
+        motion = joined(self.lines, [each[:, 0] for each in rows.motion])
+        positions = {line.name: along(each) for line, each in zip(self.lines, motion, strict=True)}
+        points = points_of(self.points, self._arrays.lines, rows.motion, values)
+        winches = self._arrays.turned.outputs(list(values.values()))
+        found = {line.name: portions_in(line, values) for line in self.lines if line.through}
+        whole = {line.name: whole_outputs(line, values) for line in self.lines}
+        return SystemFlown(points, whole, positions, seconds, refusals, time, winches, found)

@@ -89,7 +89,7 @@ class FrozenTurbulence:
     Parameters
     ----------
     mean : MeanWind
-        A box with a mean wind of its own replaces its speed and height.
+        A box that contains a mean wind replaces its speed and height.
     box : wind.wind_boxes.Box or None
         As `open_box` gives it; None: the mean wind alone.
     origin : (3,) array

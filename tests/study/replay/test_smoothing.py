@@ -8,7 +8,10 @@ It begins with a variance so large that it knows nothing.
 import numpy as np
 import pytest
 
+from tests.study.replay.known_flight import enu, flown, motions
 from tetherfmu.console.ending import WrongUse
+from tetherfmu.runtime.inputs import by_name
+from tetherfmu.study.replay.flight import STEP
 from tetherfmu.study.replay.smoothing import Noise, nodes_of, smooth
 
 NOISE = Noise(0.8, 0.15, 4.0)
@@ -162,3 +165,15 @@ def test_noises_that_are_too_far_apart_are_refused():
     positions = 40.0 * np.sin(0.3 * time[:, None] + (0.0, 0.7, 1.9))
     with pytest.raises(WrongUse, match=r"position_noise 0.0001 m, velocity_noise 100 m/s .* too far apart"):
         smooth(time, positions, np.full_like(positions, np.nan), Noise(1e-4, 1e2, 1e-3))
+
+
+def test_a_length_that_drives_the_winch_has_no_quanta(tmp_path):
+    """In steps of 5 cm it would accelerate the rope by a quantum over two intervals, 0.05/(0.1 0.02) = 25 m/s2."""
+    logged = enu()
+    logged["tether_length"] = (logged["tether_length"] / 0.05).round() * 0.05
+    flight = flown(tmp_path, logged, "enu")
+    length = by_name(flight.inputs("length"))["winch_length"][:, 0]
+    wrong = length - motions(flight.start + STEP * np.arange(len(length)))["length"].to_numpy()
+    assert np.abs(wrong).max() < 0.05
+    inner = slice(round(1.0 / STEP), -round(1.0 / STEP))  # without the ends, where half of the readings are missing
+    assert np.abs(np.diff(wrong, 2)[inner]).max() / STEP**2 < 2.0

@@ -3,7 +3,7 @@
 from xml.etree.ElementTree import Element, SubElement
 
 from tetherfmu.fmi.model_description import annotations, attributes, enumerations, items, units
-from tetherfmu.fmi.system_variables import GIVEN, GIVEN_TO_ALL, OF_A_LINE
+from tetherfmu.fmi.system_variables import GIVEN, GIVEN_TO_ALL, OF_A_LINE, TURNED
 from tetherfmu.runtime.inputs import BY_NAME as INPUTS
 from tetherfmu.runtime.inputs import WIND_AT, WITHOUT_EFFECT, inputs_of
 from tetherfmu.runtime.outputs import BY_NAME as OUTPUTS
@@ -88,7 +88,8 @@ def terminals_of_system(structure, table):
         if line.wind_points
     ]
     shared = (WIND, TERMINALS[WIND], [(INPUTS[name].terminal.partition(".")[2], name) for name in GIVEN_TO_ALL])
-    listed = (*map(_bus_of_point, structure.points), *map(_bus_of_winch, structure.lines), *(winds or [shared]))
+    winches = (*map(_bus_of_winch, structure.lines), *map(_bus_of_shared_winch, structure.winches))
+    listed = (*map(_bus_of_point, structure.points), *winches, *(winds or [shared]))
     return _buses((*words, [each for each in members if each[1] in known]) for *words, members in listed)
 
 
@@ -105,6 +106,13 @@ def _bus_of_winch(line):
     declared += [(own, OUTPUTS[each].terminal) for each, own in OF_A_LINE.items()]
     members = [(terminal.partition(".")[2], f"{line.name}.{own}") for own, terminal in declared if terminal]
     return line.name, f"the winch of {line.name} at {line.start}", members
+
+
+def _bus_of_shared_winch(winch):
+    """The same of a winch that holds several lines."""
+    members = [(INPUTS[winch.input].terminal.partition(".")[2], f"{winch.name}.{winch.input}")]
+    members += [(own, f"{winch.name}.{own}") for own in TURNED]
+    return winch.name, f"the winch {winch.name} of {', '.join(dict(winch.ratios))}", members
 
 
 def _buses(listed):

@@ -180,6 +180,7 @@ def _parameters(wiring, listed):
     if wiring.record and wiring.record.kite_is_free:
         numbers["INITIAL_KITE_POSITION"] = names.index("initial_kite_position[1]")
     rows = ",\n    ".join("{" + ", ".join(str(each) for _, each, _ in row) + "}" for row in wiring.quantities)
+    defaults = ",\n    ".join("{" + ", ".join(repr(float(each)) for *_, each in row) + "}" for row in wiring.quantities)
     return [
         "typedef struct { const char *name, *range; int kind; } Parameter;",
         "static const Parameter PARAMETER[] = {\n" + ",\n".join(texts) + "};",
@@ -189,7 +190,7 @@ def _parameters(wiring, listed):
         + "};",
         c_enumeration({"QUANTITIES": len(first), **numbers}),
         f"static const int QUANTITY_FROM[][{len(first)}] = {{\n    {rows}}};",
-        c_numbers("double QUANTITY_DEFAULT", [float(default) for _, _, default in first]),
+        f"static const double QUANTITY_DEFAULT[][{len(first)}] = {{\n    {defaults}}};",
     ]
 
 
@@ -212,7 +213,7 @@ def _maps(wiring):
     """Where inputs, outputs, motion and masses stand in the arrays of the kernels, and the plan as it is given."""
     outputs = [(reference, place) for reference, places in wiring.outputs for place in places]
     counts = {"INPUTS_FROM": wiring.inputs, "OUTPUTS_FROM": outputs, "MOTIONS": wiring.motion}
-    counts |= {"STARTS": wiring.starts, "CHECKS": wiring.checked}
+    counts |= {"STARTS": wiring.starts, "CHECKS": wiring.checked, "HELD_TERMS": wiring.held, "TURNED_TERMS": wiring.turned}
     limits = [(each.place, *map(repr, limits_of(each.quantity))) for each in wiring.checked]
     rows = ",\n    ".join(f"{{{', '.join(map(str, row))}}}" for row in limits) or "{0, 0.0, 0.0}"
     masses = ", ".join(f"{{{a}, {b}}}" for a, b in wiring.carried)
@@ -222,8 +223,13 @@ def _maps(wiring):
         _table("OUTPUT_FROM", ("reference", "place"), outputs),
         _table("MOTION", ("reference", "line", "is_end", "component"), wiring.motion),
         _table("START_FROM", ("place", "reference"), wiring.starts),
+        _table("HELD", ("place", "reference", "line", "own"), [row[:4] for row in wiring.held]),
+        c_numbers("double HELD_FACTOR", [row[4] for row in wiring.held] or [0.0]),
+        _table("TURNED", ("reference", "place", "less"), [(row[0], row[1], row[3]) for row in wiring.turned]),
+        c_numbers("double TURNED_FACTOR", [row[2] for row in wiring.turned] or [0.0]),
         f"static const struct {{ int reference; double lowest, highest; }} CHECK[] = {{\n    {rows}}};",
         f"static const int CARRIED[][2] = {{{masses}}};",
+        _table("SHEAVE", ("kind", "portion", "mass", "friction", "efficiency"), wiring.sheaves or [(0, -1, -1, -1, -1)]),
         c_texts("FREE_POINT_NAME", wiring.free or ("",)),
         c_numbers("int64_t GIVEN_PLAN", _given_plan(wiring)),
     ]

@@ -33,7 +33,7 @@ from .end_motion import (
     target,
     velocity_at,
 )
-from .properties import chain_in_motion, chain_of
+from .properties import chain_in_motion, chain_of, portion_in_motion
 from .winch import force_rate, gain_at, length_at, rate_at, reeling_of_step, winch_speed, with_jump
 
 StepInputs = namedtuple(
@@ -252,6 +252,13 @@ def conditions_of_chain(n, parameters, shape, given, state, x, v):
 def chain_moving(conditions, length, speed, acceleration):
     """The `Chain` with this unstretched length [m], its rate [m/s] and the rate of that [m/s2]."""
     return chain_in_motion(conditions.n, conditions.parameters, length, speed, acceleration, conditions.wind)
+
+
+@view
+def portion_moving(conditions, length, speed, acceleration, leaving):
+    """The same of a portion of a line that runs over sheaves; leaving : as of `chain_with_flow`."""
+    wind = conditions.wind
+    return portion_in_motion(conditions.n, conditions.parameters, length, speed, acceleration, leaving, wind)
 
 
 @view

@@ -11,7 +11,8 @@ to which rope comes from the winch with the velocity of the first node, are thos
 of each segment on its nodes p (nearer to the winch) and q, with u = r'. Without reeling there are none, and none with the
 stretch_rate law, which has the momentum of Tethers.jl. They depend on r and u linearly: f = a r + b u.
 
-Theory: docs/models/theory.md, "Rope that flows".
+Where a line runs over a sheave at its last node, rope leaves it there at the rate b, and c_i = L' (1 - shares) + b: more
+rope than L' then comes in at the first node. Theory: docs/models/theory.md, "Rope that flows".
 """
 
 from tetherfmu.runtime import layout as at
@@ -32,11 +33,11 @@ def flows(chain):
 def slopes(chain, s, part):
     """a of node p, a of node q [N/m] and b [N s/m] of segment s; part : c_p/L' [-]."""
     half, next_part = 0.5 * property_of(chain, s, at.LINE_DENSITY), part - property_of(chain, s, at.SHARE)
-    c_p, c_q = part * chain.reeling, next_part * chain.reeling
+    c_p, c_q = part * chain.reeling + chain.leaving, next_part * chain.reeling + chain.leaving
     along = (c_p * c_p + c_q * c_q) / rest_length(chain, s)
     return (
-        -half * (part * chain.acceleration + along),
-        -half * (next_part * chain.acceleration - along),
+        -half * (part * chain.acceleration + chain.leaving_gain + along),
+        -half * (next_part * chain.acceleration + chain.leaving_gain - along),
         -half * (c_p + c_q),
     )
 
@@ -74,7 +75,8 @@ def end_force(chain, kite_end, x_p, x_q, v_p, v_q):
         _, _, by_rate = slopes(chain, 0, 1.0)
         half = 0.5 * property_of(chain, 0, at.LINE_DENSITY)
         r = sub(x_q, x_p)
-        return add_scaled(scale(-half * chain.acceleration - by_rate * chain.growth, r), by_rate, sub(v_q, v_p))
+        gain = chain.acceleration + chain.leaving_gain
+        return add_scaled(scale(-half * gain - by_rate * chain.growth, r), by_rate, sub(v_q, v_p))
     s = chain.n - 1
     _, of_kite = forces(chain, s, property_of(chain, s, at.SHARE), x_p, x_q, v_p, v_q)
     return of_kite
@@ -83,7 +85,8 @@ def end_force(chain, kite_end, x_p, x_q, v_p, v_q):
 @kernel
 def energy(chain, s, part, x_p, x_q, v_p, v_q):
     """Kinetic energy [J] of segment s beyond 1/2 (mu l0/2) |v|^2 of its nodes: mu/2 (c v . r + c^2 l^2/(2 l0)) of both."""
-    c_p, c_q = part * chain.reeling, (part - property_of(chain, s, at.SHARE)) * chain.reeling
+    c_p = part * chain.reeling + chain.leaving
+    c_q = (part - property_of(chain, s, at.SHARE)) * chain.reeling + chain.leaving
     r, rest = sub(x_q, x_p), rest_length(chain, s)
     along = c_p * dot(v_p, r) + c_q * dot(v_q, r) + 0.5 * (c_p * c_p + c_q * c_q) / rest * dot(r, r)
     return 0.5 * property_of(chain, s, at.LINE_DENSITY) * along
@@ -138,6 +141,33 @@ def power(chain, x, v, a, are_free):
 
 
 @kernel
+def power_in_portion(chain, x, v, a, are_free, counted):
+    """The same of a portion of a line over sheaves, whose rope flows at any rates at its two ends.
+
+    counted : of its ends, 1 or 0: whether the velocity has a part in the kinetic energy, see `energy_in_portion`.
+    """
+    start, end = are_free
+    total, part = 0.0, 1.0
+    for s in range(chain.n):
+        r, u = sub(get(x, s + 1), get(x, s)), sub(get(v, s + 1), get(v, s))
+        free_p, free_q = start if s == 0 else 1.0, end if s == chain.n - 1 else 1.0
+        of_p, of_q = forces(chain, s, part, get(x, s), get(x, s + 1), get(v, s), get(v, s + 1))
+        total += free_p * dot(of_p, get(v, s)) + free_q * dot(of_q, get(v, s + 1))
+        next_part, rest, square = part - property_of(chain, s, at.SHARE), rest_length(chain, s), dot(r, r)
+        for is_q in range(2):
+            here, node = (next_part, s + 1) if is_q == 1 else (part, s)
+            with_velocity = 1.0
+            if node == 0 or node == chain.n:
+                with_velocity = counted[0] if node == 0 else counted[1]
+            c, gain = here * chain.reeling + chain.leaving, here * chain.acceleration + chain.leaving_gain
+            crossed = gain * dot(get(v, node), r) + c * (dot(get(a, node), r) + dot(get(v, node), u))
+            of_square = c * gain * square + 0.5 * c * c * (2.0 * dot(r, u) - square * chain.growth)
+            total += 0.5 * property_of(chain, s, at.LINE_DENSITY) * (with_velocity * crossed + of_square / rest)
+        part = next_part
+    return total
+
+
+@kernel
 def rate_of_product(chain, r, u, v, a):
     """Rate of L' v . r [m3/s3] with r' = u, v' = a."""
     return chain.acceleration * dot(v, r) + chain.reeling * (dot(a, r) + dot(v, u))
@@ -153,6 +183,18 @@ def energy_of_flow(chain, x, v, end_is_free):
     for s in range(chain.n):
         v_p = scale(0.0 if s == 0 else 1.0, get(v, s))
         v_q = scale(end_is_free if s == chain.n - 1 else 1.0, get(v, s + 1))
+        total += energy(chain, s, part, get(x, s), get(x, s + 1), v_p, v_q)
+        part -= property_of(chain, s, at.SHARE)
+    return total
+
+
+@kernel
+def energy_in_portion(chain, x, v, counted):
+    """The same of a portion of a line over sheaves; counted : of its ends, 1 or 0: whether their velocities count."""
+    total, part = 0.0, 1.0
+    for s in range(chain.n):
+        v_p = scale(counted[0] if s == 0 else 1.0, get(v, s))
+        v_q = scale(counted[1] if s == chain.n - 1 else 1.0, get(v, s + 1))
         total += energy(chain, s, part, get(x, s), get(x, s + 1), v_p, v_q)
         part -= property_of(chain, s, at.SHARE)
     return total

@@ -92,6 +92,36 @@ def size_of_blocks(system):
     return free_points(system), number_in(system.plan, places.BAND)
 
 
+@kernel
+def sheaves_of(system):
+    """Number of sheaves."""
+    return number_in(system.plan, places.SHEAVES)
+
+
+@kernel
+def has_sheaves(system):
+    """Whether any line runs over a sheave."""
+    return sheaves_of(system) > 0
+
+
+@kernel
+def goes_on(system, k):
+    """Whether line k goes on over a sheave at its end."""
+    return number_of_line(system, k, places.THROUGH) != 0
+
+
+@kernel
+def comes_from(system, k):
+    """Whether line k comes from a sheave at its start."""
+    return has_sheaves(system) and k > 0 and number_of_line(system, k - 1, places.THROUGH) != 0
+
+
+@kernel
+def is_portion(system, k):
+    """Whether line k is a portion of one that runs over sheaves."""
+    return has_sheaves(system) and (goes_on(system, k) or comes_from(system, k))
+
+
 @view
 def with_states(system, state):
     """The system with other states of all lines."""
@@ -115,9 +145,8 @@ def state_of(system, k):
 @view
 def outputs_of_line(system, k, outputs):
     """Part of line k of an array of outputs."""
-    return part(
-        outputs, number_of_line(system, k, places.OUTPUTS_AT), outputs_size(number_of_line(system, k, places.SHAPE_POINTS))
-    )
+    size = outputs_size(number_of_line(system, k, places.SHAPE_POINTS), is_portion(system, k))
+    return part(outputs, number_of_line(system, k, places.OUTPUTS_AT), size)
 
 
 @kernel

@@ -6,18 +6,19 @@ from tetherfmu.runtime import layout as at
 
 from ..compilation import kernel, view
 from ..linear_algebra.pairs import number_at
-from ..linear_algebra.vectors import vector_at
+from ..linear_algebra.vectors import NEUTRAL, vector_at
 from .air import is_uniform
 
 Chain = namedtuple(
     "Chain",
-    "n parameters length reeling acceleration flows growth seen_growth slack_stiffness_ratio slack_damping_ratio gravity "
-    "wind air_is_uniform",
+    "n parameters length reeling acceleration leaving leaving_gain flows growth seen_growth slack_stiffness_ratio "
+    "slack_damping_ratio gravity wind air_is_uniform",
 )
 Chain.__doc__ = """A chain at an instant.
 
 n : number of segments.  parameters : flat array, see `layout.py`.
 length, reeling, acceleration : unstretched length L of the tether [m], its rate [m/s], and the rate of that [m/s2].
+leaving, leaving_gain : rate at which rope leaves the last node over a sheave [m/s], its rate [m/s2]; -0 elsewhere.
 flows : whether rope flows past the nodes, or begins to, and its momentum counts: by the strain_rate law.
 growth : (dL/dt)/L = (dl0/dt)/l0 [1/s].
 seen_growth : growth as far as dampers see it: all of it by the strain_rate law, nothing by the stretch_rate law.
@@ -36,11 +37,14 @@ def sees_reeling(parameters):
 
 
 @view
-def chain_with_flow(n, parameters, length, reeling, acceleration, wind, flows):
-    """`Chain` of this unstretched length [m], its rate [m/s] and the rate of that [m/s2] in a wind [m/s]."""
+def chain_with_flow(n, parameters, length, reeling, acceleration, leaving, wind, flows):
+    """`Chain` of this unstretched length [m], its rate [m/s] and the rate of that [m/s2] in a wind [m/s].
+
+    leaving : the rate at which rope leaves its last node [m/s], and the rate of that [m/s2].
+    """
     growth = reeling / length
     seen_growth = growth if sees_reeling(parameters) else 0.0
-    motion = length, reeling, acceleration, flows, growth, seen_growth
+    motion = length, reeling, acceleration, *leaving, flows, growth, seen_growth
     ratios = parameters[at.SLACK_STIFFNESS_RATIO], parameters[at.SLACK_DAMPING_RATIO]
     return Chain(n, parameters, *motion, *ratios, parameters[at.GRAVITY], wind, is_uniform(parameters))
 
@@ -49,7 +53,14 @@ def chain_with_flow(n, parameters, length, reeling, acceleration, wind, flows):
 def chain_in_motion(n, parameters, length, reeling, acceleration, wind):
     """The same of which rope flows where it reels."""
     flows = (reeling != 0.0 or acceleration != 0.0) and sees_reeling(parameters)
-    return chain_with_flow(n, parameters, length, reeling, acceleration, wind, flows)
+    return chain_with_flow(n, parameters, length, reeling, acceleration, (NEUTRAL, NEUTRAL), wind, flows)
+
+
+@view
+def portion_in_motion(n, parameters, length, reeling, acceleration, leaving, wind):
+    """The same of a portion of a line that runs over sheaves; leaving : as of `chain_with_flow`."""
+    flows = reeling != 0.0 or acceleration != 0.0 or leaving[0] != 0.0 or leaving[1] != 0.0
+    return chain_with_flow(n, parameters, length, reeling, acceleration, leaving, wind, flows)
 
 
 @view
@@ -62,13 +73,19 @@ def chain_at(n, parameters, length, reeling, wind):
 def chain_of(n, parameters, state):
     """`Chain` with the length, the reeling, its rate and the wind of a state."""
     motion = state[at.LENGTH], state[at.REELING], state[at.ACCELERATION]
-    return chain_in_motion(n, parameters, *motion, vector_at(state, at.WIND))
+    flows = (motion[1] != 0.0 or motion[2] != 0.0) and sees_reeling(parameters)
+    leaving = NEUTRAL, NEUTRAL
+    if parameters[at.IS_PORTION] != 0.0:
+        leaving = state[at.SHEAVE_SPEED], state[at.SHEAVE_ACCELERATION]
+        flows = flows or leaving[0] != 0.0 or leaving[1] != 0.0
+    return chain_with_flow(n, parameters, *motion, leaving, vector_at(state, at.WIND), flows)
 
 
 @view
 def chain_without_flow(n, parameters, state):
     """The same of a chain in equilibrium, whose equations know no momentum of rope that flows."""
-    return chain_with_flow(n, parameters, state[at.LENGTH], state[at.REELING], 0.0, vector_at(state, at.WIND), False)
+    motion = state[at.LENGTH], state[at.REELING], 0.0, (NEUTRAL, NEUTRAL)
+    return chain_with_flow(n, parameters, *motion, vector_at(state, at.WIND), False)
 
 
 @kernel

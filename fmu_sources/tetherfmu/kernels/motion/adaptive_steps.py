@@ -11,7 +11,17 @@ from tetherfmu.runtime.status import NO_LENGTH, OK, STEP_BUDGET_SPENT, STEP_TOO_
 
 from ..arrays import copy
 from ..compilation import kernel
-from ..equations.lines import clear, conditions_of, lines_of, motion_of, points_of, segments_of, state_of
+from ..equations.lines import (
+    clear,
+    conditions_of,
+    goes_on,
+    has_sheaves,
+    lines_of,
+    motion_of,
+    points_of,
+    segments_of,
+    state_of,
+)
 from ..equations.notes import note_peak
 from ..line.drum_events import SMALLEST_PIECE
 from ..line.step_control import (
@@ -27,6 +37,7 @@ from ..line.step_control import (
 from ..line.taut_slack import keep_energy_of_drum
 from ..linear_algebra.vectors import get
 from ..points import system_step
+from ..points.sheave_room import is_any_running, runs_over
 from ..points.system_drums import chain_in_step
 from ..points.system_room import (
     LARGEST,
@@ -43,6 +54,8 @@ from ..points.system_room import (
 from ..points.system_step import apply_changes, collect_changes, whole_masses
 from .breaks import begin_breaks, break_lines, can_any_break, part_to_break
 from .pieces import MOST_IDLE, accept_drum, begin_drums, drum_error, error_of_drum, part_to_event, project_drums, turn_drums
+from .rope_directions import turn_ropes
+from .running_ropes import accept_ropes, begin_ropes, error_of_rope, part_to_rope_event
 
 
 @kernel
@@ -57,6 +70,8 @@ def larger_error(a, b):
 def error_of_line(system, k, time, h):
     """Error of the step of h [s] to a time [s] of the communication step in line k, over what is allowed [-]."""
     error = error_of_drum(system, k, h) if has_drum(system, k) else 0.0
+    if is_any_running(system) and goes_on(system, k) and runs_over(system, k):
+        error = error_of_rope(system, k, h)
     if error < inf:
         w, chain, (_, v) = integrator_of(system, k), chain_in_step(system, k, time), motion_of(system, k)
         of_line, largest = error_of_step(conditions_of(system, k), chain, h, v, drum_error(system, k), w)
@@ -99,8 +114,11 @@ def attempt(system, time, h):
 
 
 @kernel
-def accept(system, is_last):
-    """Let the lines and their drums (modified) have the results of the step; is_last : of the communication step."""
+def accept(system, time, h, is_last):
+    """Let lines, drums and sheaves (modified) have the results of the step of h [s] from a time [s] on.
+
+    is_last : of the communication step.
+    """
     for k in range(lines_of(system)):
         if moves(system, k):
             w, (x, v) = integrator_of(system, k), motion_of(system, k)
@@ -111,6 +129,8 @@ def accept(system, is_last):
     for k in range(lines_of(system)):
         if has_drum(system, k):
             accept_drum(system, k)
+    if has_sheaves(system):
+        accept_ropes(system, time, h)
 
 
 @kernel
@@ -120,6 +140,12 @@ def work_of(system):
     for k in range(lines_of(system)):
         count += segments_of(system, k)
     return count
+
+
+@kernel
+def is_idle(system):
+    """Whether no drum turns, and rope runs over no sheave."""
+    return not is_any_turning(system) and not is_any_running(system)
 
 
 @kernel
@@ -135,6 +161,8 @@ def integrate(system, duration):
     budget = at.WORK_BUDGET // work_of(system)
     tried, rejected_before = 0, False
     begin_drums(system)
+    if has_sheaves(system):
+        begin_ropes(system)
     may_break = begin_breaks(system)
     is_new = True  # whether a piece begins
     piece, weight = inf, 1.0
@@ -149,6 +177,8 @@ def integrate(system, duration):
         if is_new:
             if not turn_drums(system, time, duration):
                 return NO_LENGTH
+            if has_sheaves(system):
+                turn_ropes(system, time)
             is_new, piece, weight = False, beyond - time if beyond > time else inf, 1.0
         h_now, is_last = even_step(duration - time, h)
         is_last = is_last and not piece < h_now
@@ -160,6 +190,8 @@ def integrate(system, duration):
             memory[at.REJECTIONS] += 1.0
             continue
         before_event = part_to_event(system, time, h_now, weight)
+        if has_sheaves(system):
+            before_event = min(before_event, part_to_rope_event(system, time, h_now, weight))
         if may_break:
             before_event = min(before_event, part_to_break(system, time, h_now, weight))
         if before_event < inf and h_now > SMALLEST_PIECE * duration and idle < MOST_IDLE:
@@ -170,8 +202,8 @@ def integrate(system, duration):
             continue
         if before_event < inf:
             beyond = 0.0
-        idle = idle + 1 if h_now < SMALLEST_PIECE * duration and not is_any_turning(system) else 0
-        accept(system, is_last)
+        idle = idle + 1 if h_now < SMALLEST_PIECE * duration and is_idle(system) else 0
+        accept(system, time, h_now, is_last)
         is_new = True
         time = duration if is_last else time + h_now
         if may_break and break_lines(system, time):

@@ -20,6 +20,8 @@ from ..line.rodas4p import GAMMA
 from ..line.step_control import DrumError, allowed_errors
 from ..line.taut_slack import wrong_impulse
 from ..points import drum_tension
+from ..points import sheave_room as at_sheave
+from ..points.sheave_room import change_of_portion, is_running, numbers_at
 from ..points.system_room import (
     DIRECTION,
     INCREMENT,
@@ -103,6 +105,10 @@ def turn_drums(system, time, duration):
 @view
 def drum_error(system, k):
     """`DrumError` of line k."""
+    if is_running(system, k):
+        length = change_of_portion(system, k, at_sheave.SOLUTION)
+        speed = change_of_portion(system, k, at_sheave.INCREMENT)
+        return DrumError(length, speed / numbers_at(system, k)[at_sheave.LENGTH], inf)
     if not has_drum(system, k):
         return DrumError(0.0, 0.0, inf)
     numbers, mass = numbers_of(system, k), drum_at(system, k).mass

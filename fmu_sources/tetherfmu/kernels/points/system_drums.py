@@ -45,6 +45,7 @@ from ..linear_algebra.pairs import first
 from ..linear_algebra.vectors import add, add_scaled, dot, get, put, put_at, scale, sub, vector_at
 from . import rope_drums
 from .at_points import add_column, place_column, row_of
+from .sheave_room import is_running, portion_at_start, portion_in_step
 from .system_room import (
     BY_POSITION,
     BY_SPEED,
@@ -73,8 +74,10 @@ from .system_room import (
 
 @view
 def chain_in_step(system, k, time):
-    """The `Chain` of line k at a time [s] of the communication step, with a drum at the stage."""
+    """The `Chain` of line k at a time [s] of the communication step, with a drum or a sheave at the stage."""
     conditions, numbers = conditions_of(system, k), numbers_of(system, k)
+    if is_running(system, k):
+        return portion_in_step(system, k)
     if has_drum(system, k):
         return chain_with(conditions, numbers[LENGTH], numbers[SPEED])
     return chain_during(conditions, time)
@@ -84,6 +87,8 @@ def chain_in_step(system, k, time):
 def chain_at_start(system, k, time):
     """The `Chain` of line k at the start of the step, a time [s] of the communication step."""
     conditions = conditions_of(system, k)
+    if is_running(system, k):
+        return portion_at_start(system, k, time)
     if has_drum(system, k):
         return chain_with(conditions, *length_of(system, k))
     return chain_during(conditions, time)

@@ -16,6 +16,7 @@ from ..equations.drum import HELD, drum_with
 from ..equations.lines import (
     CONDITIONS,
     conditions_of,
+    is_portion,
     lines_of,
     motion_of,
     parameters_of,
@@ -30,6 +31,7 @@ from ..line import rosenbrock, second_order
 from ..line.incremental_potential import Attempt
 from ..line.rodas4p import STAGES
 from ..linear_algebra import condensed
+from .sheave_room import is_running
 
 Room = namedtuple("Room", "numbers columns own column")
 Room.__doc__ = """Scratch arrays of a line.
@@ -203,14 +205,14 @@ def has_free_nodes(system, k):
 
 @kernel
 def moves(system, k):
-    """Whether line k takes part in a step: a node moves freely, or the drum of a winch."""
-    return has_free_nodes(system, k) or has_drum(system, k)
+    """Whether line k takes part in a step: a node moves freely, or the drum of a winch, or rope may run over a sheave."""
+    return has_free_nodes(system, k) or has_drum(system, k) or is_portion(system, k)
 
 
 @kernel
 def reels(system, k):
     """Whether the unstretched length of line k changes in a Rosenbrock step."""
-    return winch.is_reeling(conditions_of(system, k).reeling) or turns(system, k)
+    return winch.is_reeling(conditions_of(system, k).reeling) or turns(system, k) or is_running(system, k)
 
 
 def any_line(holds):

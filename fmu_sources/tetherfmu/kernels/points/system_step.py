@@ -19,6 +19,7 @@ from ..equations.boundary import chain_moving
 from ..equations.lines import (
     add_at,
     clear,
+    comes_from,
     conditions_of,
     free_points,
     is_at_point,
@@ -38,8 +39,9 @@ from ..linear_algebra import condensed
 from ..linear_algebra.both_ends import add_to_node, get_node
 from ..linear_algebra.point_blocks import factorize_blocks, solve_blocks
 from ..linear_algebra.vectors import add_scaled, get, put, scale, sub
-from . import rope_drums, system_drums
+from . import rope_drums, sheave_border, sheave_slopes, sheave_stages, system_drums
 from .at_points import place_matrix, take_ends
+from .sheave_room import is_any_running, is_running, portion_gaining
 from .system_drums import chain_at_start, chain_in_step
 from .system_room import (
     STAGE_ACCELERATION,
@@ -66,9 +68,14 @@ def prepare(system, time, h):
     clear(points.matrix)
     clear(points.mass)
     clear(points.mass_rate)
+    with_sheaves = is_any_running(system)
+    if with_sheaves and not sheave_stages.go_to_stage(system, 0, time, h):
+        return False
     for k in range(lines_of(system)):
         if moves(system, k):
             form_line(system, k, time, h)
+    if with_sheaves and not begin_sheaves(system, time, h):
+        return False
     if is_any_turning_with_rope(system) and not begin_drums(system, time, h):
         return False
     for k in range(lines_of(system)):
@@ -100,14 +107,37 @@ def begin_drums(system, time, h):
 
 
 @kernel
+def begin_sheaves(system, time, h):
+    """The same with the accelerations of rope over sheaves."""
+    for k in range(lines_of(system)):
+        if moves(system, k) and not start_stage(system, k, 0, time, h):
+            return False
+    stage_masses(system)
+    sheave_stages.accelerate(system, 0, time)
+    for k in range(lines_of(system)):
+        if is_running(system, k):
+            w = integrator_of(system, k)
+            sheave_slopes.form_slopes(system, k, time)
+            rosenbrock.add_acceleration(conditions_of(system, k), portion_gaining(system, k, 0.0), time, h, w)
+            if not comes_from(system, k):
+                sheave_slopes.add_winch_rates(system, k, time, w)
+    return True
+
+
+@kernel
 def factorize(system, time, h):
-    """Factor the matrix of the points, with the drums that turn, once the forces of stage 0 are known; False: singular."""
+    """Factor the matrix of the points, with the drums that turn, once the forces of stage 0 are known; False: singular.
+
+    Then the border of the sheaves over which rope runs.
+    """
     points = points_of(system)
     if is_any_turning(system):
         place_loads(system, 0, False, time, 0.0, points)
         if not system_drums.place_drums(system, time, h):
             return False
-    return factorize_blocks(*size_of_blocks(system), points.matrix)
+    if not factorize_blocks(*size_of_blocks(system), points.matrix):
+        return False
+    return not is_any_running(system) or sheave_border.form_border(system, time, h)
 
 
 @kernel
@@ -120,12 +150,13 @@ def form_line(system, k, time, h):
         system_drums.begin_step(system, k)
     points, chain, w = points_of(system), chain_in_step(system, k, time), integrator_of(system, k)
     x, v = motion_of(system, k)
-    rosenbrock.form(conditions_of(system, k), chain, turns(system, k), time, h, x, v, w)
+    turning = turns(system, k) or is_running(system, k)
+    rosenbrock.form(conditions_of(system, k), chain, turning, time, h, x, v, w)
     for end in range(2):
         if is_at_point(system, k, end):
             point, node = point_at(system, k, end), chain.n * end
             points.mass[point] += w.mass[node]
-            if not turns(system, k):
+            if not turning:
                 points.mass_rate[point] += (w.mass[node] - point_mass(chain, node)) * chain.growth
 
 
@@ -145,7 +176,8 @@ def start_stage(system, k, stage, time, h):
         return False
     rosenbrock.prescribe_ends(conditions, now, w)
     chain = chain_in_step(system, k, now)
-    rosenbrock.stage_masses(chain, stage, has_turning or winch.is_reeling(conditions.reeling), w)
+    changes = has_turning or winch.is_reeling(conditions.reeling) or is_running(system, k)
+    rosenbrock.stage_masses(chain, stage, changes, w)
     rosenbrock.stage_force(conditions, chain, now, w)
     if stage == 0:
         rosenbrock.take_force_rate(conditions, time, w)
@@ -163,6 +195,8 @@ def reduce_line(system, k, stage, time, h, points):
     with_rope = turns_with_rope(system, k)
     if has_turning:
         system_drums.subtract_rest(system, k)
+    if is_running(system, k):
+        sheave_border.subtract_known(system, k, h)
     if with_rope:
         rope_drums.push_back(system, k, system_drums.inertia_of_stage(system, k, stage), h)
     condensed.solve_inner(rows_of(system, k), w.matrix, w.q)
@@ -194,11 +228,18 @@ def place_loads(system, stage, reels, time, h, points):
 
 
 @view
+def take_solution(system, k, w):
+    """Solution of line k from that of the points, but for the part of a drum (modified)."""
+    take_ends(system, k, w.q)
+    condensed.expand(rows_of(system, k), room_in_step(system, k).columns, w.q)
+
+
+@view
 def end_stage(system, k, stage, h):
     """Solution of a stage of line k from that of the points, and its velocities, into its scratch space."""
     w = integrator_of(system, k)
-    take_ends(system, k, w.q)
-    condensed.expand(rows_of(system, k), room_in_step(system, k).columns, w.q)
+    if not is_any_running(system):  # else it is there
+        take_solution(system, k, w)
     if turns(system, k):
         system_drums.turn_drum(system, k, stage, h)
     rosenbrock.take_velocities(segments_of(system, k), stage, w)
@@ -215,9 +256,11 @@ def solve_stages(system, time, h):
 
     Where lines reel, the masses of the points at a stage are known once all lines have begun it, and so are the forces.
     """
-    reels, with_rope = is_any_reeling(system), is_any_turning_with_rope(system)
+    reels, with_rope, with_sheaves = is_any_reeling(system), is_any_turning_with_rope(system), is_any_running(system)
     for stage in range(STAGES):
-        if stage > 0 or not with_rope:  # else it has begun
+        if with_sheaves and stage > 0 and not sheave_stages.go_to_stage(system, stage, time, h):
+            return False
+        if stage > 0 or not (with_rope or with_sheaves):  # else it has begun
             for k in range(lines_of(system)):
                 if moves(system, k) and not start_stage(system, k, stage, time, h):
                     return False
@@ -225,6 +268,8 @@ def solve_stages(system, time, h):
                 stage_masses(system)
             if with_rope:
                 rope_drums.accelerate(system, stage, time + ALPHA[stage] * h)
+            if with_sheaves:
+                sheave_stages.accelerate(system, stage, time + ALPHA[stage] * h)
         if reels:
             share_all_forces(system, stage)
         if stage == 0 and not factorize(system, time, h):
@@ -281,6 +326,11 @@ def solve_stage(system, stage, reels, time, h):
         if moves(system, k):
             reduce_line(system, k, stage, time, h, points)
     solve_blocks(*size_of_blocks(system), points.matrix, points.right, points.solution)
+    if is_any_running(system):
+        for k in range(lines_of(system)):
+            if moves(system, k):
+                take_solution(system, k, integrator_of(system, k))
+        sheave_border.solve_border(system, stage, h)
     for k in range(lines_of(system)):
         if moves(system, k):
             end_stage(system, k, stage, h)
@@ -294,6 +344,8 @@ def step(system, time, h):
     velocity_error, and those of drums.
     """
     if not prepare(system, time, h) or not solve_stages(system, time, h):
+        return False
+    if is_any_running(system) and not sheave_stages.take_lengths(system, time, time + h):
         return False
     for k in range(lines_of(system)):
         if moves(system, k):

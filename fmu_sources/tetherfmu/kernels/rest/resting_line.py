@@ -15,6 +15,7 @@ from ..equations.ground import carries, support, support_slope, under
 from ..equations.lines import (
     add_at,
     inputs_of,
+    is_portion,
     lines_of,
     motion_of,
     number_of_line,
@@ -32,6 +33,8 @@ from ..linear_algebra import condensed
 from ..linear_algebra.matrices import ZERO_MATRIX, scale_matrix, subtract
 from ..linear_algebra.point_blocks import add_to_block
 from ..linear_algebra.vectors import ZERO_VECTOR, add_scaled, get, norm, put, scale, vector_at
+from ..points import sheave_room as at_sheave
+from ..points.sheave_room import numbers_at
 from ..step import transaction
 from . import dynamic_chain, end_tensions, newton
 from .rigid_body import Body
@@ -91,13 +94,24 @@ def position(system, k, end, x):
 
 
 @kernel
+def start_state(system, k):
+    """`transaction.start` of line k (modified), a portion with its length; a status."""
+    n, parameters, state = segments_of(system, k), parameters_of(system, k), state_of(system, k)
+    status = transaction.start(n, parameters, inputs_of(system, k), state)
+    if status == OK and is_portion(system, k):
+        state[at.LENGTH] = numbers_at(system, k)[at_sheave.LENGTH_NOW]
+        status = transaction.check_length(n, parameters, state[at.LENGTH])
+    return status
+
+
+@kernel
 def rest_line(system, k, x):
     """Bring line k to rest between its points, with the sought ones at x [m]; a status.
 
     Its state, its scratch space and its outputs in the scratch space are modified.
     """
     n, parameters, state = segments_of(system, k), parameters_of(system, k), state_of(system, k)
-    status = transaction.start(n, parameters, inputs_of(system, k), state)
+    status = start_state(system, k)
     if status != OK:
         return status
     state[at.REELING] = 0.0  # whose damper force would be no equilibrium

@@ -39,17 +39,14 @@ from ..equations.lines import (
     parameters_of,
     point_at,
     points_of,
-    segments_of,
     size_of_blocks,
-    state_of,
 )
 from ..linear_algebra.matrices import IDENTITY, scale_matrix
 from ..linear_algebra.point_blocks import add_to_block, factorize_definite, solve_definite
 from ..linear_algebra.vectors import dot, get, put_at
-from ..step import transaction
 from .resting_forces import find_residual, find_slopes, least_balanced, search_of
 from .resting_guess import AS_GIVEN, GUESSED, PULLS, find_outer, largest, set_off, shortest_line
-from .resting_line import any_sought, is_any_sought, is_sought
+from .resting_line import any_sought, is_any_sought, is_sought, start_state
 
 ITERATIONS = 300
 BUDGET = 150000.0  # of Newton iterations for the shape of a line in all of the search, mean of all lines
@@ -236,9 +233,7 @@ def check(system):
     for k in range(lines_of(system)):
         if is_any_sought(system, k):
             system.plan[places.STATUS_LINE] = k
-            status = transaction.start(
-                segments_of(system, k), parameters_of(system, k), inputs_of(system, k), state_of(system, k)
-            )
+            status = start_state(system, k)
             if status != OK:
                 return status
         given += not (is_sought(system, k, 0) and is_sought(system, k, 1))

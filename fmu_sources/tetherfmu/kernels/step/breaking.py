@@ -6,13 +6,14 @@ A line lets go at the beginning of the first step in which its input `release` i
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import plan_layout as places
 from tetherfmu.runtime import plausibility as limits
-from tetherfmu.runtime.status import OK, RELEASED_WITHOUT_MASS
+from tetherfmu.runtime.status import OK, RELEASED_OVER_SHEAVES, RELEASED_WITHOUT_MASS
 
 from ..compilation import kernel
 from ..equations import torn
 from ..equations.lines import (
     inputs_of,
     is_at_point,
+    is_portion,
     lines_of,
     motion_of,
     number_of_line,
@@ -103,6 +104,9 @@ def let_go(system, before):
     for k in range(lines_of(system)):
         state = state_of(system, k)
         if inputs_of(system, k)[at.RELEASE] != 0.0 and not torn.has_let_go(state):
+            if is_portion(system, k):
+                system.plan[places.STATUS_LINE] = k
+                return RELEASED_OVER_SHEAVES
             if not can_let_go(system, k):
                 system.plan[places.STATUS_LINE] = k
                 return RELEASED_WITHOUT_MASS

@@ -14,7 +14,7 @@ from ..equations.properties import chain_with_flow, point_mass, rest_length, see
 from ..equations.torn import is_torn
 from ..equations.winch import follows_force
 from ..flat_arrays import part
-from ..linear_algebra.vectors import dot, get, scale, sub, vector_at
+from ..linear_algebra.vectors import NEUTRAL, dot, get, put, scale, sub, vector_at
 
 # fields of `tetherfmu.energy.Energy` in their order; then tensions of the segments [N], then velocities of the nodes [m/s]
 KINETIC, ELASTIC, POTENTIAL, GROUND_POWER, KITE_POWER, WINCH, MATERIAL, WIND, DAMPING_LOSS, DRAG_LOSS = range(10)
@@ -37,7 +37,12 @@ def balance(n, parameters, state, v, inputs, has_waves, energies, work):
     speed = 0.0 if is_torn(parameters) else inputs[at.REEL_OUT_SPEED]
     acceleration = acceleration_with(parameters, speed, state)
     flows = has_waves and sees_reeling(parameters) and (speed != 0.0 or acceleration != 0.0)
-    chain = chain_with_flow(n, parameters, state[at.LENGTH], speed, acceleration, wind_of(inputs), flows)
+    leaving = NEUTRAL, NEUTRAL
+    if parameters[at.IS_PORTION] != 0.0:
+        leaving = state[at.SHEAVE_SPEED], state[at.SHEAVE_ACCELERATION]
+        flows = flows or leaving[0] != 0.0 or leaving[1] != 0.0
+    moving = state[at.LENGTH], speed, acceleration, leaving
+    chain = chain_with_flow(n, parameters, *moving, wind_of(inputs), flows)
     x, _ = positions_and_velocities(n, state)
     blocks, _, mass, _ = shared_arrays(n, work)
     node_masses(chain, mass)
@@ -53,7 +58,7 @@ def balance(n, parameters, state, v, inputs, has_waves, energies, work):
     balance_drum(parameters, state[at.REELING], tension, inputs[at.WINCH_FORCE], energies)
     energies[MATERIAL] = chain.growth * (energies[ELASTIC] + energies[MATERIAL])
     if chain.flows:
-        balance_flow(chain, x, v, vector_at(inputs, at.KITE_LOAD), mass, part(blocks[0], 0, 3 * (n + 1)), energies)
+        balance_flow(chain, state, x, v, vector_at(inputs, at.KITE_LOAD), mass, part(blocks[0], 0, 3 * (n + 1)), energies)
     copy(v, part(energies, ENERGIES + n, 3 * (n + 1)))
     return OK
 
@@ -69,15 +74,23 @@ def acceleration_with(parameters, speed, state):
 
 
 @kernel
-def balance_flow(chain, x, v, load, mass, a, energies):
+def balance_flow(chain, state, x, v, load, mass, a, energies):
     """Add the energy [J] of rope that flows and the power [W] that accelerates it to `energies` (modified).
 
-    load : on a free kite end [N].  mass, a (modified) : room for masses [kg] and accelerations [m/s2].
+    state : of a portion of a line over sheaves.  load : on a free kite end [N].  mass, a (modified) : room for masses [kg]
+    and accelerations [m/s2].
     """
     are_free = chain.parameters[at.GROUND_IS_FREE], chain.parameters[at.KITE_IS_FREE]
     motion.accelerations(chain, x, v, scale(are_free[1], load), mass, a)
-    energies[KINETIC] += flow.energy_of_flow(chain, x, v, are_free[1])
-    energies[WINCH] += flow.power(chain, x, v, a, are_free)
+    if chain.parameters[at.IS_PORTION] != 0.0:
+        put(a, 0, vector_at(state, at.START_ACCELERATION))
+        put(a, chain.n, vector_at(state, at.END_ACCELERATION))
+        counted = are_free[0] if chain.parameters[at.IS_PORTION] == at.BEHIND_SHEAVE else 0.0, are_free[1]
+        energies[KINETIC] += flow.energy_in_portion(chain, x, v, counted)
+        energies[WINCH] += flow.power_in_portion(chain, x, v, a, are_free, counted)
+    else:
+        energies[KINETIC] += flow.energy_of_flow(chain, x, v, are_free[1])
+        energies[WINCH] += flow.power(chain, x, v, a, are_free)
     for kite_end in range(2):  # what is counted as power of the ends that are driven
         s, node = (chain.n - 1) * kite_end, chain.n * kite_end
         push = flow.end_force(chain, kite_end == 1, get(x, s), get(x, s + 1), get(v, s), get(v, s + 1))

@@ -135,7 +135,10 @@ def check_step(n, parameters, given):
     if not (given.step > 0.0 and given.step <= at.LONGEST_STEP):
         return STEP_NOT_POSITIVE
     if not winch.follows_force(parameters):
-        return check_length(n, parameters, winch.shortest_length(given.reeling, given.step))
+        length = winch.shortest_length(given.reeling, given.step)
+        if parameters[at.IS_PORTION] != 0.0:
+            length *= 1.0 + at.ROUNDED_STOP
+        return check_length(n, parameters, length)
     least = min(given.force, given.force + given.step * given.force_rate)
     if parameters[at.WINCH_MASS] == 0.0 and least < -parameters[at.WINCH_FRICTION] - ROUNDING:
         return WINCH_PUSHES

@@ -14,6 +14,7 @@ from ..equations.boundary import conditions_of_chain, place_ends
 from ..equations.drum import direction_of
 from ..equations.lines import (
     conditions_of,
+    has_sheaves,
     lines_of,
     motion_of,
     parameters_of,
@@ -29,7 +30,7 @@ from ..equations.rope_at_drum import feels_rope
 from ..line import step_control
 from ..line.backward_euler import FixedSteps, given_steps
 from ..line.moving_drum import Instant
-from ..motion import adaptive_steps, breaks, fallback, fixed_steps
+from ..motion import adaptive_steps, breaks, fallback, fixed_steps, rope_states
 from ..points import drum_tension, system_room
 from ..rest import compressed_chain, end_tensions
 from ..step.plausibility import note_pressing, note_stiff_and_slack, note_unconverged
@@ -98,17 +99,19 @@ def advance(system, step, before):
         breaks.break_at_ends(system, step)
         return OK
     status = move(system, given_steps(parameters_of(system, 0)), step)
-    if status == STEP_BUDGET_SPENT and move_coarsely(system, step, before) == OK:
+    if status == STEP_BUDGET_SPENT and not has_sheaves(system) and move_coarsely(system, step, before) == OK:
         return OK
     return status
 
 
 @kernel
 def end_drums(system, step):
-    """Accelerations of the drums that feel the rope that flows, and the tensions there, into the states (modified).
+    """Accelerations of drums that feel the rope that flows, and of sheaves, and the tensions there, into states (modified).
 
     At the end of a communication step [s], of which all lines have their states.
     """
+    if has_sheaves(system):
+        rope_states.end_ropes(system, step)
     for k in range(lines_of(system)):
         if system_room.has_drum(system, k) and feels_rope(parameters_of(system, k)):
             state, (length, speed) = state_of(system, k), system_room.length_of(system, k)

@@ -6,35 +6,51 @@ The lines are started, and their outputs are found, one by one as dynamic tether
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import plan_layout as places
 from tetherfmu.runtime.kernel_library import SYSTEM
-from tetherfmu.runtime.status import INPUT_NOT_FINITE, KITE_AND_WINCH_SOUGHT, OK
+from tetherfmu.runtime.status import (
+    INPUT_NOT_FINITE,
+    KITE_AND_WINCH_SOUGHT,
+    OK,
+    SHEAVES_THAT_BREAK,
+    SHEAVES_WITH_DRUM,
+    SHEAVES_WITH_FIXED_STEP,
+    SHEAVES_WITH_STRETCH_RATE,
+)
 
 from ..arrays import copy, inputs_size, outputs_size, parameters_size, state_size
 from ..compilation import kernel
 from ..equations import wind_points
 from ..equations.lines import (
+    comes_from,
+    conditions_of,
     free_points,
+    goes_on,
+    has_sheaves,
     inputs_of,
+    is_portion,
     lines_of,
     load_on,
     motion_of,
     number_of_line,
     outputs_of_line,
     parameters_of,
+    put_reeling,
     room_of,
     segments_of,
     state_of,
     take_loads,
     with_states,
 )
+from ..equations.properties import property_in, sees_reeling
 from ..equations.rope_at_drum import tension_at_winch
-from ..equations.winch import is_sought
+from ..equations.winch import follows_force, follows_length, is_sought
 from ..line.backward_euler import given_steps
+from ..linear_algebra.vectors import add, get, put_at, scale, sub, vector_at
 from ..motion import adaptive_steps, iteration_limit
-from ..points import system_room
+from ..points import sheave_room, system_room
 from ..rest import dynamic_chain, resting_forces, resting_line, resting_points
 from ..step import breaking, power_balance, transaction
 from ..step.outputs import complete
-from . import moving_lines
+from . import moving_lines, rope_shares
 from .winch_start import winch_start
 
 name = SYSTEM
@@ -51,7 +67,9 @@ def line_work_size(n):
 @kernel
 def complete_plan(plan):
     """Write all numbers of a plan (modified) that follow from those that are given, see `plan_layout.py`."""
-    parameters, inputs, state, outputs, work = 0, 0, 0, 0, 0
+    parameters, inputs, state, outputs, work, sheaves = 0, 0, 0, 0, 0, 0
+    for k in range(plan[places.LINES]):
+        sheaves += plan[places.PLAN_HEADER + places.LINE_NUMBERS * k + places.THROUGH]
     for k in range(plan[places.LINES]):
         row = places.PLAN_HEADER + places.LINE_NUMBERS * k
         n, winds = plan[row + places.SEGMENTS], plan[row + places.WIND_POINTS]
@@ -63,9 +81,14 @@ def complete_plan(plan):
         parameters += parameters_size(n)
         inputs += inputs_size(winds)
         state += state_size(n, winds)
-        outputs += outputs_size(plan[row + places.SHAPE_POINTS])
+        before = plan[row - places.LINE_NUMBERS + places.THROUGH] if k > 0 else 0
+        outputs += outputs_size(plan[row + places.SHAPE_POINTS], plan[row + places.THROUGH] + before > 0)
         work += line_work_size(n + 1)  # with the segment that it has more once it has let go
+        plan[row + places.PORTION_WORK] = work
+        work += sheave_room.portion_work_size(n + 1, sheaves)
     plan[places.STATUS_LINE] = places.ALL_LINES
+    plan[places.SHEAVES], plan[places.SHEAVES_WORK] = sheaves, work
+    work += sheave_room.shared_work_size(sheaves)
     plan[places.POINTS_WORK] = work
     work += resting_forces.search_size(plan[places.FREE_POINTS], plan[places.BAND])
     plan[places.OUTPUTS_WORK] = work
@@ -98,9 +121,47 @@ def take_outputs(system, outputs):
         wind_points.take_from_state(n, parameters_of(system, k), state)
         dynamic_chain.outputs_of(n, parameters_of(system, k), state, points, own, room_of(system, k))
         own[at.SOLVER_ITERATION_LIMIT] = most
+        if is_portion(system, k):
+            write_portion(system, k, own)
         status = complete(n, state, own)
+    if status == OK and has_sheaves(system):
+        sum_portions(system, outputs)
     breaking.unfit(system)
     return status
+
+
+@kernel
+def write_portion(system, k, own):
+    """What only a portion of a line over sheaves has, into its outputs (modified), and the force on the sheave at its start.
+
+    There rope that turns round takes its momentum along, which a drum would give it.
+    """
+    n, state, (x, _) = segments_of(system, k), state_of(system, k), motion_of(system, k)
+    if comes_from(system, k):
+        speed, share = state_of(system, k - 1)[at.SHEAVE_SPEED], property_in(parameters_of(system, k), n, 0, at.SHARE)
+        density = property_in(parameters_of(system, k), n, 0, at.LINE_DENSITY)
+        push = scale(-density * speed * speed / (share * state[at.LENGTH]), sub(get(x, 1), get(x, 0)))
+        put_at(own, at.GROUND_FORCE, add(vector_at(own, at.GROUND_FORCE), push))
+    first = at.SHAPE + 3 * number_of_line(system, k, places.SHAPE_POINTS)
+    own[first + at.PORTION_LENGTH] = state[at.LENGTH]
+    own[first + at.PORTION_TENSION_FROM], own[first + at.PORTION_TENSION_TO] = state[at.TENSION_FROM], state[at.TENSION_TO]
+    own[first + at.SHEAVE_PAYOUT], own[first + at.SHEAVE_RATE] = state[at.PAYOUT], state[at.SHEAVE_SPEED]
+
+
+@kernel
+def sum_portions(system, outputs):
+    """Let the outputs of the first portion of a line over sheaves (modified) be those of the line, where these are sums."""
+    first = 0
+    for k in range(lines_of(system)):
+        if is_portion(system, k) and not comes_from(system, k):
+            first = k
+            outputs_of_line(system, k, outputs)[at.WINCH_SPEED] += state_of(system, k)[at.SHEAVE_SPEED]
+        elif is_portion(system, k):
+            whole, own = outputs_of_line(system, first, outputs), outputs_of_line(system, k, outputs)
+            for place in (at.TETHER_LENGTH, at.SLACK_SEGMENTS, at.GROUNDED_LENGTH):
+                whole[place] += own[place]
+            for place in (at.MAX_TENSION, at.PEAK_TENSION):
+                whole[place] = max(whole[place], own[place])
 
 
 @kernel
@@ -132,11 +193,13 @@ def start_line(system, k):
     """First state of line k (modified) between its points as the inputs say; a status."""
     n, parameters, state = segments_of(system, k), parameters_of(system, k), state_of(system, k)
     inputs, work = inputs_of(system, k), room_of(system, k)
-    status = transaction.start(n, parameters, inputs, state)
+    status = resting_line.start_state(system, k)
     if status == OK and is_sought(parameters):
         status = find_length(n, parameters, inputs, state, work)
     if status == OK:
         status = settle(n, parameters, inputs, state, work)
+    if status == OK and is_portion(system, k):
+        rope_shares.take_tensions_at_rest(system, k)
     return transaction.commit_start(n, parameters, inputs, status, state)
 
 
@@ -147,6 +210,23 @@ def check_sought(system):
         if is_sought(parameters_of(system, k)) and resting_line.is_any_sought(system, k):
             system.plan[places.STATUS_LINE] = k
             return KITE_AND_WINCH_SOUGHT
+    return OK
+
+
+@kernel
+def check_ropes(system):
+    """OK, or about a line why a system with lines over sheaves cannot be: a drum, fixed steps, its law, breaking."""
+    for k in range(lines_of(system)):
+        parameters = parameters_of(system, k)
+        system.plan[places.STATUS_LINE] = k
+        if follows_force(parameters):
+            return SHEAVES_WITH_DRUM
+        if parameters[at.FIXED_STEP] != 0.0:
+            return SHEAVES_WITH_FIXED_STEP
+        if is_portion(system, k) and not sees_reeling(parameters):
+            return SHEAVES_WITH_STRETCH_RATE
+        if is_portion(system, k) and parameters[at.CAN_BREAK] != 0.0:
+            return SHEAVES_THAT_BREAK
     return OK
 
 
@@ -162,7 +242,11 @@ def initialize(system):
     status = check_loads(system)
     if status == OK:
         status = check_sought(system)
-    if status == OK:
+    if status == OK and has_sheaves(system):
+        status = check_ropes(system)
+        if status == OK:
+            status = rope_shares.find_shares(system)
+    elif status == OK:
         status = resting_points.find(system, False)
     for k in range(lines_of(system)):
         if status == OK:
@@ -189,6 +273,7 @@ def check_loads(system):
 def begin_line(system, k, step, before):
     """Conditions of line k in a communication step [s], and the header of its state (modified); a status."""
     n, parameters, state = segments_of(system, k), parameters_of(system, k), state_of(system, k)
+    elsewhere = begin_rope(system, k) if is_portion(system, k) and not comes_from(system, k) else 0.0
     status, given = transaction.begin(n, parameters, inputs_of(system, k), step, True, state)
     if status == OK:
         shape = parameters[at.INITIAL_SHAPE]
@@ -196,7 +281,28 @@ def begin_line(system, k, step, before):
             shape = float(at.STATIC_EQUILIBRIUM)
         moving_lines.begin_line(system, k, shape, given, before)
         take_loads(system, k, step, before)
+        if elsewhere != 0.0:
+            c0, c1, c2, c3, jump = conditions_of(system, k).reeling
+            put_reeling(system, k, (c0 - elsewhere, c1, c2, c3, jump))
+            state[at.LENGTH] -= elsewhere
     return status
+
+
+@kernel
+def begin_rope(system, k):
+    """Let the state of the first portion of a rope, k (modified), have the speed of its winch, for what continues it.
+
+    Where the winch follows a length, it has that of the rope, too. Returns the length of the other portions there [m].
+    """
+    state, elsewhere, j = state_of(system, k), 0.0, k
+    if state[at.SHEAVE_SPEED] != 0.0:
+        state[at.REELING] += state[at.SHEAVE_SPEED]
+    if follows_length(parameters_of(system, k)):
+        while goes_on(system, j):
+            j += 1
+            elsewhere += state_of(system, j)[at.LENGTH]
+        state[at.LENGTH] += elsewhere
+    return elsewhere
 
 
 @kernel

@@ -40,7 +40,7 @@ static void quantities_of(const double *values, int line, double *quantities)
 {
     for (int i = 0; i < QUANTITIES; i++) {
         int reference = QUANTITY_FROM[line][i];
-        quantities[i] = reference < 0 ? QUANTITY_DEFAULT[i] : values[reference];
+        quantities[i] = reference < 0 ? QUANTITY_DEFAULT[line][i] : values[reference];
     }
 }
 
@@ -149,6 +149,18 @@ static void put_ends(const Arrays *arrays, int line)
     }
 }
 
+/* Say in the parameters of a line which portion of a line over sheaves it is, if it is one, and what sheave is at its end. */
+static void put_sheave(const Arrays *arrays, int line)
+{
+    double *parameters = parameters_of(arrays, line), *values = arrays->values;
+    if (DIRECT || !SHEAVE[line].kind) return;
+    parameters[AT_IS_PORTION] = SHEAVE[line].kind;
+    parameters[AT_GIVEN_PORTION] = values[SHEAVE[line].portion];
+    parameters[AT_SHEAVE_MASS] = SHEAVE[line].mass < 0 ? 0.0 : values[SHEAVE[line].mass];
+    parameters[AT_SHEAVE_FRICTION] = SHEAVE[line].friction < 0 ? 0.0 : values[SHEAVE[line].friction];
+    parameters[AT_SHEAVE_EFFICIENCY] = SHEAVE[line].efficiency < 0 ? 1.0 : values[SHEAVE[line].efficiency];
+}
+
 /* Whether all parameters are allowed, alone and together, so that the kernels have them; if not, `problem` (of LONGEST_TEXT
 bytes) says what is wrong. */
 bool pack_parameters(const Arrays *arrays, double importer_tolerance, char *problem)
@@ -164,6 +176,7 @@ bool pack_parameters(const Arrays *arrays, double importer_tolerance, char *prob
             return false;
         }
         put_ends(arrays, k);
+        put_sheave(arrays, k);
         if (!of_line(arrays, k, PLAN_WIND_POINTS)) continue;
         parameters_of(arrays, k)[AT_WIND_POINTS] = (double)of_line(arrays, k, PLAN_WIND_POINTS);
         parameters_of(arrays, k)[AT_WIND_PROFILE] = AT_AT_NODES;
@@ -184,11 +197,14 @@ static double *outputs_in(const Arrays *arrays, double *values)
     return DIRECT ? values + OUTPUTS_AT : arrays->found;
 }
 
-/* Put the inputs among the values into the array of the kernels, unless they are it. */
+/* Put the inputs among the values into the array of the kernels, unless they are it; those of lines that shared winches hold
+are sums. */
 static void give(const Arrays *arrays, const double *values)
 {
     for (int i = 0; !DIRECT && i < INPUTS_FROM; i++)
         arrays->given[INPUT_FROM[i].place] = values[INPUT_FROM[i].reference];
+    for (int i = 0; i < HELD_TERMS; i++) arrays->given[HELD[i].place] = 0.0;
+    for (int i = 0; i < HELD_TERMS; i++) arrays->given[HELD[i].place] += HELD_FACTOR[i] * values[HELD[i].reference];
 }
 
 /* Put the outputs of the kernels into the values if the status is 0, and return it; the force on a point is the sum of those of
@@ -202,6 +218,10 @@ static int32_t show(const Arrays *arrays, double *values, int32_t result)
         int64_t n = of_line(arrays, MOTION[i].line, PLAN_SEGMENTS) + (int64_t)state_of(arrays, MOTION[i].line)[AT_LET_GO];
         int64_t node = 3 * (MOTION[i].is_end ? n : 0) + 3 * (MOTION[i].component / 3) * (n + 1);
         values[MOTION[i].reference] = state_of(arrays, MOTION[i].line)[AT_STATE_HEADER + node + MOTION[i].component % 3];
+    }
+    for (int i = 0; i < TURNED_TERMS; i++) {
+        double before = TURNED[i].less < 0 ? 0.0 : values[TURNED[i].less];
+        values[TURNED[i].reference] += TURNED_FACTOR[i] * (arrays->found[TURNED[i].place] - before);
     }
     return 0;
 }

@@ -8,6 +8,14 @@
 
 /* --- derivatives of inputs */
 
+/* Whether the line of a term has another one of another shared winch. */
+static bool is_held_twice(int term)
+{
+    for (int i = 0; i < HELD_TERMS; i++)
+        if (i != term && HELD[i].place == HELD[term].place && HELD[i].reference < INPUTS) return true;
+    return false;
+}
+
 static Status check_derivative(Instance *instance, unsigned reference, int32_t order, double value)
 {
     if (!(kind_of(reference, REAL) & INPUT))
@@ -15,6 +23,8 @@ static Status check_derivative(Instance *instance, unsigned reference, int32_t o
     Fact name = word("name", INPUT_NAME[reference]);
     if (instance->phase == TERMINATED) return say(instance, ERROR, NOT_AFTER_THE_END, FACTS(name, real("value", value)));
     if (order != 1) return say(instance, ERROR, WRONG_ORDER, FACTS(name, whole("order", order)));
+    for (int i = 0; i < HELD_TERMS; i++)
+        if (HELD[i].reference == (int)reference && is_held_twice(i)) return say(instance, ERROR, SHARED_DERIVATIVE, FACTS(name));
     if (fabs(value) <= AT_LARGEST_INPUT) return OK;
     return say(instance, ERROR, WRONG_DERIVATIVE, FACTS(name, real("value", value), real("largest", AT_LARGEST_INPUT)));
 }
@@ -55,6 +65,8 @@ static void put_in_lines(const Arrays *arrays, unsigned reference, double value)
         else if (own < AT_INPUTS) put_in_line(arrays, line, own, value);
         else state_of(arrays, line)[state_size_of(arrays, line) + own - INPUTS_OF_A_LINE] = value;
     }
+    for (int i = 0; i < HELD_TERMS; i++)
+        if (HELD[i].reference == (int)reference) put_in_line(arrays, HELD[i].line, HELD[i].own, HELD_FACTOR[i] * value);
 }
 
 static void keep_derivative(Instance *instance, unsigned reference, double value)
@@ -134,6 +146,11 @@ static double scale_of(const Arrays *arrays, unsigned input, double step, double
         int line = INPUT_FROM[i].line, own = INPUT_FROM[i].own;
         if (INPUT_FROM[i].reference != (int)input) continue;
         scale = line < 0 ? scale_of_load(arrays, own / 3, step, part) : scale_in_line(arrays, line, own, step, part);
+        if (scale < least) least = scale;
+    }
+    for (int i = 0; i < HELD_TERMS; i++) {
+        if (HELD[i].reference != (int)input) continue;
+        scale = scale_in_line(arrays, HELD[i].line, (unsigned)HELD[i].own, step, part) / fabs(HELD_FACTOR[i]);
         if (scale < least) least = scale;
     }
     return least;

@@ -32,12 +32,7 @@ GEODETIC = ("latitude", "longitude", "altitude")
 POINTS, SPEEDS = ("kite_position", "origin"), ("kite_velocity", "wind_velocity")
 SCALARS = {"tether_length": "m", "reel_out_speed": "m/s", "ground_tension": "N", "airspeed": "m/s"}  # and their units
 LABELS = ("phase", "cycle")
-PLAIN, GEODETIC_POINT, FROM_ANGLES, WIND_FROM = (
-    "plain",
-    "geodetic",
-    "from angles",
-    "wind from",
-)  # kinds of the numbers of a `Source`
+PLAIN, GEODETIC_POINT, FROM_ANGLES, WIND_FROM = "plain", "geodetic", "from angles", "wind from"  # kinds of numbers
 MAY_MISS = ("kite_velocity", "wind_velocity", *SCALARS)  # what a map may call optional
 SMALL_TIMES = {"us": 1e-6, "ns": 1e-9}  # units of time that only logs have, and the factor to s
 ANGLES = {"deg": 1.0, "rad": math.degrees(1.0), "1e-7 deg": 1e-7}  # of geodetic coordinates, and the factor to deg

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pandas as pd
 from scipy.interpolate import CubicHermiteSpline
+from scipy.signal import savgol_filter
 
 from tetherfmu.runtime.inputs import COUNT, by_name
 
@@ -17,6 +18,7 @@ SHORTEST = 5.0  # s, a flight
 EVERY = 0.1  # s between two rows of the results
 TAUT = 0.01  # length over distance, minus 1, below which a tether is taut
 STEP = 0.02  # communication step of the tethers [s]
+EVENED = 1.0  # s over which a length is smoothed that drives the winch: each quantum of a log would accelerate the rope
 LEADS = {"tension": "force", "length": "length", "speed": "speed"}  # and how the winch is then controlled
 MEASURED = {"tension": "ground_tension", "length": "tether_length", "speed": "reel_out_speed"}
 
@@ -142,6 +144,8 @@ class Flight:
         if not np.isfinite(led).all():
             gap = time[~np.isfinite(led)][0]
             raise self.log.wrong(f"{MEASURED[lead]} drives the winch and has no reading at {gap:.1f} s")
+        if lead == "length":
+            led = savgol_filter(led, round(EVENED / step) | 1, 3)
         into[{"tension": "winch_force", "length": "winch_length", "speed": "reel_out_speed"}[lead]][:, 0] = led
         return rows
 

@@ -159,9 +159,7 @@ def numbers(cells, name, report):
     for number in STANDS_FOR_NONE:
         equal = np.abs(found) == number
         if equal.any() and not np.any(~equal & (np.abs(np.abs(found) - number) < ALONE * number)):
-            report.count(
-                f"left out of {name}", int(equal.sum()), len(found), f"which have {number:g}, and others nothing like it"
-            )
+            report.count(f"left out of {name}", int(equal.sum()), len(found), f"which have {number:g}, far from all others")
             found[equal] = np.nan
     return found
 

@@ -1,0 +1,51 @@
+"""Portions of lines that run over sheaves: each is a line of its own for the kernels, between two points that follow."""
+
+from typing import Any, NamedTuple
+
+
+class Portion(NamedTuple):
+    """A portion of a line, or all of a line that runs over no sheave.
+
+    line : the record of the line, with `name`, `start`, `through` and `end`.  number : from 0.  name : of the line; of a
+    portion but the first one no name of a variable.  start, end : names of its points.  is_through : whether the line goes
+    on over a sheave at its end.  is_portion : whether it is not all of the line.
+    """
+
+    line: Any
+    number: int
+    name: str
+    start: str
+    end: str
+    is_through: bool
+    is_portion: bool
+
+    @property
+    def tethers(self):
+        """Tethers in series of the whole line, where the record has them."""
+        return self.line.tethers
+
+    @property
+    def ends(self):
+        """Pairs of the end of a tether, "ground" or "kite", and the point there."""
+        return ("ground", self.start), ("kite", self.end)
+
+
+def portions_of(line):
+    """The `Portion` of a line in their order, a tuple."""
+    stops = (line.start, *line.through, line.end)
+    last = len(stops) - 2
+    return tuple(
+        Portion(line, k, f"{line.name}[{k + 1}]" if k else line.name, *stops[k : k + 2], k < last, last > 0)
+        for k in range(last + 1)
+    )
+
+
+def all_portions(lines):
+    """The portions of all lines, a tuple."""
+    return tuple(portion for line in lines for portion in portions_of(line))
+
+
+def joined(lines, values):
+    """Lists of the values of the portions of each line, from those of all portions in their order."""
+    given = iter(values)
+    return [[next(given) for _ in portions_of(line)] for line in lines]

@@ -1,0 +1,229 @@
+"""Sheaves in the matrix of a Rosenbrock step: a border of the system of all lines and free points.
+
+With the accelerations of `sheaves.py`, M their derivatives by (v', u'), and M_0 those of the start of the step, a stage is
+
+    A q - sum_s c_s p_s = ...,   c = F_u + d F_L' + col_0/d
+    sum_s' D_ss' p_s' - g_s q = M_0 (v', u') + M_0 sum_j c_ij (V_j, U_j)/h - f_v r - f_u r_s + gamma_i h df/dt
+
+with p = U_q/d of the rope that has passed and U_u of its speed, as q and V of a node. F_L' = -F_L in the portion before the
+sheave, F_L behind it. A line and the free points are solved as without sheaves; with Z_s = A^-1 c_s,
+
+    (D - g Z) p = ... + g y,   q = y + Z p
+
+so that each sheave costs one solution more for each matrix, and a vector for each stage.
+"""
+
+from ..compilation import kernel
+from ..equations.lines import (
+    add_at,
+    clear,
+    conditions_of,
+    goes_on,
+    is_at_point,
+    lines_of,
+    point_at,
+    points_of,
+    rows_of,
+    segments_of,
+    sheaves_of,
+    size_of_blocks,
+)
+from ..equations.rope_at_sheave import IN, OUT
+from ..line.rodas4p import GAMMA, GAMMA_I, STAGES
+from ..linear_algebra import condensed, small_matrix
+from ..linear_algebra.both_ends import get_node
+from ..linear_algebra.point_blocks import solve_blocks
+from ..linear_algebra.vectors import dot, get
+from . import sheave_room as at_sheave
+from .at_points import take_ends
+from .sheave_pulls import density_of, mass_of, number_of
+from .sheave_room import (
+    BORDER,
+    BY_SPEED,
+    BY_VELOCITY,
+    FORCE_BY_LENGTH,
+    ROW,
+    SOLUTIONS,
+    array_at,
+    is_coordinate,
+    numbers_at,
+    runs_over,
+    shared_of,
+    single_at,
+)
+from .sheave_slopes import add_wrap, finish_row, take_row
+
+# --- slopes of forces
+from .sheave_stages import inertia_times
+from .system_room import integrator_of, moves, room_in_step, shares_of
+
+
+@kernel
+def pivot_of(numbers, side, other, d):
+    """Part of a portion in D for its coordinate `side` and the unknown of its coordinate `other`."""
+    inertia, by_rate = numbers[at_sheave.INERTIA + side + other], numbers[at_sheave.BY_RATE + 2 * side + other]
+    sign = 1.0 if other == IN else -1.0
+    return inertia / d - by_rate - d * sign * numbers[at_sheave.BY_LENGTH + side]
+
+
+@kernel
+def take_equation(system, k, time, d, matrix):
+    """Row, df/dt and D of the sheave at the end of line k, over which rope runs (modified)."""
+    numbers, behind, count, j = numbers_at(system, k), numbers_at(system, k + 1), sheaves_of(system), number_of(system, k)
+    of_1, of_2 = numbers[at_sheave.OF_BEHIND], numbers[at_sheave.OF_AHEAD]
+    take_row(system, k, OUT, of_1)
+    take_row(system, k + 1, IN, of_2)
+    add_wrap(system, k)
+    numbers[at_sheave.RATE] = finish_row(system, k, OUT, of_1, time, d) + finish_row(system, k + 1, IN, of_2, time, d)
+    pivot = of_1 * pivot_of(numbers, OUT, OUT, d) + of_2 * pivot_of(behind, IN, IN, d) + mass_of(system, k) / d
+    losses = numbers[at_sheave.AHEAD] - numbers[at_sheave.BEHIND]
+    numbers[at_sheave.BY_OWN] = -2.0 * losses * density_of(system, k) * numbers[at_sheave.SPEED]
+    matrix[count * j + j] = pivot - numbers[at_sheave.BY_OWN]
+    if is_coordinate(system, k, IN):
+        matrix[count * j + j - 1] = of_1 * pivot_of(numbers, OUT, IN, d)
+    if is_coordinate(system, k + 1, OUT):
+        matrix[count * j + j + 1] = of_2 * pivot_of(behind, IN, OUT, d)
+
+
+@kernel
+def put_column(system, k, side, d, column):
+    """Column of a sheave in the portion beside it, k, into an array (modified)."""
+    by_length, by_speed, border = (
+        single_at(system, k, FORCE_BY_LENGTH),
+        array_at(system, k, BY_SPEED, side),
+        array_at(system, k, BORDER, side),
+    )
+    sign = d if side == IN else -d
+    for i in range(len(column)):
+        column[i] = by_speed[i] + sign * by_length[i] + border[i] / d
+
+
+@kernel
+def solve_column(system, j):
+    """Solve all lines and points for the column of sheave number j, which stands in the arrays of the lines (modified)."""
+    points = points_of(system)
+    clear(points.right)
+    for k in range(lines_of(system)):
+        if moves(system, k):
+            column, w = single_at(system, k, SOLUTIONS + j), integrator_of(system, k)
+            condensed.solve_inner(rows_of(system, k), w.matrix, column)
+            for end in range(2):
+                if is_at_point(system, k, end):
+                    left = condensed.what_is_left(segments_of(system, k), end, w.matrix, column)
+                    add_at(points.right, point_at(system, k, end), left)
+    solve_blocks(*size_of_blocks(system), points.matrix, points.right, points.solution)
+    for k in range(lines_of(system)):
+        if moves(system, k):
+            column = single_at(system, k, SOLUTIONS + j)
+            take_ends(system, k, column)
+            condensed.expand(rows_of(system, k), room_in_step(system, k).columns, column)
+
+
+@kernel
+def row_times(system, k, side, a):
+    """Row of R_a or R_b of portion k times an array of node vectors."""
+    conditions, row, total = conditions_of(system, k), array_at(system, k, ROW, side), 0.0
+    for i in range(conditions.first, conditions.last + 1):
+        total += dot(get(row, i), get(a, i))
+    return total
+
+
+@kernel
+def form_border(system, time, h):
+    """Columns, their solutions and the inverse of D - g Z of all running sheaves (modified); False if there is none.
+
+    The matrix of the points is factorized, and the forces of stage 0 are known.
+    """
+    count, d, (matrix, inverse, _, _, _) = sheaves_of(system), GAMMA * h, shared_of(system)
+    small_matrix.set_to_zero(count, matrix)
+    for k in range(lines_of(system)):
+        if goes_on(system, k):
+            j = number_of(system, k)
+            if runs_over(system, k):
+                take_equation(system, k, time, d, matrix)
+                for other in range(lines_of(system)):
+                    clear(single_at(system, other, SOLUTIONS + j))
+                put_column(system, k, OUT, d, single_at(system, k, SOLUTIONS + j))
+                put_column(system, k + 1, IN, d, single_at(system, k + 1, SOLUTIONS + j))
+                solve_column(system, j)
+            else:
+                matrix[count * j + j] = 1.0
+    for k in range(lines_of(system)):
+        if goes_on(system, k) and runs_over(system, k):
+            for other in range(lines_of(system)):
+                if goes_on(system, other) and runs_over(system, other):
+                    j = number_of(system, other)
+                    product = row_times(system, k, OUT, single_at(system, k, SOLUTIONS + j))
+                    product += row_times(system, k + 1, IN, single_at(system, k + 1, SOLUTIONS + j))
+                    matrix[count * number_of(system, k) + j] -= product
+    return small_matrix.invert(count, matrix, inverse)
+
+
+@kernel
+def subtract_known(system, k, h):
+    """Subtract F_u r and col_0 of what the stages add up to from the right-hand side of portion k (modified)."""
+    q = integrator_of(system, k).q
+    for side in (IN, OUT):
+        if is_coordinate(system, k, side):
+            numbers = numbers_at(system, k - 1 if side == IN else k)
+            by_speed, border = array_at(system, k, BY_SPEED, side), array_at(system, k, BORDER, side)
+            rest, added = numbers[at_sheave.REST], numbers[at_sheave.ADDED_UP] / h
+            for i in range(len(q)):
+                q[i] -= by_speed[i] * rest + border[i] * added
+
+
+@kernel
+def known_of_portion(system, k, side, weight, h):
+    """What portion k adds to the right-hand side of the sheave at one of its ends, with its solution without sheaves [N]."""
+    conditions, w, total = (
+        conditions_of(system, k),
+        integrator_of(system, k),
+        row_times(system, k, side, integrator_of(system, k).q),
+    )
+    border, by_velocity = array_at(system, k, BORDER, side), array_at(system, k, BY_VELOCITY, side)
+    for i in range(conditions.first, conditions.last + 1):
+        total -= weight / h * dot(get(border, i), get_node(conditions.n, i, w.inertia_velocity))
+        total -= dot(get(by_velocity, i), get_node(conditions.n, i, w.r))
+    numbers = numbers_at(system, k)
+    for other in (IN, OUT):
+        if is_coordinate(system, k, other):
+            rest = numbers_at(system, k - 1 if other == IN else k)[at_sheave.REST]
+            total -= weight * numbers[at_sheave.BY_RATE + 2 * side + other] * rest
+    return total
+
+
+@kernel
+def solve_border(system, stage, h):
+    """p of all running sheaves at a stage, and what they do to the solutions of all lines (modified)."""
+    count, d, (_, inverse, right, solution, _) = sheaves_of(system), GAMMA * h, shared_of(system)
+    for k in range(lines_of(system)):
+        if goes_on(system, k):
+            j, numbers = number_of(system, k), numbers_at(system, k)
+            right[j] = 0.0
+            if runs_over(system, k):
+                of_1, of_2 = numbers[at_sheave.OF_BEHIND], numbers[at_sheave.OF_AHEAD]
+                total = numbers[at_sheave.RIGHT] + inertia_times(system, k, at_sheave.ADDED_UP) / h
+                total += GAMMA_I[stage] * h * numbers[at_sheave.RATE]
+                total += known_of_portion(system, k, OUT, of_1, h) + known_of_portion(system, k + 1, IN, of_2, h)
+                right[j] = total - numbers[at_sheave.BY_OWN] * numbers[at_sheave.REST]
+    for i in range(count):
+        solution[i] = 0.0
+        for j in range(count):
+            solution[i] += inverse[count * i + j] * right[j]
+    for k in range(lines_of(system)):
+        if moves(system, k):
+            q = integrator_of(system, k).q
+            for j in range(count):
+                if solution[j] != 0.0:
+                    column = single_at(system, k, SOLUTIONS + j)
+                    for i in range(len(q)):
+                        q[i] += solution[j] * column[i]
+    for k in range(lines_of(system)):
+        if goes_on(system, k) and runs_over(system, k):
+            numbers, p = numbers_at(system, k), solution[number_of(system, k)]
+            increment = p - numbers[at_sheave.REST]
+            shares_of(system, k).speeds[stage] = increment
+            numbers[at_sheave.SOLUTION], numbers[at_sheave.INCREMENT] = p, increment
+            if stage >= STAGES - 2:
+                numbers[at_sheave.PASSED] += d * p
+                numbers[at_sheave.STAGE_SPEED] += increment

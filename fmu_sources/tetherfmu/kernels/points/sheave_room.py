@@ -1,0 +1,240 @@
+"""Scratch space of lines that run over sheaves, and what of them moves.
+
+A line that runs `through` points is here several lines one behind the other, its portions, each of which knows whether it
+goes on over a sheave at its end. What belongs to a sheave stands with the portion before it. Each line of such a system has
+room in `work` for the numbers below, for the arrays of a portion, and for what a sheave does to it in a step.
+"""
+
+from tetherfmu.runtime import layout as at
+from tetherfmu.runtime import plan_layout as places
+
+from ..arrays import places_of
+from ..compilation import kernel, view
+from ..equations import winch
+from ..equations.boundary import portion_moving
+from ..equations.lines import (
+    comes_from,
+    conditions_of,
+    goes_on,
+    has_sheaves,
+    lines_of,
+    number_of_line,
+    parameters_of,
+    segments_of,
+    sheaves_of,
+)
+from ..equations.plan import number_in
+from ..equations.rope_at_sheave import IN, OUT
+from ..flat_arrays import part
+
+(
+    # of a sheave
+    NUMBER,
+    RUNS,  # 1: rope runs over it in this piece of time, 0: it is held
+    SIGN,  # of the speed that friction knows; 0 without friction, and where either may be
+    PAID,  # rope that has passed since the start of the communication step [m]
+    SPEED,  # at the start of the step [m/s]
+    PASSED,  # since the start of the step at a stage [m]; in the end of the step
+    STAGE_SPEED,  # [m/s]
+    REST,  # r_i of a stage [m/s]
+    SOLUTION,  # p [m/s] and U_u [m/s] of a stage; in the end the error estimates of the payout over d and of the speed
+    INCREMENT,
+    ADDED_UP,  # of the stages, for its inertia [m/s]
+    GAIN,  # u' [m/s2] of a stage
+    RIGHT,  # right-hand side of a stage [N]
+    RATE,  # explicit time derivative of its equation [N/s]
+    FORCE,  # on its point, if that is free, at a stage but for what sheaves that gain speed add [N]
+    BEHIND,  # e_1 and e_2 at a stage, see `sheaves.py`
+    AHEAD,
+    OF_BEHIND,  # slopes of its equation by -R_b of the portion before and by R_a of that behind it at the start of the step
+    OF_AHEAD,
+    TENSION_BEHIND,  # where the rope comes to it and leaves it in the direction of the line [N]
+    TENSION_AHEAD,
+    KEPT,  # PASSED and STAGE_SPEED of a step that is tried
+    BY_OWN,  # slope of its equation by its speed, without that of R_a and R_b [N s/m]
+    # of a portion
+    LENGTH_NOW,  # at the start of the step [m]
+    LENGTH,  # at a stage [m]
+    INTO,  # a at a stage [m/s] and its rate [m/s2]
+    INTO_GAIN,
+    HAS_RUN,  # 1 if a sheave beside it has run in this communication step
+    PULL,  # R_a and R_b at a stage but for what accelerates with it [N]
+    YIELD,  # their slopes by a', b' [kg]: aa, ab, bb
+    INERTIA,  # the same of the rope alone at the start of the step
+    BY_LENGTH,  # slopes of R_a and R_b by L [N/m]
+    BY_RATE,  # by a and b [N s/m]: aa, ab, ba, bb
+    CROSSED,  # sums of col_0 . v' over the nodes [N], of a and b
+    WINCH,  # coefficients of the length that a winch pays out into the first portion, see `winch.py`
+    _,
+    NUMBERS,
+) = places_of(*[1] * 14, 3, *[1] * 6, 2, *[1] * 6, 2, 3, 3, 2, 4, 2, 5, 1)
+
+BORDER, PULLED, BY_SPEED, BY_VELOCITY, ROW = range(5)  # arrays of 3 (n + 1) numbers, each of a and of b:
+# col at the start of the step and at a stage [kg], slopes of the forces by the rate [N s/m], R_v [N s/m], row of the matrix
+ARRAYS = 10
+FORCE_BY_LENGTH = ARRAYS  # slopes of the forces by L [N/m]
+ACCELERATIONS = ARRAYS + 1  # of the nodes at a stage [m/s2]
+SOLUTIONS = ARRAYS + 2  # of the column of each sheave
+
+
+@kernel
+def portion_work_size(n, sheaves):
+    """Length of what a line of n segments needs of `work` in a system with so many sheaves."""
+    size = NUMBERS + (SOLUTIONS + sheaves) * 3 * (n + 1) if sheaves > 0 else 0
+    return size + size % 2
+
+
+@kernel
+def shared_work_size(sheaves):
+    """Length of what all sheaves together need of `work`: matrices and vectors."""
+    size = 2 * sheaves * sheaves + 4 * sheaves
+    return size + size % 2
+
+
+@view
+def numbers_at(system, k):
+    """Numbers of line k in a system with sheaves, at the places above."""
+    return part(system.work, number_of_line(system, k, places.PORTION_WORK), NUMBERS)
+
+
+@view
+def array_at(system, k, which, side):
+    """One of the arrays of portion k, of its coordinate IN or OUT."""
+    size = 3 * (segments_of(system, k) + 1)
+    first = number_of_line(system, k, places.PORTION_WORK) + NUMBERS
+    return part(system.work, first + size * (2 * which + side), size)
+
+
+@view
+def single_at(system, k, which):
+    """FORCE_BY_LENGTH or ACCELERATIONS of portion k, or SOLUTIONS + j: of the column of sheave number j in line k."""
+    size = 3 * (segments_of(system, k) + 1)
+    first = number_of_line(system, k, places.PORTION_WORK) + NUMBERS
+    return part(system.work, first + size * which, size)
+
+
+@view
+def shared_of(system):
+    """Matrix of accelerations, matrix of a step, and three vectors, all of the sheaves."""
+    count, first = sheaves_of(system), number_in(system.plan, places.SHEAVES_WORK)
+    square = count * count
+    vectors = first + 2 * square
+    return (
+        part(system.work, first, square),
+        part(system.work, first + square, square),
+        part(system.work, vectors, count),
+        part(system.work, vectors + count, count),
+        part(system.work, vectors + 2 * count, count),
+    )
+
+
+@view
+def differences_of(system):
+    """Room for one number more of each sheave, behind `shared_of`."""
+    count, first = sheaves_of(system), number_in(system.plan, places.SHEAVES_WORK)
+    return part(system.work, first + count * (2 * count + 3), count)
+
+
+@kernel
+def runs_over(system, k):
+    """Whether rope runs over the sheave at the end of line k, which has one."""
+    return numbers_at(system, k)[RUNS] != 0.0
+
+
+@kernel
+def is_running(system, k):
+    """Whether the length of line k is an unknown, as rope runs over a sheave at an end."""
+    if not has_sheaves(system):
+        return False
+    return (goes_on(system, k) and runs_over(system, k)) or (comes_from(system, k) and runs_over(system, k - 1))
+
+
+@kernel
+def is_any_running(system):
+    """Whether rope runs over any sheave."""
+    count = 0
+    if has_sheaves(system):
+        for k in range(lines_of(system)):
+            count += goes_on(system, k) and runs_over(system, k)
+    return count > 0
+
+
+@kernel
+def speed_out(system, k):
+    """b of portion k at the start of the step [m/s]."""
+    return numbers_at(system, k)[SPEED] if goes_on(system, k) else 0.0
+
+
+@kernel
+def winch_of(system, k):
+    """Coefficients of the length that the winch pays out into a rope whose first portion is k."""
+    numbers = numbers_at(system, k)
+    return numbers[WINCH], numbers[WINCH + 1], numbers[WINCH + 2], numbers[WINCH + 3], numbers[WINCH + 4]
+
+
+@kernel
+def speed_in(system, k, time):
+    """a of portion k at the start of the step, a time [s] of the communication step [m/s]."""
+    if comes_from(system, k):
+        return numbers_at(system, k - 1)[SPEED]
+    return winch.rate_at(winch_of(system, k), time)
+
+
+@view
+def portion_at_start(system, k, time):
+    """`Chain` of portion k at the start of the step, a time [s] of the communication step, without accelerations."""
+    leaving = speed_out(system, k)
+    reeling = speed_in(system, k, time) - leaving
+    return portion_moving(conditions_of(system, k), numbers_at(system, k)[LENGTH_NOW], reeling, 0.0, (leaving, 0.0))
+
+
+@view
+def portion_in_step(system, k):
+    """`Chain` of portion k at a stage, without accelerations."""
+    numbers = numbers_at(system, k)
+    leaving = numbers[STAGE_SPEED] if goes_on(system, k) else 0.0
+    return portion_moving(conditions_of(system, k), numbers[LENGTH], numbers[INTO] - leaving, 0.0, (leaving, 0.0))
+
+
+@kernel
+def gain_of(system, k, side):
+    """Rate of a or of b of portion k at a stage [m/s2]."""
+    if side == IN:
+        return numbers_at(system, k)[INTO_GAIN]
+    return numbers_at(system, k)[GAIN] if goes_on(system, k) else 0.0
+
+
+@view
+def portion_gaining(system, k, moves):
+    """`Chain` of portion k at a stage with its accelerations; moves : 1, or 0 without speeds."""
+    numbers, leaving, gain = numbers_at(system, k), 0.0, gain_of(system, k, OUT)
+    if goes_on(system, k):
+        leaving = moves * numbers[STAGE_SPEED]
+    reeling = moves * numbers[INTO] - leaving
+    leave = leaving, gain
+    return portion_moving(conditions_of(system, k), numbers[LENGTH], reeling, numbers[INTO_GAIN] - gain, leave)
+
+
+@kernel
+def is_coordinate(system, k, side):
+    """Whether a or b of portion k is an unknown of the step: rope runs over the sheave there."""
+    if side == IN:
+        return comes_from(system, k) and runs_over(system, k - 1)
+    return goes_on(system, k) and runs_over(system, k)
+
+
+@kernel
+def change_of_portion(system, k, which):
+    """What the errors of sheaves, SOLUTION or INCREMENT, make of L' of portion k [m/s]."""
+    total = 0.0
+    if is_coordinate(system, k, IN):
+        total += numbers_at(system, k - 1)[which]
+    if is_coordinate(system, k, OUT):
+        total -= numbers_at(system, k)[which]
+    return total
+
+
+@kernel
+def shortest_of(system, k):
+    """Unstretched length [m] below which portion k does not get."""
+    return parameters_of(system, k)[at.SHORTEST_LENGTH]

@@ -1,0 +1,209 @@
+"""Sheaves from stage to stage of a Rosenbrock step: rope that passes, accelerations (`sheaves.py`), right-hand sides."""
+
+from ..arrays import copy
+from ..compilation import kernel
+from ..equations import winch
+from ..equations.lines import (
+    comes_from,
+    conditions_of,
+    goes_on,
+    is_at_point,
+    is_portion,
+    lines_of,
+    point_at,
+    points_of,
+    segments_of,
+)
+from ..equations.rope_at_sheave import IN, OUT
+from ..line.rodas4p import ALPHA, GAMMA, GAMMA_I, INERTIA, R_BY_GAMMA, STAGES, A, P
+from ..linear_algebra.both_ends import add_to_node, get_node
+from ..linear_algebra.vectors import add, add_scaled, dot, get, put, scale
+from . import sheave_room as at_sheave
+from .sheave_pulls import acceleration_at_sheave, density_of, end_acceleration, mass_of, stiffness_of, take_pulls
+from .sheave_room import (
+    ACCELERATIONS,
+    BORDER,
+    PULLED,
+    array_at,
+    gain_of,
+    is_coordinate,
+    is_running,
+    numbers_at,
+    runs_over,
+    single_at,
+    winch_of,
+)
+from .sheaves import solve_gains
+from .system_room import integrator_of, shares_of
+
+
+@kernel
+def added_up(start, factors, stage, speeds):
+    """start + sum_j factors[stage, j] U_j."""
+    for j in range(stage):
+        start += factors[stage, j] * speeds[j]
+    return start
+
+
+@kernel
+def go_to_stage(system, stage, time, h):
+    """Rope that has passed, speeds, lengths of all running sheaves and portions (modified) at a stage; False: no length."""
+    for k in range(lines_of(system)):
+        if goes_on(system, k):
+            numbers, speeds = numbers_at(system, k), shares_of(system, k).speeds
+            speed = numbers[at_sheave.SPEED]
+            if not runs_over(system, k):
+                numbers[at_sheave.PASSED] = numbers[at_sheave.STAGE_SPEED] = numbers[at_sheave.GAIN] = 0.0
+                numbers[at_sheave.REST] = numbers[at_sheave.ADDED_UP] = 0.0
+                continue
+            numbers[at_sheave.REST] = added_up(GAMMA_I[stage] / GAMMA * speed, R_BY_GAMMA, stage, speeds)
+            numbers[at_sheave.ADDED_UP] = added_up(GAMMA_I[stage] / GAMMA * speed / GAMMA, INERTIA, stage, speeds)
+            if stage < STAGES - 1:
+                numbers[at_sheave.PASSED] = h * added_up(ALPHA[stage] * speed, P, stage, speeds)
+                numbers[at_sheave.STAGE_SPEED] = added_up(speed, A, stage, speeds)
+    return take_lengths(system, time, time + ALPHA[stage] * h)
+
+
+@kernel
+def take_lengths(system, start, time):
+    """Lengths and a of the portions (modified) at a time [s], from a step that began at `start` [s]; False: no length."""
+    lost = 0
+    for k in range(lines_of(system)):
+        if is_portion(system, k):
+            numbers = numbers_at(system, k)
+            length = numbers[at_sheave.LENGTH_NOW]
+            if comes_from(system, k):
+                before = numbers_at(system, k - 1)
+                length += before[at_sheave.PASSED]
+                numbers[at_sheave.INTO] = before[at_sheave.STAGE_SPEED]
+            else:
+                paid = winch_of(system, k)
+                length += winch.length_at(paid, time) - winch.length_at(paid, start)
+                numbers[at_sheave.INTO] = winch.rate_at(paid, time)
+                numbers[at_sheave.INTO_GAIN] = winch.gain_at(paid, time)
+            if goes_on(system, k):
+                length -= numbers[at_sheave.PASSED]
+            numbers[at_sheave.LENGTH] = length
+            lost += not length > 0.0
+    return lost == 0
+
+
+@kernel
+def accelerate(system, stage, time):
+    """u' of all sheaves at a stage at a time [s], and the right-hand sides with it (modified)."""
+    for k in range(lines_of(system)):
+        if is_running(system, k):
+            own = take_pulls(system, k, time)
+            if stage == 0:
+                numbers = numbers_at(system, k)
+                numbers[at_sheave.INERTIA], numbers[at_sheave.INERTIA + 1], numbers[at_sheave.INERTIA + 2] = own
+                for side in (IN, OUT):
+                    copy(array_at(system, k, PULLED, side), array_at(system, k, BORDER, side))
+    solve_gains(system, time)
+    if stage == 0:
+        take_slopes(system)
+    for k in range(lines_of(system)):
+        if is_running(system, k):
+            find_accelerations(system, k)
+            if stage == 0:
+                find_end_accelerations(system, k, time)
+    for k in range(lines_of(system)):
+        if goes_on(system, k) and runs_over(system, k):
+            take_right(system, k)
+    if stage > 0:
+        for k in range(lines_of(system)):
+            if is_running(system, k):
+                push_nodes(system, k)
+
+
+@kernel
+def take_slopes(system):
+    """Slopes of the equations of all running sheaves by R_a and - R_b at the start of the step, and e there (modified)."""
+    for k in range(lines_of(system)):
+        if goes_on(system, k) and runs_over(system, k):
+            numbers = numbers_at(system, k)
+            moving = density_of(system, k) * numbers[at_sheave.SPEED] ** 2
+            if numbers[at_sheave.TENSION_BEHIND] <= moving:
+                numbers[at_sheave.BEHIND] = 1.0
+            if numbers[at_sheave.TENSION_AHEAD] <= moving:
+                numbers[at_sheave.AHEAD] = 1.0
+            of_1 = max(numbers[at_sheave.TENSION_BEHIND], 0.0) / stiffness_of(system, k)
+            of_2 = max(numbers[at_sheave.TENSION_AHEAD], 0.0) / stiffness_of(system, k + 1)
+            numbers[at_sheave.OF_BEHIND] = numbers[at_sheave.BEHIND] / (1.0 + of_1)
+            numbers[at_sheave.OF_AHEAD] = numbers[at_sheave.AHEAD] / (1.0 + of_2)
+
+
+@kernel
+def find_accelerations(system, k):
+    """ACCELERATIONS of the inner nodes of portion k at a stage, and CROSSED (both modified)."""
+    numbers, w, n = numbers_at(system, k), integrator_of(system, k), segments_of(system, k)
+    a, b, found = array_at(system, k, BORDER, IN), array_at(system, k, BORDER, OUT), single_at(system, k, ACCELERATIONS)
+    pulled_a, pulled_b = array_at(system, k, PULLED, IN), array_at(system, k, PULLED, OUT)
+    gain_a = gain_of(system, k, IN) if is_coordinate(system, k, IN) else 0.0
+    gain_b = gain_of(system, k, OUT) if is_coordinate(system, k, OUT) else 0.0
+    of_a, of_b = 0.0, 0.0
+    for i in range(1, n):
+        force = add_scaled(get_node(n, i, w.force), gain_a, get(pulled_a, i))
+        gained = scale(1.0 / w.stage_mass[i], add_scaled(force, gain_b, get(pulled_b, i)))
+        of_a += dot(get(a, i), gained)
+        of_b += dot(get(b, i), gained)
+        put(found, i, gained)
+    numbers[at_sheave.CROSSED], numbers[at_sheave.CROSSED + 1] = of_a, of_b
+
+
+@kernel
+def find_end_accelerations(system, k, time):
+    """ACCELERATIONS of the ends of portion k at a stage (modified)."""
+    found = single_at(system, k, ACCELERATIONS)
+    put(found, 0, end_acceleration(system, k, 0, time))
+    put(found, segments_of(system, k), end_acceleration(system, k, 1, time))
+
+
+@kernel
+def inertia_times(system, k, which):
+    """Sum over the running sheaves of the inertia of the sheave at the end of line k at the start of the step [N], [kg m/s].
+
+    which : what of a sheave it is multiplied by, GAIN or ADDED_UP.
+    """
+    numbers, behind = numbers_at(system, k), numbers_at(system, k + 1)
+    of_1, of_2 = numbers[at_sheave.OF_BEHIND], numbers[at_sheave.OF_AHEAD]
+    own = of_2 * behind[at_sheave.INERTIA] + of_1 * numbers[at_sheave.INERTIA + 2] + mass_of(system, k)
+    total = own * numbers[which]
+    if is_coordinate(system, k, IN):
+        total += of_1 * numbers[at_sheave.INERTIA + 1] * numbers_at(system, k - 1)[which]
+    if is_coordinate(system, k + 1, OUT):
+        total += of_2 * behind[at_sheave.INERTIA + 1] * behind[which]
+    return total
+
+
+@kernel
+def take_right(system, k):
+    """Right-hand side of a stage of the sheave at the end of line k from all accelerations (modified)."""
+    numbers, behind, n = numbers_at(system, k), numbers_at(system, k + 1), segments_of(system, k)
+    of_1, of_2 = numbers[at_sheave.OF_BEHIND], numbers[at_sheave.OF_AHEAD]
+    total = inertia_times(system, k, at_sheave.GAIN)
+    total -= of_2 * behind[at_sheave.CROSSED] + of_1 * numbers[at_sheave.CROSSED + 1]
+    if is_at_point(system, k, 1):
+        col = add(
+            scale(of_1, get(array_at(system, k, BORDER, OUT), n)), scale(of_2, get(array_at(system, k + 1, BORDER, IN), 0))
+        )
+        total -= dot(col, acceleration_at_sheave(system, k))
+    numbers[at_sheave.RIGHT] = total
+
+
+@kernel
+def push_nodes(system, k):
+    """Let the forces of portion k (modified) have what u' of its sheaves does: col u', and - col_0 u' of M_0, by masses."""
+    conditions, w, points = conditions_of(system, k), integrator_of(system, k), points_of(system)
+    n = conditions.n
+    at_ends = is_at_point(system, k, 0), is_at_point(system, k, 1)
+    for side in (IN, OUT):
+        if is_coordinate(system, k, side):
+            gain, border = gain_of(system, k, side), array_at(system, k, BORDER, side)
+            pulled = array_at(system, k, PULLED, side)
+            for i in range(conditions.first, conditions.last + 1):
+                ratio = w.stage_mass[i] / w.mass[i]
+                if (i == 0 and at_ends[0]) or (i == n and at_ends[1]):
+                    point = point_at(system, k, 0 if i == 0 else 1)
+                    ratio = points.stage_mass[point] / points.mass[point]
+                add_to_node(n, i, add_scaled(scale(gain, get(pulled, i)), -gain * ratio, get(border, i)), w.force)

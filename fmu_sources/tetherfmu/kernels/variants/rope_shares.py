@@ -1,0 +1,309 @@
+"""Lines that run over sheaves, at rest: the shares of their portions with which each has the same tension on both sides.
+
+With the lengths of all portions the free points are found as ever (`resting_points.py`), and with these each portion is in
+equilibrium. A rope that passes a sheave by q makes the tension ahead fall and that behind it rise; both are slopes of one
+potential, so that Newton's method on q, with differences for the slopes, goes along its fall.
+"""
+
+from math import inf
+
+from tetherfmu.runtime import layout as at
+from tetherfmu.runtime import plan_layout as places
+from tetherfmu.runtime.status import NO_SHARES, OK
+
+from ..compilation import kernel
+from ..equations import rope_at_sheave as rope
+from ..equations import segment, winch
+from ..equations.lines import (
+    comes_from,
+    goes_on,
+    inputs_of,
+    is_portion,
+    lines_of,
+    motion_of,
+    parameters_of,
+    room_of,
+    segments_of,
+    sheaves_of,
+    state_of,
+)
+from ..equations.properties import chain_without_flow, property_in, property_of, put_property, rest_length
+from ..equations.rope_at_drum import tension_of
+from ..linear_algebra import small_matrix
+from ..linear_algebra.vectors import ZERO_VECTOR, norm, sub, vector_at
+from ..points import sheave_room as at_sheave
+from ..points.sheave_room import numbers_at, shared_of, shortest_of
+from ..rest import dynamic_chain, resting_points
+from ..rest.resting_line import given_position, is_sought, start_state
+
+ITERATIONS, TRIALS = 60, 12
+BALANCED, ROUNDED = 1e-10, 1e-7  # difference of tensions over their size: goal, and enough where it falls no more
+DIFFERENCE = 1e-7  # of the rope, for slopes
+SOFTEST, STIFFER = 2.0**-15, 8.0  # stiffness of rope that fits anywhere, over that of the given one; from step to step
+LONGEST_STEP = 0.25  # of a portion beside the sheave
+
+
+@kernel
+def first_of(system, k):
+    """The first portion of the rope of which line k is one."""
+    while comes_from(system, k):
+        k -= 1
+    return k
+
+
+@kernel
+def whole_length(system, k):
+    """Unstretched length of the rope whose first portion is k at the start [m]."""
+    return winch.first_length(parameters_of(system, k), inputs_of(system, k), state_of(system, k))
+
+
+@kernel
+def span_of(system, k):
+    """Distance of the ends of portion k where both are given [m], else 0."""
+    if is_sought(system, k, 0) or is_sought(system, k, 1):
+        return 0.0
+    return norm(sub(given_position(system, k, 1), given_position(system, k, 0)))
+
+
+@kernel
+def share_ropes(system):
+    """Lengths of all portions as they are given, or by the distances of their points (modified); how many are sought."""
+    sought = 0
+    for k in range(lines_of(system)):
+        if is_portion(system, k) and not comes_from(system, k):
+            for i in range(at.STATE_HEADER):
+                state_of(system, k)[i] = 0.0  # for the length of the whole rope
+            whole, last, given, spans, unknown = whole_length(system, k), k, 0.0, 0.0, 0
+            while goes_on(system, last):
+                last += 1
+            for j in range(k, last + 1):
+                given += parameters_of(system, j)[at.GIVEN_PORTION]
+                spans += span_of(system, j)
+                unknown += parameters_of(system, j)[at.GIVEN_PORTION] == 0.0
+                sought += parameters_of(system, j)[at.GIVEN_PORTION] == 0.0
+            spread = 1.0 / (last + 1 - k)
+            for j in range(k, last + 1):
+                length = parameters_of(system, j)[at.GIVEN_PORTION] * whole / given if unknown == 0 else 0.0
+                if unknown > 0:
+                    span = span_of(system, j)
+                    length = whole * (span / spans if spans > 0.0 and span > 0.0 else spread)
+                numbers_at(system, j)[at_sheave.LENGTH_NOW] = length
+            if unknown > 0:
+                even_out(system, k, last, whole)
+    return sought
+
+
+@kernel
+def even_out(system, k, last, whole):
+    """Let the portions from k to the last have the whole length [m] together (modified)."""
+    total = 0.0
+    for j in range(k, last + 1):
+        total += numbers_at(system, j)[at_sheave.LENGTH_NOW]
+    for j in range(k, last + 1):
+        numbers_at(system, j)[at_sheave.LENGTH_NOW] *= whole / total
+
+
+@kernel
+def end_tensions_at_rest(n, parameters, state):
+    """Tension at both ends of a portion that is in equilibrium in its state [N]."""
+    chain, held = chain_without_flow(n, parameters, state), vector_at(state, at.GROUND_TENSION_VECTOR)
+    x = at.STATE_HEADER
+    lowest, highest, part, pull_a, pull_b = state[x + 2], state[x + 3 * n + 2], 1.0, 0.0, 0.0
+    if norm(held) > 0.0:
+        half = rope.half_density(chain, 0) * rest_length(chain, 0) * chain.gravity
+        at_end = vector_at(state, at.KITE_TENSION_VECTOR)
+        return norm(held) - half * held[2] / norm(held), norm(at_end) + half * at_end[2] / norm(at_end)
+    own = rope.rope_of(chain)
+    for s in range(n):
+        x_p, x_q = vector_at(state, x + 3 * s), vector_at(state, x + 3 * s + 3)
+        r, height, still = sub(x_q, x_p), segment.mean_height(x_p, x_q), (0.0, 0.0)
+        over = height - lowest, height - highest
+        of_a, of_b = rope.pulls(own, chain, part, still, segment.BY_LENGTH, r, ZERO_VECTOR, *over)
+        pull_a += of_a
+        pull_b += of_b
+        part -= own.share
+    stiffness = property_of(chain, 0, at.STIFFNESS)
+    return tension_of(stiffness, pull_a), tension_of(stiffness, -pull_b)
+
+
+@kernel
+def take_tensions_at_rest(system, k):
+    """Tensions at both ends of portion k, which is in equilibrium, into its state (modified)."""
+    state = state_of(system, k)
+    state[at.TENSION_FROM], state[at.TENSION_TO] = end_tensions_at_rest(
+        segments_of(system, k), parameters_of(system, k), state
+    )
+
+
+@kernel
+def settle_portion(system, k):
+    """Bring portion k (modified) to rest between its points; a status."""
+    n, parameters, state = segments_of(system, k), parameters_of(system, k), state_of(system, k)
+    status = start_state(system, k)
+    if status == OK:
+        state[at.REELING] = 0.0
+        _, v = motion_of(system, k)
+        for i in range(3 * (n + 1)):
+            v[i] = 0.0
+        status = dynamic_chain.initialize(n, parameters, float(at.STATIC_EQUILIBRIUM), state, room_of(system, k))
+    if status == OK:
+        take_tensions_at_rest(system, k)
+    return status
+
+
+@kernel
+def find_differences(system, as_given, differences):
+    """T ahead - T behind of all sheaves [N] at rest (modified) with these lengths; a status, and the largest tension."""
+    status = resting_points.find(system, as_given)
+    largest = 0.0
+    for k in range(lines_of(system)):
+        if status == OK and is_portion(system, k):
+            system.plan[places.STATUS_LINE] = k
+            status = settle_portion(system, k)
+            state = state_of(system, k)
+            largest = max(largest, abs(state[at.TENSION_FROM]), abs(state[at.TENSION_TO]))
+    j = 0
+    for k in range(lines_of(system)):
+        if goes_on(system, k):
+            differences[j] = state_of(system, k + 1)[at.TENSION_FROM] - state_of(system, k)[at.TENSION_TO]
+            j += 1
+    return status, largest
+
+
+@kernel
+def move_rope(system, factor, moves):
+    """Let rope pass all sheaves by a factor times `moves` [m], in the lengths of the portions (modified)."""
+    j = 0
+    for k in range(lines_of(system)):
+        if goes_on(system, k):
+            numbers_at(system, k)[at_sheave.LENGTH_NOW] -= factor * moves[j]
+            numbers_at(system, k + 1)[at_sheave.LENGTH_NOW] += factor * moves[j]
+            j += 1
+
+
+@kernel
+def part_within(system, moves):
+    """Part of `moves` [m] by which no portion changes too much, or gets too short."""
+    part, j = 1.0, 0
+    for k in range(lines_of(system)):
+        if is_portion(system, k):
+            change = moves[j - 1] if comes_from(system, k) else 0.0
+            change -= moves[j] if goes_on(system, k) else 0.0
+            length = numbers_at(system, k)[at_sheave.LENGTH_NOW]
+            room = min(LONGEST_STEP * length, 0.5 * (length - shortest_of(system, k)))
+            if change < 0.0 and -change * part > room:
+                part = room / -change
+            elif change * part > LONGEST_STEP * length:
+                part = LONGEST_STEP * length / change
+        j += goes_on(system, k)
+    return part
+
+
+@kernel
+def size_of(numbers):
+    """Largest magnitude."""
+    most = 0.0
+    for j in range(len(numbers)):
+        most = max(most, abs(numbers[j]))
+    return most
+
+
+@kernel
+def work_of(moves, differences):
+    """Sum of moves times differences [N m]."""
+    total = 0.0
+    for j in range(len(moves)):
+        total += moves[j] * differences[j]
+    return total
+
+
+@kernel
+def find_moves(system, differences, shared, length):
+    """A step of Newton's method [m] into shared[3] (modified) from differences [N]; a status.  length : of the ropes [m]."""
+    count, (matrix, _, unit, moves, other) = sheaves_of(system), shared
+    h, status = DIFFERENCE * length, OK
+    for j in range(count):
+        for i in range(count):
+            unit[i] = 1.0 if i == j else 0.0
+        if status == OK:
+            move_rope(system, h, unit)
+            status, _ = find_differences(system, True, other)
+            move_rope(system, -h, unit)
+            for i in range(count):
+                matrix[count * i + j] = (differences[i] - other[i]) / h
+    for i in range(count):
+        moves[i] = differences[i]
+    if status == OK and not small_matrix.solve(count, matrix, moves):
+        return NO_SHARES
+    if work_of(moves, differences) < 0.0:
+        for i in range(count):
+            moves[i] = -moves[i]
+    return status
+
+
+@kernel
+def balance_ropes(system, as_given, shared, differences):
+    """Search for the lengths of the portions (modified) from those that they have; a status.
+
+    as_given : whether the search for the free points begins where the inputs have them.
+    """
+    length, moves = 0.0, shared[3]
+    for k in range(lines_of(system)):
+        if is_portion(system, k):
+            length = max(length, numbers_at(system, k)[at_sheave.LENGTH_NOW])
+    status, largest = find_differences(system, as_given, differences)
+    last = inf
+    for _ in range(ITERATIONS):
+        size = size_of(differences)
+        if status != OK or size <= BALANCED * largest or (size >= 0.5 * last and size <= ROUNDED * largest):
+            return status
+        last = size
+        status = find_moves(system, differences, shared, length)
+        if status != OK:
+            return status
+        start, taken = work_of(moves, differences), part_within(system, moves)
+        move_rope(system, taken, moves)
+        for trial in range(TRIALS):
+            status, largest = find_differences(system, True, differences)
+            left = work_of(moves, differences) if status == OK else -inf
+            if left > -0.5 * start or trial == TRIALS - 1:
+                break
+            less = taken * min(max(start / (start - left), 0.05), 0.9)
+            move_rope(system, less - taken, moves)
+            taken = less
+    return NO_SHARES
+
+
+@kernel
+def put_stiffness(system, factor):
+    """Multiply the axial stiffness of all portions by a factor, a power of 2 (in the parameters, modified)."""
+    for k in range(lines_of(system)):
+        n, parameters = segments_of(system, k), parameters_of(system, k)
+        for s in range(n):
+            if is_portion(system, k):
+                put_property(n, at.STIFFNESS, s, factor * property_in(parameters, n, s, at.STIFFNESS), parameters)
+
+
+@kernel
+def find_shares(system):
+    """Put all sought points and the lengths of all portions where they are in equilibrium (modified); a status.
+
+    Where portions of stiff rope do not fit together on the way, with softer rope first.
+    """
+    sought = share_ropes(system)
+    if sought == 0:
+        return resting_points.find(system, False)
+    shared, differences = shared_of(system), at_sheave.differences_of(system)
+    status = balance_ropes(system, False, shared, differences)
+    if status == OK:
+        return OK
+    share_ropes(system)
+    factor, found = SOFTEST, OK
+    put_stiffness(system, SOFTEST)
+    while factor <= 1.0 and found == OK:
+        found = balance_ropes(system, factor > SOFTEST, shared, differences)
+        put_stiffness(system, STIFFER if factor < 1.0 else 1.0)
+        factor *= STIFFER
+    if factor <= 1.0:
+        put_stiffness(system, 1.0 / factor)
+    return found if found == OK else status

@@ -1,0 +1,199 @@
+"""Winches that hold several lines of a system, each with a ratio: the drum turns all of them.
+
+A winch that turns at the speed w pays out a line at ratio w; what several winches pay out of a line adds up. So with the
+matrix R of ratios (lines, winches) the reel-out speeds of lines are R w, their lengths initial_length + R p, with the
+payouts p of the winches. These follow from the lines with the shares S = (R^T R)^-1 R^T: p = S (length - initial_length).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from tetherfmu.fmi import system_variables
+from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.naming import meant_or_all, names_checked
+from tetherfmu.runtime.parameters import Winch
+from tetherfmu.runtime.quantities import quantities
+
+from .records import Line, checked_name
+from .results import WinchOutputs
+
+BY_SPEED, BY_LENGTH = "speed", "length"
+GIVEN = {BY_SPEED: "reel_out_speed", BY_LENGTH: "winch_length"}  # its input, by what controls it
+CONTROL = dict(quantities(Winch))["winch_control"].numbers
+SMALLEST_RATIO, LARGEST_RATIO = 1e-3, 1e3
+DEPENDENT = 1e-9  # a singular value of the matrix of ratios below this part of the largest is none
+
+
+@names_checked
+@dataclass(frozen=True)
+class SharedWinch:
+    """A winch that holds several lines of a system, at their starts. ValueError if a name or a number is wrong.
+
+    Parameters
+    ----------
+    name : str
+        Letters, digits and underscores.
+    lines : dict of str to float
+        Names of lines and their ratios: rope of the line for each metre that the winch pays out; negative where it reels in
+        then. A line may be in several winches: what they pay out adds up. It has no winch of its own.
+    control : "speed" or "length"
+        Its input: `reel_out_speed`, or `winch_length`, the length paid out since the start [m].
+    reel_out_speed : float
+        At the start [m/s], with the control "speed"; positive pays out.
+
+    Examples
+    --------
+    >>> SharedWinch("steering", {"left": 1.0, "right": -1.0}, control="length").input
+    'winch_length'
+    """
+
+    name: str
+    lines: Mapping[str, float]
+    control: str = BY_SPEED
+    reel_out_speed: float = 0.0
+
+    def __post_init__(self):
+        checked_name("winch", self.name)
+        if self.control not in GIVEN:
+            raise ValueError(
+                f"{self.name}.control is {self.control!r}; it must be {' or '.join(map(repr, GIVEN))}, as the winch holds "
+                "lines with ratios (a line alone can have winch_control = force)"
+            )
+        if not isinstance(self.lines, Mapping) or not self.lines:
+            raise ValueError(f"{self.name}.lines is {self.lines!r}; it must have names of lines, each with its ratio")
+        for line, ratio in self.lines.items():
+            is_number = isinstance(ratio, int | float) and not isinstance(ratio, bool)
+            if not (is_number and SMALLEST_RATIO <= abs(ratio) <= LARGEST_RATIO):
+                raise ValueError(
+                    f"{self.name}.lines.{line} is {ratio!r}; it must be a number between {SMALLEST_RATIO:g} and "
+                    f"{LARGEST_RATIO:g}, or the negative of one"
+                )
+        if not abs(self.reel_out_speed) <= at.LARGEST_INPUT:
+            raise ValueError(
+                f"{self.name}.reel_out_speed is {self.reel_out_speed!r}; it must be finite and at most "
+                f"{at.LARGEST_INPUT:g} in magnitude"
+            )
+        if self.reel_out_speed and self.control != BY_SPEED:
+            raise ValueError(
+                f"{self.name}.reel_out_speed is {self.reel_out_speed!r} and has no effect: control is {self.control!r}"
+            )
+
+    @property
+    def input(self) -> str:
+        """Name of its input."""
+        return GIVEN[self.control]
+
+
+def holding(winches, line):
+    """The winches that hold a line with this name."""
+    return [each for each in winches if line in each.lines]
+
+
+def check_winches(winches: Sequence[SharedWinch], lines: Sequence[Line], taken: Sequence[str]) -> None:
+    """TypeError or ValueError, in words, unless winches fit to the lines of a system; taken : names of points and lines."""
+    if not all(isinstance(each, SharedWinch) for each in winches):
+        raise TypeError(f"winches is {winches!r}; it must be a sequence of SharedWinch")
+    known, names = [line.name for line in lines], [*taken, *(each.name for each in winches)]
+    for winch in winches:
+        if names.count(winch.name) > 1:
+            raise ValueError(f"the name {winch.name} is given twice; each point, line and winch needs a name of its own")
+        for name in winch.lines:
+            if name not in known:
+                raise ValueError(
+                    f"the winch {winch.name} holds the line {name}, which does not exist{meant_or_all(name, known)}"
+                )
+    for line in lines:
+        held = holding(winches, line.name)
+        if held and (line.winch != Winch() or line.reel_out_speed != 0.0):
+            raise ValueError(f"the line {line.name} is held by the winch {held[0].name}; it can have no winch of its own")
+        if len({each.control for each in held}) > 1:
+            names = ", ".join(f"{each.name} ({each.control})" for each in held)
+            raise ValueError(f"the line {line.name} is held by winches with different controls, {names}; give them the same")
+    shares_of(winches)
+
+
+def shares_of(winches):
+    """Names of the lines that winches hold, ratios (lines, winches) and shares (winches, lines).
+
+    ValueError if winches hold the same lines in the same ratios.
+    """
+    held = list(dict.fromkeys(name for each in winches for name in each.lines))
+    ratios = np.zeros((len(held), len(winches)))
+    for j, each in enumerate(winches):
+        ratios[[held.index(name) for name in each.lines], j] = list(each.lines.values())
+    if winches:
+        values = np.linalg.svd(ratios, compute_uv=False)
+        if len(held) < len(winches) or values[-1] < DEPENDENT * values[0]:
+            raise ValueError(
+                f"the winches {', '.join(each.name for each in winches)} hold the same lines in the same ratios, so that "
+                "what each has paid out cannot be told; leave one out"
+            )
+    return held, ratios, np.linalg.pinv(ratios) if winches else ratios.T
+
+
+def as_built(winches):
+    """The same as records of `fmi.system_variables`, a tuple."""
+    held, _, shares = shares_of(winches)
+    return tuple(
+        system_variables.SharedWinch(
+            each.name,
+            each.input,
+            tuple((line, float(ratio)) for line, ratio in each.lines.items()),
+            tuple((line, share) for line, share in zip(held, own.tolist(), strict=True) if share),
+            float(each.reel_out_speed),
+        )
+        for each, own in zip(winches, shares, strict=True)
+    )
+
+
+class Turned:
+    """Lines of a system as its shared winches turn them.
+
+    told (modified) : what each winch is told now, its input, an array.
+    """
+
+    def __init__(self, winches, lines):
+        names = [line.name for line in lines]
+        held, self._ratios, self._shares = shares_of(winches)
+        self.winches, self.held = winches, [names.index(name) for name in held]
+        self._first_lengths = np.array([sum(each.initial_length for each in lines[k].tethers) for k in self.held])
+        self._by_length = np.array([each.control == BY_LENGTH for each in winches], dtype=bool)
+        self.told = np.zeros(len(winches))
+
+    def by(self, what):
+        """Names of the winches with this input."""
+        return [each.name for each in self.winches if each.input == what]
+
+    def place_of(self, name):
+        """Place of a winch with this name."""
+        return [each.name for each in self.winches].index(name)
+
+    def put(self, told, rows):
+        """Let the lines be turned as winches are told, (..., winches).
+
+        rows : views (..., INPUTS) of the inputs of all lines (modified).
+        """
+        for k, ratios, first in zip(self.held, self._ratios, self._first_lengths, strict=True):
+            is_by_length = any(self._by_length[ratios != 0.0])
+            terms = (ratio * told[..., j] for j, ratio in enumerate(ratios) if ratio)
+            turned = sum(terms, start=first if is_by_length else 0.0)
+            rows[k][..., at.WINCH_LENGTH if is_by_length else at.REEL_OUT_SPEED] = turned
+
+    def outputs(self, lines):
+        """`WinchOutputs` of each winch by its name; lines : outputs of all lines (..., outputs), a list."""
+        if not self.winches:
+            return {}
+        speeds = np.stack([lines[k][..., at.WINCH_SPEED] for k in self.held], axis=-1) @ self._shares.T
+        lengths = np.stack([lines[k][..., at.TETHER_LENGTH] for k in self.held], axis=-1) - self._first_lengths
+        payouts = lengths @ self._shares.T
+        return {each.name: WinchOutputs(speeds[..., j][()], payouts[..., j][()]) for j, each in enumerate(self.winches)}
+
+
+def with_controls(lines, winches):
+    """Lines, those that winches hold with the control of these."""
+    controls = {name: Winch(winch_control=CONTROL[each.control]) for each in winches for name in each.lines}
+    return tuple(replace(line, winch=controls.get(line.name, line.winch)) for line in lines)

@@ -1,0 +1,98 @@
+"""The FMU of a system with lines over sheaves, in all flavours: the numbers of `TetherSystem`."""
+
+from pathlib import Path
+
+import pytest
+from fmpy import read_model_description
+
+from isolation import in_shared_process
+from runtime.host import STEP, Host, blob_of, restore
+from tetherfmu import TetherSystem
+from tetherfmu.check.__main__ import main as check
+from tetherfmu.export import systems
+
+FILES = Path(__file__).parents[2] / "examples" / "systems"
+NAMES = {"TwoFallHoist": ("two_fall_hoist", "hoist"), "Atwood": ("atwood", "rope")}
+FLAVOURS = {0: "2.0", 2: "2.0", 3: "3.0"}
+OF_PORTIONS = {"length": "portion_length", "tension_from": "portion_tension_from", "tension_to": "portion_tension_to"}
+OF_SHEAVES = {"payout": "sheave_payout", "speed": "sheave_speed"}
+
+
+@pytest.fixture(scope="session")
+def folder(built_once):
+    """Folder with an FMU of each file and each flavour, in a folder of its own."""
+
+    def build(folder):
+        for file, _ in NAMES.values():
+            for native in FLAVOURS:
+                systems.build(FILES / f"{file}.toml", folder / str(native), native=native or None)
+
+    return built_once("sheaves", build)
+
+
+@pytest.mark.parametrize("native", FLAVOURS)
+@pytest.mark.parametrize("name", NAMES)
+@in_shared_process
+def test_the_numbers_of_the_python_api(folder, native, name):
+    """Bit for bit, also where a state is restored."""
+    file, line = NAMES[name]
+    system = TetherSystem.from_file(FILES / f"{file}.toml")
+    system.initialize()
+    host = Host(folder / str(native) / f"{name}.fmu").start()
+    for k in range(20):
+        if k == 10:
+            blob = blob_of(host)
+            host.step(STEP, **{f"{line}.reel_out_speed": 1.0})
+            restore(host, blob)
+        host.step(STEP, **{f"{line}.reel_out_speed": -0.01 * k})
+        wanted = system.step(STEP, reel_out_speeds={line: -0.01 * k})
+        own, portions = wanted.lines[line], wanted.portions[line]
+        found = {"tether_length": own.tether_length, "tension_from": own.ground_tension, "tension_to": own.kite_tension}
+        found |= {"max_tension": own.max_tension, "peak_tension": own.peak_tension, "winch_speed": own.winch_speed}
+        for ours, theirs in (OF_PORTIONS | OF_SHEAVES).items():
+            found |= {f"{theirs}[{i + 1}]": value for i, value in enumerate(getattr(portions, ours).tolist())}
+        last = len(own.shape) + len(portions.payout)  # the point at a sheave ends one portion and begins the next
+        found |= {f"shape[{last},3]": own.shape[-1, 2]}
+        assert {each: host.get(f"{line}.{each}") for each in found} == found
+        for point in wanted.points:
+            if point in system._instance.free:
+                assert host.get(f"{point}.position[3]") == wanted.points[point].position[2]
+            else:
+                assert host.get(f"{point}.force[3]") == wanted.points[point].force[2]
+    assert abs(portions.payout[0]) > 1e-3
+
+
+@pytest.mark.parametrize("native", FLAVOURS)
+@in_shared_process
+def test_the_parameters_of_sheaves_count(folder, native):
+    """A sheave that friction holds."""
+    file = folder / str(native) / "Atwood.fmu"
+    portions = {"rope.initial_portions[1]": 8.0, "rope.initial_portions[2]": 12.0}
+    places = {"light.initial_position[3]": -8.0, "heavy.initial_position[3]": -12.0}
+    host = Host(file).start(**{"rope.sheave_friction[1]": 1.0}, **portions, **places)
+    host.step(STEP)
+    assert host.get("rope.portion_length[1]") == 8.0
+    assert host.get("rope.sheave_payout[1]") == 0.0
+    names = {each.name for each in read_model_description(file).modelVariables}
+    assert not names & {"rope.release", "rope.broken", "rope.break_time"}
+
+
+@pytest.mark.parametrize("native", FLAVOURS)
+@in_shared_process
+def test_what_is_refused_is_named(folder, native):
+    for wrong, said in {
+        "rope.sheave_efficiency[1]": (2.0, "rope.sheave_efficiency"),
+        "rope.winch_control": (2, "winch_control is 2"),
+        "fixed_step": (0.01, "fixed_step is 0.01 s in a system with a line over sheaves"),
+        "rope.breaking_force": (1e5, "breaking_force is given for a line over sheaves"),
+    }.items():
+        value, sentence = said
+        host = Host(folder / str(native) / "Atwood.fmu")
+        with pytest.raises(Exception, match=r"."):
+            host.start(**{wrong: value})
+        assert sentence in str(host.messages)
+
+
+def test_their_evidence_is_met(folder, capfd):
+    assert check([str(folder / str(native) / f"{name}.fmu") for native in FLAVOURS for name in NAMES]) == 0
+    assert capfd.readouterr().out.count("evidence set: 100 steps") == len(FLAVOURS) * len(NAMES)
