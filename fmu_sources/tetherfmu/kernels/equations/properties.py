@@ -144,6 +144,12 @@ def holds(chain, s):
 
 
 @kernel
+def place_of(n, which):
+    """First place of a property of n segments in the parameters; of SEGMENT_PROPERTIES, that of the masses of the nodes."""
+    return at.PARAMETER_SCALARS + which * n
+
+
+@kernel
 def put_property(n, which, s, value, parameters):
     """Give segment s of n one of the properties `layout.SHARE`, ... in the parameters (modified)."""
     parameters[at.PARAMETER_SCALARS + which * n + s] = value

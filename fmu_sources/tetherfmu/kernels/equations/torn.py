@@ -15,7 +15,7 @@ Theory: docs/models/theory.md, "Breaking and letting go".
 from tetherfmu.runtime import layout as at
 
 from ..compilation import kernel
-from .properties import property_in, put_property
+from .properties import place_of, property_in, put_property
 
 NO_MASS = 3.7e-13  # of a node without any [kg], as forces are divided by masses
 
@@ -91,7 +91,7 @@ def add_segment(n, parameters):
 
     The point mass of the last node is that of the new one.
     """
-    masses = at.PARAMETER_SCALARS + at.SEGMENT_PROPERTIES * n
+    masses = place_of(n, at.SEGMENT_PROPERTIES)
     winds = masses + n + 1
     for axis in range(2, -1, -1):
         first = winds + (n + 1) * axis
@@ -101,7 +101,7 @@ def add_segment(n, parameters):
     parameters[masses + n] = 0.0
     put_last(n + 1, masses, at.SEGMENT_PROPERTIES, mass, parameters)
     for which in range(at.SEGMENT_PROPERTIES - 1, -1, -1):
-        first = at.PARAMETER_SCALARS + n * which
+        first = place_of(n, which)
         put_last(n, first, which, parameters[first + n - 1] if which == at.SHARE else 0.0, parameters)
 
 
@@ -109,8 +109,8 @@ def add_segment(n, parameters):
 def remove_segment(n, parameters):
     """Undo `add_segment`: n is the number of segments without it."""
     for which in range(1, at.SEGMENT_PROPERTIES):
-        move_down(n, at.PARAMETER_SCALARS + n * which, which, parameters)
-    masses = at.PARAMETER_SCALARS + at.SEGMENT_PROPERTIES * n
+        move_down(n, place_of(n, which), which, parameters)
+    masses = place_of(n, at.SEGMENT_PROPERTIES)
     mass = parameters[masses + at.SEGMENT_PROPERTIES + n + 1]
     move_down(n, masses, at.SEGMENT_PROPERTIES, parameters)
     parameters[masses + n] = mass if mass != NO_MASS else 0.0
