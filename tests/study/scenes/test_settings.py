@@ -8,6 +8,7 @@ import pytest
 
 from study.scenes_of_tests import SCENE, written
 from tetherfmu.libraries.examples import EXAMPLES
+from tetherfmu.runtime.layout import WINCH_FORCE
 from tetherfmu.study.scenes.files import SceneError, load
 from tetherfmu.study.scenes.named import about, named_scenes
 from tetherfmu.study.scenes.settings import FARTHEST
@@ -78,7 +79,7 @@ def test_a_winch_holds_its_force(tmp_path):
     assert scene.has_force
     assert scene.winch.winch_start == 2  # equilibrium
     assert scene.tether.initial_length == pytest.approx(500.0)  # the distance, where the search begins
-    assert np.all(scene.inputs(0.02)[:, -2] == 3000.0)  # winch_force
+    assert np.all(scene.inputs(0.02)[:, WINCH_FORCE] == 3000.0)
     assert not load(written(tmp_path)).has_force
 
 
