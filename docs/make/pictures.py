@@ -33,7 +33,11 @@ MARK = "prefers-color-scheme"
 LETTERS = re.compile(r'<g style="fill: (#[0-9a-f]{6})')  # text; marks and areas are no groups
 COLOUR = re.compile(r"(fill|stroke): (#[0-9a-f]{6})\b")
 PLACE = re.compile(r"(-?\d+\.\d\d)\d+")  # of a number with more than two decimals
-RULES = {"svg.fonttype": "path", "svg.hashsalt": "tetherfmu"}  # letters need no font; equal figures are equal files
+RULES = {  # letters need no font, equal figures are equal files, curves are right to 0.3 points
+    "svg.fonttype": "path",
+    "svg.hashsalt": "tetherfmu",
+    "path.simplify_threshold": 0.3,
+}
 
 
 def darkened(colour):

@@ -137,7 +137,7 @@ def inputs_along(
     place of those of the ends.  ValueError if something has another shape, TypeError if there is no such input.
 
     >>> inputs_along(3, 0.02, wind_velocity=(8.0, 0.0, 0.0), reel_out_speed=[0.0, 0.1, 0.2]).shape
-    (3, 21)
+    (3, 22)
     """
     rows, times = np.zeros((steps, COUNT)), start + step * np.arange(steps)
     columns = by_name(rows)

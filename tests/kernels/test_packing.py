@@ -12,7 +12,7 @@ from tetherfmu.kernels import packing
 from tetherfmu.libraries.ready import kernels
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.packing import pack, pack_records
-from tetherfmu.runtime.parameters import Environment, Solver, Tether, numbers_of
+from tetherfmu.runtime.parameters import QUANTITIES_OF_TETHER, Environment, Solver, Tether, numbers_of
 from tetherfmu.runtime.variables import PARAMETERS
 from tetherfmu.runtime.variants import BY_NAME, VARIANTS
 
@@ -155,7 +155,7 @@ def test_tethers_that_do_not_fit_together(tethers, said):
 
 def test_environment_and_solver_behind_tethers_in_series():
     """Their names are right however many tethers are before them."""
-    numbers = [*WITHOUT_KITE[:10] * 2, *WITHOUT_KITE]
-    numbers[20 + NUMBER["fixed_step"]] = -1.0
+    numbers = [*WITHOUT_KITE[:QUANTITIES_OF_TETHER] * 2, *WITHOUT_KITE]
+    numbers[2 * QUANTITIES_OF_TETHER + NUMBER["fixed_step"]] = -1.0
     with pytest.raises(ValueError, match=r"fixed_step is -1\.0; it must be at least 0 s"):
         pack(kernels("dynamic"), numbers, tethers=3)

@@ -238,7 +238,7 @@ def exact_kite_force(state, inputs, before, wind):
     from scipy.integrate import solve_ivp  # not in the process of each test of this file: it takes longer than most of them
 
     tether, air = Tether(initial_length=525.0), Environment()
-    x0, v0 = state[at.STATE_HEADER :].reshape(2, -1, 3)
+    x0, v0 = state[at.STATE_HEADER : at.nodes_end(tether.segments)].reshape(2, -1, 3)
     mass, rest = node_masses(tether), tether.initial_length / tether.segments
     position, velocity = inputs[:3], inputs[3:]
     acceleration = (velocity - before) / STEP

@@ -26,7 +26,7 @@ def plucked(tether, tolerance, free, initial_shape):
     model.initialize(kite_position=KITE)
     part = np.pi * np.arange(N + 1) / N
     state = model.get_state()
-    velocity = state[at.STATE_HEADER + 3 * (N + 1) : at.state_size(N)].reshape(-1, 3)
+    velocity = state[at.STATE_HEADER + 3 * (N + 1) : at.nodes_end(N)].reshape(-1, 3)
     velocity[:, 1] += 5.0 * np.sin(part)
     velocity[:, 2] += 2.5 * np.sin(2.0 * part)
     model.set_state(state)

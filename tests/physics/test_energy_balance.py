@@ -38,7 +38,7 @@ def shaken(free_ends, length_of_chord=52.0):
     model.initialize((0.6 * length_of_chord, 0.0, 0.8 * length_of_chord), ground_position=(0.0, 0.0, 3.0))
     random = np.random.default_rng(7)
     state = model.get_state()
-    state[at.STATE_HEADER : at.state_size(7)].reshape(2, -1)[:] += np.array([[0.3], [4.0]]) * random.normal(size=(2, 24))
+    state[at.STATE_HEADER : at.nodes_end(7)].reshape(2, -1)[:] += np.array([[0.3], [4.0]]) * random.normal(size=(2, 24))
     model.set_state(state)
     return model
 
@@ -46,7 +46,7 @@ def shaken(free_ends, length_of_chord=52.0):
 def accelerations(model, reel_out_speed, free_ends):
     """Acceleration of every node (n + 1, 3) [m/s2] from the kernels; 0 at driven ends."""
     n, state, parameters = model.segments, model.get_state(), model._parameters
-    x, v = state[at.STATE_HEADER : at.state_size(n)].reshape(2, -1)
+    x, v = state[at.STATE_HEADER : at.nodes_end(n)].reshape(2, -1)
     mass = np.zeros(n + 1)
     chain = chain_at(n, parameters, state[at.LENGTH], reel_out_speed, WIND)
     assembly.node_masses(chain, mass)
@@ -72,7 +72,7 @@ def test_power_is_the_rate_of_the_energy(free_ends, reel_out_speed, node_winds):
     dt = 1e-5
     for time in (-dt, dt):
         state = start.copy()
-        x, v = state[at.STATE_HEADER : at.state_size(model.segments)].reshape(2, -1, 3)
+        x, v = state[at.STATE_HEADER : at.nodes_end(model.segments)].reshape(2, -1, 3)
         x += v * time + 0.5 * a * time**2
         v += a * time
         state[at.LENGTH] += reel_out_speed * time

@@ -300,7 +300,7 @@ def test_powers_of_the_ground_are_the_rates_of_its_energy():
 
     def energy(x, v):
         state = model.get_state()
-        state[at.STATE_HEADER : at.state_size(6)] = np.concatenate((x.ravel(), v.ravel()))
+        state[at.STATE_HEADER : at.nodes_end(6)] = np.concatenate((x.ravel(), v.ravel()))
         model.set_state(state)
         return model.energy()
 

@@ -122,11 +122,12 @@ def test_powers_of_the_wind_are_those_of_the_formula():
 
 def test_the_largest_wind_at_a_node_is_the_scale_of_the_allowed_errors():
     problem = ChainProblem(wind_profile=at.AT_NODES)
+    place = at.node_winds_at(problem.n)
     winds = np.zeros((3, problem.n + 1))
     winds[:, 3] = 30.0, -40.0, 120.0
-    problem.parameters[-winds.size :] = winds.ravel()
+    problem.parameters[place : place + winds.size] = winds.ravel()
     for frame in (0.0, 200.0):  # a motion of all of it changes nothing
-        problem.parameters[-winds.size :] = (winds + frame).ravel()
+        problem.parameters[place : place + winds.size] = (winds + frame).ravel()
         _, velocity = allowed_errors(problem.conditions, np.full_like(problem.v, frame))
         assert velocity == pytest.approx(1e-6 * 130.0, rel=1e-5)  # 1e-12 m/s is added
 

@@ -320,7 +320,7 @@ def energies_with_motor(fixed_step, length, method="second_order"):
     kite = (40.0, 0.0, 10.0)
     force = max(model.initialize(kite_position=kite).ground_tension, 0.0)
     state, part = model.get_state(), np.arange(9) / 8.0
-    velocity = state[at.STATE_HEADER + 27 : at.state_size(8)].reshape(-1, 3)
+    velocity = state[at.STATE_HEADER + 27 : at.nodes_end(8)].reshape(-1, 3)
     velocity[:, 1] += 5.0 * np.sin(np.pi * part)
     velocity[:, 2] += 2.5 * np.sin(2.0 * np.pi * part)
     model.set_state(state)

@@ -25,7 +25,7 @@ def test_scalars_are_all_outputs_but_vectors():
         "ground_tension", "kite_tension", "max_tension", "tether_length", "ground_elevation", "ground_azimuth",
         "slack_segments", "kite_end_mass", "kite_stiffness", "kite_damping", "wave_time", "sag", "winch_speed",
         "solver_steps", "solver_rejections", "solver_iterations", "grounded_length",
-        "solver_iteration_limit", "fallback_steps", "peak_tension",
+        "solver_iteration_limit", "fallback_steps", "peak_tension", "broken", "break_time",
     }  # fmt: skip
 
 

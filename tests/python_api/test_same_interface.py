@@ -168,7 +168,7 @@ def test_fmus_have_the_same_variables(fmu_folder, variant):
 @every_variant
 def test_fmu_says_what_it_ignores(fmu_folder, variant):
     ignored = {each.name for each in described(fmu_folder, variant) if "ignored: " in each.description}
-    waves = {"axial_damping", "slack_damping_ratio", "damping_law", "initial_shape"}
+    waves = {"axial_damping", "slack_damping_ratio", "damping_law", "initial_shape", "breaking_force"}
     nodes = {"segments", "slack_stiffness_ratio"}
     ground = {"ground_contact", "ground_height", "ground_friction", "ground_sink"}
     expected = {

@@ -165,7 +165,7 @@ def test_every_choice_is_described(fmu_folder, name):
         assert not any(";" in item.description for item in choices), "tables list them with semicolons"
         assert len({item.description for item in choices}) == len(choices)
     assert [(item.name, item.value) for item in items["winch_control"]] == [("speed", "1"), ("force", "2"), ("length", "3")]
-    for item, given in zip(items["winch_control"], SCALARS["input"], strict=True):
+    for item, given in zip(items["winch_control"], SCALARS["input"][:3], strict=True):
         assert given in item.description, "it names the input"
     assert variables["winch_control"].description == "quantity that controls the winch: speed, force or length"
 

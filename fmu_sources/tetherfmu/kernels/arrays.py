@@ -14,18 +14,13 @@ from .flat_arrays import part
 parameters_size = kernel(at.parameters_size)
 inputs_size = kernel(at.inputs_size)
 state_size = kernel(at.state_size)
+nodes_end = kernel(at.nodes_end)
 outputs_size = kernel(at.outputs_size)
 
 
 def places_of(*sizes):
     """First places of things of these sizes that stand one behind the other in an array, and the place behind them all."""
     return tuple(accumulate(sizes, initial=0))
-
-
-@kernel
-def nodes_end(n):
-    """Place behind the nodes in a state."""
-    return at.STATE_HEADER + 6 * (n + 1)
 
 
 SEGMENT_RECORD = 35  # numbers of the derivatives of one segment, see `equations/segment.py`

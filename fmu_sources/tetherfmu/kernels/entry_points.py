@@ -20,6 +20,7 @@ from . import packing
 from .arrays import copy, parameters_size, positions_and_velocities
 from .compilation import kernel, view
 from .equations.lines import System, lines_of, outputs_of_line, segments_of, state_of
+from .equations.torn import has_let_go
 from .flat_arrays import flat, part
 from .linear_algebra.vectors import norm, vector_at
 from .step import power_balance
@@ -70,7 +71,7 @@ def entry_points(lines):
         place = outputs
         for k in range(lines_of(system)):
             state, size = state_of(system, k), 3 * (segments_of(system, k) + 1)
-            x, v = positions_and_velocities(segments_of(system, k) + int(state[at.LET_GO]), state)
+            x, v = positions_and_velocities(segments_of(system, k) + has_let_go(state), state)
             copy(part(x, 0, size), part(kept, place, size))
             copy(part(v, 0, size), part(kept, place + size, size))
             place += 2 * size

@@ -163,6 +163,11 @@ def inputs_size(wind_points):
     return INPUTS + 3 * wind_points
 
 
+def nodes_end(segments):
+    """Place behind the nodes in the `state` array of a tether that has not let go."""
+    return STATE_HEADER + 6 * (segments + 1)
+
+
 def state_size(segments, wind_points=0):
     """Length of the `state` array [-] of a tether with so many segments and points at which the wind is given.
 

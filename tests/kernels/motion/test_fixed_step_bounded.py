@@ -72,7 +72,7 @@ def energies(fixed_step, method, damping, length):
     kite = (40.0, 0.0, 10.0)
     model.initialize(kite_position=kite)
     state = model.get_state()
-    velocity = state[at.STATE_HEADER + 27 : at.state_size(8)].reshape(-1, 3)
+    velocity = state[at.STATE_HEADER + 27 : at.nodes_end(8)].reshape(-1, 3)
     velocity[:, 1] += 5.0 * np.sin(np.pi * np.arange(9) / 8.0)
     velocity[:, 2] += 2.5 * np.sin(2.0 * np.pi * np.arange(9) / 8.0)
     model.set_state(state)

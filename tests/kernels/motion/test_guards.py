@@ -35,7 +35,7 @@ def started(solver, segments=4, length=5.2, **options):
 
 def nodes(model, state):
     """Views of positions and velocities in a state, (n + 1, 3) each."""
-    return state[at.STATE_HEADER : at.state_size(model.segments)].reshape(2, model.segments + 1, 3)
+    return state[at.STATE_HEADER : at.nodes_end(model.segments)].reshape(2, model.segments + 1, 3)
 
 
 @pytest.mark.parametrize("tether", MODELS)

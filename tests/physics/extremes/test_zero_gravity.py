@@ -21,7 +21,7 @@ def tumbling(n, tolerance, count=200, step=0.005):
     model = TetherDynamic(tether, VOID, Solver(relative_tolerance=tolerance, initial_shape=3), free_ends=(True, True))
     model.initialize((20.0, 0.0, 0.0))
     state = model.get_state()
-    state[at.STATE_HEADER + 3 * (n + 1) : at.state_size(n)] += 3.0 * np.random.default_rng(5).normal(size=3 * (n + 1))
+    state[at.STATE_HEADER + 3 * (n + 1) : at.nodes_end(n)] += 3.0 * np.random.default_rng(5).normal(size=3 * (n + 1))
     model.set_state(state)
     mass = node_masses(tether)
     linear, angular = [], []

@@ -12,8 +12,8 @@ from tetherfmu.runtime.variables import PARAMETER
 from .arrays import arrays
 
 KINDS = {"Real": 1, "Integer": 2, "Enumeration": 4, "input": 8, "output": 16, "local": 16, "parameter": 32}
+KINDS |= {"Boolean": 128}  # not 64
 INDEPENDENT = 64  # the time
-KINDS |= {"Boolean": 128}
 NUMBERS_IN_A_LINE = 12
 STATUSES = ("INPUT_NOT_FINITE", "PARAMETER_OUT_OF_RANGE", "PARAMETER_NOT_WHOLE", "NO_EQUILIBRIUM_OF_POINT")  # looked at
 QUANTITIES = (  # that sentences on parameters may ask for

@@ -47,6 +47,12 @@ def mend(n, parameters):
 
 
 @kernel
+def has_let_go(state):
+    """Whether a line in this state has let go: 1, else 0."""
+    return 1 if state[at.LET_GO] >= 1.0 else 0
+
+
+@kernel
 def is_torn(parameters):
     """Whether a segment is broken."""
     return parameters[at.TORN_NOW] > 0.0

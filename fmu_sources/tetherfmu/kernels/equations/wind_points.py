@@ -19,6 +19,7 @@ from ..flat_arrays import part
 from ..linear_algebra.pairs import number_at
 from ..linear_algebra.vectors import add_scaled, sub, vector_at
 from .properties import property_in, put_node_wind
+from .torn import has_let_go
 
 KITE_END = 1.0  # its s
 
@@ -32,7 +33,7 @@ def count_of(parameters):
 @kernel
 def winds_of(n, state):
     """Place of the winds in a state: behind its nodes, and behind the room for one that a line gets when it lets go."""
-    return nodes_end(n) + 6 * (1 - int(state[at.LET_GO]))
+    return nodes_end(n) + 6 * (1 - has_let_go(state))
 
 
 @kernel

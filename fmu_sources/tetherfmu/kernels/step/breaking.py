@@ -44,11 +44,11 @@ def is_freed(system, k):
 def fit(system):
     """Let parameters and plan (modified) of all lines be those that belong to their states."""
     for k in range(lines_of(system)):
-        if state_of(system, k)[at.LET_GO] != 0.0:
+        if torn.has_let_go(state_of(system, k)):
             torn.add_segment(segments_of(system, k), parameters_of(system, k))
             mark_freed(system, k, 1)
         broken = state_of(system, k)[at.TORN_SEGMENT]
-        if 0.0 < broken <= segments_of(system, k):
+        if 1.0 <= broken <= segments_of(system, k):
             torn.tear(segments_of(system, k), int(broken) - 1, parameters_of(system, k))
 
 
@@ -103,7 +103,7 @@ def let_go(system, before):
     """
     for k in range(lines_of(system)):
         state = state_of(system, k)
-        if inputs_of(system, k)[at.RELEASE] != 0.0 and state[at.LET_GO] == 0.0:
+        if inputs_of(system, k)[at.RELEASE] != 0.0 and not torn.has_let_go(state):
             if is_portion(system, k):
                 system.plan[places.STATUS_LINE] = k
                 return RELEASED_OVER_SHEAVES
@@ -135,7 +135,7 @@ def begin(system, before):
 def end(system):
     """`unfit` at the end of a step (modified). A line that let go in a step that was rolled back has its node no longer."""
     for k in range(lines_of(system)):
-        if is_freed(system, k) and state_of(system, k)[at.LET_GO] == 0.0:
+        if is_freed(system, k) and not torn.has_let_go(state_of(system, k)):
             torn.remove_node(segments_of(system, k) - 1, state_of(system, k))
     unfit(system)
 

@@ -177,7 +177,7 @@ def outputs_of_chain(chain, state, x, v, shape_points, outputs, mass):
 @kernel
 def parting(state):
     """1 if the line has broken or let go, else 0; and when the first of the two was [s] since the start, -1 before."""
-    has_broken, has_let_go = state[at.TORN_SEGMENT] > 0.0, state[at.LET_GO] > 0.0
+    has_broken, has_let_go = state[at.TORN_SEGMENT] >= 1.0, state[at.LET_GO] >= 1.0
     if has_broken and has_let_go:
         return 1.0, min(state[at.TORN_AT], state[at.LET_GO_AT])
     if has_broken:

@@ -34,9 +34,9 @@ def fmus_in(folder, variants=VARIANTS, wind_points=0):
 
 
 def by_name(inputs, kite_is_free=False):
-    """Inputs (steps, `layout.INPUTS`) as a DataFrame with a column for each input of an FMU."""
+    """Inputs (steps, `layout.INPUTS`) as a DataFrame with a column for each input of an FMU that is a number."""
     table = variables(DYNAMIC_FREE.name if kite_is_free else VARIANTS[0], 0)
-    places = {variable.name: variable.place for variable in table if variable.causality == INPUT}
+    places = {each.name: each.place for each in table if each.causality == INPUT and each.kind == "Real"}
     return pd.DataFrame(inputs[:, list(places.values())], columns=list(places))
 
 
