@@ -180,6 +180,24 @@ def test_falls(falls):
     assert risen == pytest.approx(paid / falls * (1.0 + share / 1e7), rel=1e-3, abs=5e-4)
 
 
+@pytest.mark.parametrize("control", ["speed", "length"])
+def test_a_winch_pays_out_the_whole_line(control):
+    """It follows the length of all portions together; speeds that rise evenly add up to it."""
+    points = [Point("winch", (0.0, 0.0, 30.0)), Point("anchor", (1.0, 0.0, 30.0)), Point("block", mass=2000.0)]
+    stiff = {"diameter": 0.012, "mass_per_length": 0.57, "axial_stiffness": 1e7, "axial_damping": 1e5}
+    winch, sheave = Winch(winch_control=control), {"through": ["block"], "sheave_friction": 0.02}
+    system = TetherSystem(points, [Line("hoist", "winch", "anchor", rope(40.0, **stiff), winch=winch, **sheave)])
+    system.initialize(winch_lengths={"hoist": 40.0} if control == "length" else None)
+    name = "winch_lengths" if control == "length" else "reel_out_speeds"
+    for k in range(100):
+        time = 0.02 * k
+        value = 40.0 - 0.1 * time**2 if control == "length" else -0.2 * time
+        outputs = system.step(0.02, **{name: {"hoist": value}})
+    assert outputs.lines["hoist"].tether_length == pytest.approx(40.0 - 0.1 * 2.0**2, abs=1e-3)
+    assert outputs.lines["hoist"].winch_speed == pytest.approx(-0.4, abs=5e-3)
+    assert outputs.portions["hoist"].length.sum() == pytest.approx(outputs.lines["hoist"].tether_length, abs=1e-12)
+
+
 @pytest.mark.filterwarnings(
     "ignore:.*presses its ends apart", "ignore:.*the tension at a sheave", "ignore:.*hangs"
 )  # it jumps
