@@ -16,6 +16,7 @@ FIGURES, DATA = DOCS / "figures", DOCS / "data"
 sys.path += [str(DOCS.parent / "examples"), str(DOCS.parent / "tests" / "benchmarks")]
 WIND = (8.0, 0.0, 0.0)
 EXAMPLES = {  # module, its options, and its figures: name that it writes -> name in the manual
+    "breaking_tether": ("ground.breaking_tether", [], {}),
     "constant_tension": ("cranes.constant_tension", [], {}),
     "four_drones": ("systems.four_drones", [], {"four_drones_7s": "four_drones"}),
     "force_spectrum": ("wind.force_spectrum", [], {}),
