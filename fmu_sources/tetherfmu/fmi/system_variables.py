@@ -48,7 +48,7 @@ MEANINGS = {
 }
 TOLD = {  # inputs of shared winches
     "reel_out_speed": "speed at which {} pays out a line with the ratio 1; positive pays out",
-    "winch_length": "length of a line with the ratio 1 that {} should have paid out since the start",
+    "winch_length": "length of a line with the ratio 1 that {} is to pay out from the start",
 }
 TURNED = {  # their outputs: the output of a tether that they are made of
     "winch_speed": ("winch_speed", "reel-out speed of a line with the ratio 1"),

@@ -97,7 +97,7 @@ INPUT_TABLE = (
     Input(
         "winch_length",
         "m",
-        "unstretched length that the winch should have paid out (winch_control = length); 0 until it is set: initial_length",
+        "unstretched length to be paid out (winch_control = length); 0 until it is set: initial_length",
         (0.0,),
         SEGMENT_LENGTH,
         "winch.length",

@@ -152,7 +152,7 @@ class Outputs(NamedTuple):
         "the most iterations that the last communication step could take with its fixed steps (before the first: one fixed "
         "step); 0 with adaptive steps, which have no such bound"
     )
-    fallback_steps: int = counter("fixed steps since the start that a method of lower order took over")
+    fallback_steps: int = counter("fixed steps since the start that fell back to backward Euler")
     peak_tension: float = output(
         "N",
         "largest tension of all segments since the last communication point, over all internal steps",

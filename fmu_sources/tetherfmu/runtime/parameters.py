@@ -297,10 +297,14 @@ class Winch:
     winch_damping: float = quantity(0.0, "N.s/m", "force control: viscous friction of the drum", 0.0, 1e9)
     winch_friction: float = quantity(0.0, "N", "force control: dry friction of the drum", 0.0, 1e9)
     shortest_length: float = quantity(
-        0.0, "m", "force control: unstretched length at which the drum stops; 0: where segments become too short", 0.0, 1e6
+        0.0,
+        "m",
+        "force control: unstretched length at which the drum stops; 0: where segments would be shorter than 1 cm",
+        0.0,
+        1e6,
     )
     longest_length: float = quantity(
-        0.0, "m", "force control: unstretched length at which the drum stops; 0: it never does", 0.0, 1e6
+        0.0, "m", "force control: unstretched length at which the drum stops; 0: no limit", 0.0, 1e6
     )
 
     def __post_init__(self):

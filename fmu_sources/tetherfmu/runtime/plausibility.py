@@ -125,7 +125,7 @@ SENTENCES = {
     ),
     WINCH_OFF_BALANCE: (
         "the tether pulls with {value:.3g} N at the start, more than {off_balance:g} % off from winch_force, which a winch "
-        "without winch_mass makes good at once; set winch_start to 2 (equilibrium), or another initial_length"
+        "without winch_mass removes abruptly; set winch_start to 2 (equilibrium), or another initial_length"
     ),
     FAST_WINCH: (
         "the winch runs at {value:.3g} m/s, more than {fastest:g} m/s; speeds of a winch are in m/s: check reel_out_speed, "

@@ -92,7 +92,7 @@ SENTENCES = {
     ),
     WINCH_TOO_SHORT: (
         "the winch_length {winch_length} m over a step of {step} s would leave segments shorter than {shortest} m "
-        "(tether_length {length} m); give the length that the winch should have paid out, or use fewer segments"
+        "(tether_length {length} m); give the length to be paid out, or use fewer segments"
     ),
     STOPS_CROSSED: parameters.STOPS_CROSSED,
     GROUND_WITHOUT_GRAVITY: parameters.GROUND_WITHOUT_GRAVITY,

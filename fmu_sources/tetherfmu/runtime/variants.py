@@ -29,7 +29,7 @@ class Variant:
 
 _IGNORED_WITHOUT_WAVES = {
     **dict.fromkeys(("axial_damping", "slack_damping_ratio", "damping_law"), "this tether has no waves"),
-    "breaking_force": "this tether cannot break: nothing that moves is left of it then",
+    "breaking_force": "this tether cannot break: it has no inertia that would move what is left",
     "initial_shape": "this tether is in equilibrium from the start",
 }
 _IGNORED_WITHOUT_NODES = {
