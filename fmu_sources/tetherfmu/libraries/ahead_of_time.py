@@ -15,8 +15,10 @@ import os
 import signal
 import sys
 import tempfile
+from collections import Counter
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from functools import partial
+from itertools import groupby
 from multiprocessing import get_context
 from pathlib import Path
 
@@ -91,6 +93,11 @@ def write_libraries(folder, variant, platforms, code):
     return variant
 
 
+def alike(platforms):
+    """Lists of the platforms with the same kind of processor, which share most of the work."""
+    return [list(group) for _, group in groupby(sorted(platforms), lambda platform: platform.partition("-")[0])]
+
+
 def object_name(platform):
     """Name of the file beside the library of a variant that has the kernels for a native FMU to be linked with."""
     return f"{platform}.o"
@@ -104,7 +111,7 @@ def write(path, content):
 
 
 def main(arguments, more=None):
-    """Write the libraries of all variants; each is optimized by another process while numba goes on with the next one.
+    """Write the libraries of all variants; other processes optimize them while numba goes on with the next one.
 
     more : function, after all variants, that returns a function and its arguments, for another process, too.
     """
@@ -112,18 +119,22 @@ def main(arguments, more=None):
     at_once = signal.SIGINT, signal.SIG_DFL  # Ctrl-C ends a process also while LLVM works
     signal.signal(*at_once)
     with ProcessPoolExecutor(os.cpu_count(), get_context("spawn"), signal.signal, at_once) as pool:
-        waiting = []
+        waiting, left = [], Counter()  # of each variant, how many are left
         folders = {variant: Path(place) for variant, _, place in (each.partition("=") for each in variants)}
         for variant, folder in sorted(
             folders.items(), key=lambda item: not (item[1] / CODE).exists()
         ):  # without numba first
             folder.mkdir(parents=True, exist_ok=True)
             code = None if (folder / CODE).exists() else code_of(variant)
-            waiting.append(pool.submit(write_libraries, folder, variant, platforms.split(","), code))
+            for group in alike(platforms.split(",")):
+                waiting.append(pool.submit(write_libraries, folder, variant, group, code))
+                left[variant] += 1
         if more is not None:
             waiting.append(pool.submit(*more()))
         for done in as_completed(waiting):
-            print(done.result(), flush=True)
+            left[done.result()] -= 1
+            if left[done.result()] <= 0:
+                print(done.result(), flush=True)
 
 
 def code_of(variant):

@@ -97,7 +97,7 @@ def march(steps, **motion):
     system, h = problem.as_system(), 0.4 / steps
     for k in range(steps):
         assert system_step.step(system, k * h, h)
-        adaptive_steps.accept(system, True)
+        adaptive_steps.accept(system, k * h, h, True)
     return np.concatenate([problem.x, problem.v])
 
 
