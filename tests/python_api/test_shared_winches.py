@@ -168,3 +168,17 @@ def test_inputs_that_do_not_exist_are_refused():
     ):
         with pytest.raises(ValueError, match=said.replace("?", r"\?")):
             system.step(STEP, **given)
+
+
+def test_a_line_of_a_winch_lets_go():
+    """And reels on, as its winch does; the same line with a winch of its own moves alike, bit for bit."""
+    system, alone = shared(), TetherSystem(POINTS, lines_with())
+    for each in (system, alone):
+        each.initialize()
+    for k in range(20):
+        outputs = system.step(STEP, reel_out_speeds={"steering": 0.1}, releases={"a": k >= 5})
+        same(outputs, alone.step(STEP, reel_out_speeds={"a": 0.1, "b": -0.1}, releases={"a": k >= 5}))
+    assert outputs.lines["a"].broken
+    assert outputs.lines["a"].tether_length > TAPE.initial_length
+    with pytest.raises(ValueError, match="there is no release of a line with the name 'steering'"):
+        system.step(STEP, releases={"steering": True})

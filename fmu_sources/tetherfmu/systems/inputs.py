@@ -59,9 +59,9 @@ def starts(lines, shared, free, wind_points):
 
     shared : the winches that hold several lines.
     """
-    alone = [line for line in lines if not holding(shared, line.name)]
     winches = {}
     for each, name in _WINCHES.items():
+        alone = [line for line in lines if name == RELEASE or not holding(shared, line.name)]
         turned = (*alone, *(winch for winch in shared if winch.input == name))
         winches[each] = {one.name: getattr(one, name, 0.0) for one in turned}
     winds = {"wind_at": {line.name: np.zeros((wind_points, 3)) for line in lines}} if wind_points else {}
@@ -114,7 +114,10 @@ def put(given, arrays, points, lines, inputs=None, at_start=False):
     for each, what in _WINCHES.items():
         shared = arrays.turned.by(what)
         for name, value in given.get(each, {}).items():
-            _check_known(f"{what} of a line or a winch", name, alone + shared)
+            if what == RELEASE:
+                _check_known("release of a line", name, whole_lines)
+            else:
+                _check_known(f"{what} of a line or a winch", name, alone + shared)
             numbers = _numbers(f"{name}.{what}", value, (), steps)
             if name in shared:
                 told[..., arrays.turned.place_of(name)] = numbers
