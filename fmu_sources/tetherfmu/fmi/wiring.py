@@ -215,12 +215,12 @@ def _quantities_of(structure, portion, places):
     The winch is that of the first portion. places : references by name, as below.
     """
     found, line = [], portion.line
-    control = {CONTROLS[winch.input] for winch in structure.holding(portion.name)}
+    held = structure.holding(portion.name)  # by winches with the same control
     for record in (Tether, *OF_THE_SYSTEM[:2], Winch, Ground):
         for item in fields(record):
             own = item.name if record in OF_THE_SYSTEM else f"{line.name}.{item.name}"
             own = "" if record is Winch and portion.number > 0 else own
-            default = max(control) if control and item.name == "winch_control" else item.default
+            default = CONTROLS[held[0].input] if held and item.name == "winch_control" else item.default
             found.append((item.name, places.get(own, -1), default))
     return found
 
