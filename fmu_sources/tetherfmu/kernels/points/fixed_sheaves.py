@@ -101,6 +101,13 @@ def keep_lengths(system, step):
 
 
 @kernel
+def room_left(length, shortest):
+    """How much shorter a portion of a length [m] may get [m]; 0 if rounding alone keeps it longer than its shortest one."""
+    room = length - shortest
+    return room if room > at.ROUNDED_STOP * shortest else 0.0
+
+
+@kernel
 def take_limits(system, k, h):
     """Limits of the speed of the sheave at the end of line k in an iteration of a step of h [s] (modified)."""
     numbers = numbers_at(system, k)
@@ -109,8 +116,8 @@ def take_limits(system, k, h):
         numbers[at_sheave.LENGTH],
         numbers_at(system, k + 1)[at_sheave.LENGTH],
     )
-    highest = max((behind - shortest_of(system, k)) / h + speed, 0.0)
-    lowest = min(speed - (ahead - shortest_of(system, k + 1)) / h, 0.0)
+    highest = room_left(behind + h * speed, shortest_of(system, k)) / h
+    lowest = -room_left(ahead - h * speed, shortest_of(system, k + 1)) / h
     if numbers[at_sheave.KEEPS] > 0.0:
         lowest = 0.0
     elif numbers[at_sheave.KEEPS] < 0.0:
@@ -316,8 +323,9 @@ def find_sheaves(system, step):
             numbers[at_sheave.CHANGE] = changes[j]
     for k in range(lines_of(system)):
         if goes_on(system, k):
-            close = is_close(system, k, changes_at(system, k, changes))
-            numbers_at(system, k)[at_sheave.IS_FOUND] = 1.0 if are_found and close else 0.0
+            numbers = numbers_at(system, k)
+            close = abs(numbers[at_sheave.WAY]) != FORWARDS or is_close(system, k, changes_at(system, k, changes))
+            numbers[at_sheave.IS_FOUND] = 1.0 if are_found and close else 0.0
     run(system, step)
     add_all_columns(system)
 
