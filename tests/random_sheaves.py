@@ -1,5 +1,7 @@
 """Random systems of ropes over sheaves, to be flown with any solver."""
 
+from itertools import pairwise
+
 import numpy as np
 
 from tetherfmu import Environment, Ground, Line, Point, Solver, Tether, TetherSystem, Winch
@@ -17,7 +19,7 @@ def _point(rng, name, place, is_wild):
 
 def _rope(rng, number, stops, is_wild):
     """A rope over the points `stops`, some of them with friction or an efficiency, taut, or slack where it is wild."""
-    span = sum(float(np.linalg.norm(np.subtract(a.position, b.position))) for a, b in zip(stops, stops[1:], strict=False))
+    span = sum(float(np.linalg.norm(np.subtract(a.position, b.position))) for a, b in pairwise(stops))
     ratio = rng.uniform(0.97, 1.3) if is_wild else rng.uniform(0.985, 0.999)
     stiffness = 10.0 ** rng.uniform(3.0, 7.5 if is_wild else 5.0)
     tether = Tether(

@@ -5,7 +5,7 @@ As drums (`turning.py`): the rope psi that has passed a sheave and its speed u g
     psi1 = psi0 + g h u1,   u1 = u0 + g h f(x1, v1, psi1, u1)/m,   and so on (`second_order.py`)
 
 and a stage is a step of backward Euler over g h (`points/fixed_sheaves.py`). A step is taken anew by backward Euler where a
-sheave begins to run or comes to rest, or where a portion gets as short as it may be: it then stops the ropes at its ends, and
+sheave begins to run or comes to rest, or where a portion gets as short as it may be. That stops the ropes at its ends, and
 nodes take their momentum (`rope_directions.stop_ropes`).
 """
 
@@ -28,9 +28,9 @@ from ..equations.properties import property_of
 from ..line.second_order import TO_NEXT, start_of_second, start_of_third
 from ..linear_algebra.vectors import NEUTRAL, dot, get, sub
 from ..points import sheave_room as at_sheave
-from ..points.fixed_sheaves import began_at, keep_lengths, place_portions, put_speed
+from ..points.fixed_sheaves import began_at, place_portions, put_speed
 from ..points.sheave_pulls import has_friction, mass_of
-from ..points.sheave_room import has_run, numbers_at, portion_at_start, portion_gaining, shortest_of, winch_of
+from ..points.sheave_room import has_run, numbers_at, portion_gaining, shortest_of, winch_of
 from .rope_directions import begin_directions, has_to_stop, stop_ropes
 from .running_ropes import accept_ropes
 from .turning import turns_smoothly
@@ -209,8 +209,8 @@ def check(system):
 def energy_and_power(system, k, is_new, x, v):
     """Kinetic energy [J] of the rope that flows in portion k and of the sheave at its end; most power [W] that comes in.
 
-    The power is that of the winch, and of rope that driven ends hand on. With the nodes at x [m] and velocities v [m/s] after
-    the stages of a step, or at its start; the portion (modified) then has the length there.
+    The power is that of the winch, and of rope that driven ends hand on. With the nodes at x [m] and velocities v [m/s]
+    after the stages of a step, or at its start; the portion (modified) then has the length there.
     """
     conditions, numbers, first = conditions_of(system, k), numbers_at(system, k), not comes_from(system, k)
     chain = portion_gaining(system, k, 1.0)

@@ -3,8 +3,8 @@
     T_2 + T_2^2/(2 EA) = R_a of the portion ahead,   T_1 + T_1^2/(2 EA) = - R_b of the one behind,
     v = (x - x0)/h,   v' = (v - v0)/h,   u' = (u - u0)/h
 
-(`equations/rope_at_sheave.py`). Lines and points are solved for minus the gradient g of Phi and for its change with the speed
-u_s of each sheave,
+(`equations/rope_at_sheave.py`). Lines and points are solved for minus the gradient g of Phi, and for minus its change with
+the speed u_s of each sheave,
 
     A p = -g,   A Z_s = -dg/du_s,   move = p + sum_s (u_s' - u_s) Z_s
 
@@ -82,7 +82,11 @@ def take_pulls(system, k):
     pull_b = rope.of_speed(own, -1.0, chain.leaving)
     inertia_aa, inertia_ab, inertia_bb, below_a, below_b = 0.0, 0.0, 0.0, ZERO_VECTOR, ZERO_VECTOR
     for s in range(n):
-        r, u, next_part = sub(get(w.x, s + 1), get(w.x, s)), sub(get(velocities, s + 1), get(velocities, s)), part - own.share
+        r, u, next_part = (
+            sub(get(w.x, s + 1), get(w.x, s)),
+            sub(get(velocities, s + 1), get(velocities, s)),
+            part - own.share,
+        )
         height, c = segment.mean_height(get(w.x, s), get(w.x, s + 1)), rope.flowing(chain, s, part)
         of_a, of_b = rope.pulls(own, chain, part, c, w.held[s], r, u, height - lowest, height - highest)
         aa, ab, bb = rope.inertias(own, part, dot(r, r))

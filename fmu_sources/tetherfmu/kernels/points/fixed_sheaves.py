@@ -275,7 +275,7 @@ def seek_next(system, h, changes, one_at_a_time):
 
 @kernel
 def find_changes(system, h, changes):
-    """Changes of the speeds of all sheaves [m/s] (modified) in a step of h [s]; whether all are found as they were sought."""
+    """Changes of the speeds of all sheaves [m/s] (modified) in a step of h [s]; whether all are found as they are sought."""
     matrix = shared_of(system)[1]
     seek(system, h)
     for number in range(MOST_TRIES):
@@ -298,10 +298,9 @@ def is_close(system, k, of_tensions):
     numbers, (of_1, of_2, _) = numbers_at(system, k), of_tensions
     behind, ahead = abs(numbers[at_sheave.TENSION_BEHIND] + of_1), abs(numbers[at_sheave.TENSION_AHEAD] + of_2)
     stiffness_1, stiffness_2 = stiffness_of(system, k), stiffness_of(system, k + 1)
-    return (
-        of_1 * of_1 <= 2.0 * stiffness_1 * CLOSE * (behind + CLOSE * stiffness_1)
-        and of_2 * of_2 <= 2.0 * stiffness_2 * CLOSE * (ahead + CLOSE * stiffness_2)
-    )
+    return of_1 * of_1 <= 2.0 * stiffness_1 * CLOSE * (
+        behind + CLOSE * stiffness_1
+    ) and of_2 * of_2 <= 2.0 * stiffness_2 * CLOSE * (ahead + CLOSE * stiffness_2)
 
 
 @kernel
@@ -366,7 +365,7 @@ def is_unconverged(system, k, h):
 
 @kernel
 def unconverged_sheaves(system, step):
-    """Number of sheaves that are not found, or whose ropes moved further than each node of their lines may; too short ones."""
+    """Number of sheaves that are not found, or whose ropes moved too far, and of portions that are too short."""
     count = 0
     if step.turns:
         for k in range(lines_of(system)):

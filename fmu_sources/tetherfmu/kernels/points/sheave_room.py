@@ -166,7 +166,11 @@ def slopes_of(system):
     count, first = sheaves_of(system), number_in(system.plan, places.SHEAVES_WORK)
     square = count * count
     first += 2 * square + 4 * count
-    return part(system.work, first, square), part(system.work, first + square, square), part(system.work, first + 2 * square, square)
+    return (
+        part(system.work, first, square),
+        part(system.work, first + square, square),
+        part(system.work, first + 2 * square, square),
+    )
 
 
 @kernel
