@@ -69,7 +69,8 @@ def node():
     figure, axes = sketch(7.0, 3.6)
     left, middle, right = np.array([0.5, 0.5]), np.array([3.2, 2.1]), np.array([6.5, 3.0])
     line(axes, [left, middle, right])
-    for end, text, beside in ((left, r"$-T_{i-1}\mathbf{e}_{i-1}$", (-0.85, 0.15)), (right, r"$T_i\mathbf{e}_i$", (-0.3, 0.3))):
+    tensions = (left, r"$-T_{i-1}\mathbf{e}_{i-1}$", (-0.85, 0.15)), (right, r"$T_i\mathbf{e}_i$", (-0.3, 0.3))
+    for end, text, beside in tensions:
         arrow(axes, middle, 1.4 * (end - middle) / np.linalg.norm(end - middle), FORCE, text, beside)
     axes.plot(*middle, color=TETHER, **DOT)
     arrow(axes, middle, (1.0, -0.45), WIND, r"$\mathbf{F}_{i-1} + \mathbf{F}_i$", (0.6, -0.15))
@@ -90,7 +91,8 @@ def sheave():
     axes.add_patch(mpl.patches.Circle(centre, radius, facecolor="#dddddd", edgecolor=INK))
     axes.plot(*centre, color=INK, **DOT)
     angle = np.linspace(np.pi, leaves, 40)
-    line(axes, [(come[0], 0.1), come, *np.add(centre, radius * np.column_stack([np.cos(angle), np.sin(angle)])), off + 3.2 * way])
+    wrapped = np.add(centre, radius * np.column_stack([np.cos(angle), np.sin(angle)]))
+    line(axes, [(come[0], 0.1), *wrapped, off + 3.2 * way])
     arrow(axes, come, (0.0, -1.3), FORCE, "$T_-$", (-0.35, 0.2))
     arrow(axes, off, 1.4 * way, FORCE, "$T_+$", (0.15, 0.3))
     write(axes, *(centre - (0.0, 0.35)), r"$m_\psi$", align="center")
