@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 from fmpy import read_model_description
 
@@ -10,9 +11,11 @@ from runtime.host import STEP, Host, blob_of, restore
 from tetherfmu import Solver, TetherSystem
 from tetherfmu.check.__main__ import main as check
 from tetherfmu.export import systems
+from tetherfmu.export.build_options import BuildOptions
 
 FILES = Path(__file__).parents[2] / "examples" / "systems"
 NAMES = {"TwoFallHoist": ("two_fall_hoist", "hoist"), "Atwood": ("atwood", "rope")}
+WIND_POINTS = 3
 FLAVOURS = {0: "2.0", 2: "2.0", 3: "3.0"}
 OF_PORTIONS = {"length": "portion_length", "tension_from": "portion_tension_from", "tension_to": "portion_tension_to"}
 OF_SHEAVES = {"payout": "sheave_payout", "speed": "sheave_speed"}
@@ -26,6 +29,9 @@ def folder(built_once):
         for file, _ in NAMES.values():
             for native in FLAVOURS:
                 systems.build(FILES / f"{file}.toml", folder / str(native), native=native or None)
+        for native in FLAVOURS:
+            options = BuildOptions(shape_points=None, wind_points=WIND_POINTS)
+            systems.build(FILES / "two_fall_hoist.toml", folder / f"wind_{native}", options, native=native or None)
 
     return built_once("sheaves", build)
 
@@ -89,6 +95,26 @@ def test_fixed_steps_have_the_numbers_of_the_python_api(folder, native, method):
 
 @pytest.mark.parametrize("native", FLAVOURS)
 @in_shared_process
+def test_wind_points_are_those_of_the_portions(folder, native):
+    """Bit for bit the Python API, which has the wind along both portions."""
+    given = TetherSystem.from_file(FILES / "two_fall_hoist.toml")
+    system = TetherSystem(given.points, given.lines, solver=given._records[1], wind_points=WIND_POINTS)
+    wind = np.outer(np.linspace(4.0, 12.0, 2 * WIND_POINTS), (1.0, 0.3, 0.0))
+    system.initialize(wind_at={"hoist": wind})
+    names = [f"hoist.wind_at[{k},{i}]" for k in range(1, 2 * WIND_POINTS + 1) for i in (1, 2, 3)]
+    host = Host(folder / f"wind_{native}" / "TwoFallHoist.fmu").start(**dict(zip(names, wind.ravel(), strict=True)))
+    for k in range(5):
+        more = (1.0 + 0.1 * k) * wind
+        host.step(STEP, **dict(zip(names, more.ravel(), strict=True)))
+        block = system.step(STEP, wind_at={"hoist": more}).points["block"].position
+        assert [host.get(f"block.position[{i}]") for i in (1, 2, 3)] == block.tolist()
+    known = {each.name for each in read_model_description(folder / f"wind_{native}" / "TwoFallHoist.fmu").modelVariables}
+    assert names[-1] in known or "hoist.wind_at" in known
+    assert f"hoist.wind_at[{2 * WIND_POINTS + 1},1]" not in known
+
+
+@pytest.mark.parametrize("native", FLAVOURS)
+@in_shared_process
 def test_the_parameters_of_sheaves_count(folder, native):
     """A sheave that friction holds."""
     file = folder / str(native) / "Atwood.fmu"
@@ -118,5 +144,7 @@ def test_what_is_refused_is_named(folder, native):
 
 
 def test_their_evidence_is_met(folder, capfd):
-    assert check([str(folder / str(native) / f"{name}.fmu") for native in FLAVOURS for name in NAMES]) == 0
-    assert capfd.readouterr().out.count("evidence set: 100 steps") == len(FLAVOURS) * len(NAMES)
+    paths = [folder / str(native) / f"{name}.fmu" for native in FLAVOURS for name in NAMES]
+    paths += [folder / f"wind_{native}" / "TwoFallHoist.fmu" for native in FLAVOURS]
+    assert check([str(path) for path in paths]) == 0
+    assert capfd.readouterr().out.count("evidence set: 100 steps") == len(paths)

@@ -203,7 +203,6 @@ WRONG = {
     "a range": ({"sheave_efficiency": 1.2}, {}, "sheave_efficiency is 1.2; it must be"),
     "two losses": ({"sheave_efficiency": 0.9, "sheave_friction": 0.1}, {}, "both given"),
     "a force": ({"winch": Winch(winch_control="force", winch_mass=1.0)}, {}, "winch_control = force"),
-    "wind points": ({}, {"wind_points": 5}, "wind_points is 5, and r runs over sheaves"),
     "a law": ({"tether": Tether(initial_length=16.0, damping_law="stretch_rate")}, {}, "damping_law is stretch_rate"),
     "breaking": ({"tether": Tether(initial_length=16.0, breaking_force=1e4)}, {}, "breaking_force is 10000.0, and r runs"),
     "no point": ({"through": ["x"]}, {}, "point x, which does not exist"),

@@ -80,13 +80,8 @@ def sheaves_of(line):
     return {"initial_portions": tuple(given), **{name: numbers_in(line, name) for name in SHEAVE_QUANTITIES}}
 
 
-def check_with_sheaves(lines, wind_points):
-    """ValueError if a system whose lines run over sheaves has what it cannot have yet."""
-    name = next((line.name for line in lines if line.through), None)
-    if name is None:
-        return
-    if wind_points:
-        raise ValueError(f"wind_points is {wind_points!r}, and {name} runs over sheaves; it must be 0")
+def check_with_sheaves(lines):
+    """ValueError if a line over sheaves has what it cannot have yet."""
     for line in lines:
         if line.through and line.tethers[0].damping_law != at.STRAIN_RATE:
             raise ValueError(f"{line.name}.damping_law is stretch_rate; over sheaves it must be strain_rate")
