@@ -28,8 +28,8 @@ TEXT = """# Example FMUs
 
 <!-- Written by docs/make/make_example_fmus.py from the sources: edit those, and run it again. -->
 
-For those who need partners for a tether: kites, a winch, a flight controller, a prescribed flight, turbulent wind. Fly them,
-or make your own.
+For those who need partners for a tether: kites, a winch, a flight controller, a prescribed flight, turbulent wind. Fly or
+copy them.
 
 ```text
 tetherfmu build --examples
