@@ -74,7 +74,7 @@ class Running:
         numbers = [self._instance.parameters_of(k) for k in range(len(self._instance.lines))]
         if numbers[0][at.FIXED_STEP] == 0.0:
             return 0
-        has_drum = any(each[at.WINCH_CONTROL] == at.WINCH_BY_FORCE for each in numbers)
+        has_drum = any(each[at.WINCH_CONTROL] in at.WITH_DRUM for each in numbers)
         return most_of_a_step(numbers[0][at.FIXED_STEP_METHOD] == at.BACKWARD_EULER, has_drum)
 
     @contextmanager

@@ -13,9 +13,9 @@ DOCS = Path(__file__).parents[2] / "docs"
 PAGE, KEYS = ((DOCS / folder / "systems.md").read_text(encoding="utf-8") for folder in ("use", "reference"))
 
 
-def test_the_examples_of_the_page_run(tmp_path, monkeypatch):
+def test_the_examples_of_the_page_run(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    (first, *_), (crane, winches, letting_go, atwood) = (
+    (first, *_), (crane, winches, letting_go, atwood, advice) = (
         re.findall(rf"```{kind}\n(.*?)```", PAGE, re.DOTALL) for kind in ("toml", "python")
     )
     Path("crane.toml").write_text(first, encoding="utf-8")
@@ -30,6 +30,8 @@ def test_the_examples_of_the_page_run(tmp_path, monkeypatch):
     exec(letting_go, names)
     assert np.isclose(names["outputs"].lines["rope"].break_time, 0.2)  # the beginning of step 10
     assert np.isclose(names["outputs"].points["load"].velocity[2], -9.81 * 0.8, rtol=1e-3)  # free fall since then
+    exec(advice, {})
+    assert "\n  use       Crane.fmu\n            lines.rope.segments = " in capsys.readouterr().out
 
 
 def test_the_table_has_the_keys():
