@@ -107,7 +107,8 @@ def scene(text):
     about = "the motion of the kite, which is parked downwind here, at the end of the tether: give another [flight]"
     left_out = [about, *filter(None, [", ".join(settings.left_out())])]
     defaults = []
-    for section, kind, names in ("tether", Tether, (*TETHER, "axial_stiffness")), ("environment", Environment, (*ENVIRONMENT, *OF_AIR)):
+    kinds = ("tether", Tether, (*TETHER, "axial_stiffness")), ("environment", Environment, (*ENVIRONMENT, *OF_AIR))
+    for section, kind, names in kinds:
         others = (name for name in names if name not in tables[section])
         defaults += [f"{section}.{name} = {getattr(kind, name):g}" for name in others]
     return Imported("scene", tables, left_out, defaults)
