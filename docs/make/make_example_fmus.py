@@ -28,8 +28,8 @@ TEXT = """# Example FMUs
 
 <!-- Written by docs/make/make_example_fmus.py from the sources: edit those, and run it again. -->
 
-For those who need partners for a tether: kites, a winch, a flight controller, a prescribed flight, turbulent wind. Fly them,
-or make your own.
+For those who need partners for a tether: kites, a winch, a flight controller, a prescribed flight, turbulent wind. Fly or
+copy them.
 
 ```text
 tetherfmu build --examples
@@ -75,8 +75,8 @@ Two cycles (`--cycles 2`) in a wind of 8 m/s at 10 m, by default 20 ms and 10 se
 | `--segments 30` | 4036 | 1807 | 3529 |
 | `--segments 1` | 4165 | 1817 | 3692 |
 
-The load on the kite is delayed, so there is a longest step ([Coupling](coupling.md#the-ways)): with the Jacobi exchange 30
-ms at 8 m/s, where 35 ms diverge, and 20 ms at 10 to 14 m/s, where 30 ms diverge. The example recognizes divergence. It
+The load on the kite is delayed, so there is a longest step ([Coupling](coupling.md#the-ways)). With the Jacobi exchange it
+is 30 ms at 8 m/s, where 35 ms diverge, and 20 ms at 10 to 14 m/s, where 30 ms diverge. The example recognizes divergence. It
 flies in 6 to 14 m/s; from 11 m/s on it prints for how long the motor is too weak. The work over a cycle balances within 1 %
 (`tests/physics/test_pumping_energy.py`). The flight is plausible, not measured.
 

@@ -9,14 +9,14 @@ from fmpy import read_model_description
 from isolation import in_shared_process
 from runtime.host import STEP, Host, blob_of, restore
 from tetherfmu import Solver, TetherSystem
-from tetherfmu.check.__main__ import main as check
 from tetherfmu.export import systems
 from tetherfmu.export.build_options import BuildOptions
+
+from .flavours import FLAVOURS, assert_checks_pass, build_all, every_flavour, go_astray_and_back
 
 FILES = Path(__file__).parents[2] / "examples" / "systems"
 NAMES = {"TwoFallHoist": ("two_fall_hoist", "hoist"), "Atwood": ("atwood", "rope")}
 WIND_POINTS = 3
-FLAVOURS = {0: "2.0", 2: "2.0", 3: "3.0"}
 OF_PORTIONS = {"length": "portion_length", "tension_from": "portion_tension_from", "tension_to": "portion_tension_to"}
 OF_SHEAVES = {"payout": "sheave_payout", "speed": "sheave_speed"}
 
@@ -26,9 +26,7 @@ def folder(built_once):
     """Folder with an FMU of each file and each flavour, in a folder of its own."""
 
     def build(folder):
-        for file, _ in NAMES.values():
-            for native in FLAVOURS:
-                systems.build(FILES / f"{file}.toml", folder / str(native), native=native or None)
+        build_all(folder, *(FILES / f"{file}.toml" for file, _ in NAMES.values()))
         for native in FLAVOURS:
             options = BuildOptions(shape_points=None, wind_points=WIND_POINTS)
             systems.build(FILES / "two_fall_hoist.toml", folder / f"wind_{native}", options, native=native or None)
@@ -36,7 +34,7 @@ def folder(built_once):
     return built_once("sheaves", build)
 
 
-@pytest.mark.parametrize("native", FLAVOURS)
+@every_flavour
 @pytest.mark.parametrize("name", NAMES)
 @in_shared_process
 def test_the_numbers_of_the_python_api(folder, native, name):
@@ -47,9 +45,7 @@ def test_the_numbers_of_the_python_api(folder, native, name):
     host = Host(folder / str(native) / f"{name}.fmu").start()
     for k in range(20):
         if k == 10:
-            blob = blob_of(host)
-            host.step(STEP, **{f"{line}.reel_out_speed": 1.0})
-            restore(host, blob)
+            go_astray_and_back(host, **{f"{line}.reel_out_speed": 1.0})
         host.step(STEP, **{f"{line}.reel_out_speed": -0.01 * k})
         wanted = system.step(STEP, reel_out_speeds={line: -0.01 * k})
         own, portions = wanted.lines[line], wanted.portions[line]
@@ -69,7 +65,7 @@ def test_the_numbers_of_the_python_api(folder, native, name):
 
 
 @pytest.mark.parametrize("method", ["second_order", "backward_euler"])
-@pytest.mark.parametrize("native", FLAVOURS)
+@every_flavour
 @in_shared_process
 def test_fixed_steps_have_the_numbers_of_the_python_api(folder, native, method):
     """Bit for bit, with the same work and its bound; also where a state is restored."""
@@ -93,7 +89,7 @@ def test_fixed_steps_have_the_numbers_of_the_python_api(folder, native, method):
     assert wanted.portions["hoist"].payout[0] != 0.0
 
 
-@pytest.mark.parametrize("native", FLAVOURS)
+@every_flavour
 @in_shared_process
 def test_wind_points_are_those_of_the_portions(folder, native):
     """Bit for bit the Python API, which has the wind along both portions."""
@@ -113,7 +109,7 @@ def test_wind_points_are_those_of_the_portions(folder, native):
     assert f"hoist.wind_at[{2 * WIND_POINTS + 1},1]" not in known
 
 
-@pytest.mark.parametrize("native", FLAVOURS)
+@every_flavour
 @in_shared_process
 def test_the_parameters_of_sheaves_count(folder, native):
     """A sheave that friction holds."""
@@ -128,7 +124,7 @@ def test_the_parameters_of_sheaves_count(folder, native):
     assert not names & {"rope.release", "rope.broken", "rope.break_time"}
 
 
-@pytest.mark.parametrize("native", FLAVOURS)
+@every_flavour
 @in_shared_process
 def test_what_is_refused_is_named(folder, native):
     for wrong, said in {
@@ -144,7 +140,4 @@ def test_what_is_refused_is_named(folder, native):
 
 
 def test_their_evidence_is_met(folder, capfd):
-    paths = [folder / str(native) / f"{name}.fmu" for native in FLAVOURS for name in NAMES]
-    paths += [folder / f"wind_{native}" / "TwoFallHoist.fmu" for native in FLAVOURS]
-    assert check([str(path) for path in paths]) == 0
-    assert capfd.readouterr().out.count("evidence set: 100 steps") == len(paths)
+    assert_checks_pass(folder, capfd)
