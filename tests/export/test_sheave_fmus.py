@@ -7,7 +7,7 @@ import pytest
 from fmpy import read_model_description
 
 from isolation import in_shared_process
-from runtime.host import STEP, Host, blob_of, restore
+from runtime.host import STEP, Host
 from tetherfmu import Solver, TetherSystem
 from tetherfmu.export import systems
 from tetherfmu.export.build_options import BuildOptions
@@ -77,9 +77,7 @@ def test_fixed_steps_have_the_numbers_of_the_python_api(folder, native, method):
     host.start(fixed_step=0.005, fixed_step_method=solver.fixed_step_method)
     for k in range(20):
         if k == 10:
-            blob = blob_of(host)
-            host.step(STEP, **{"hoist.reel_out_speed": 1.0})
-            restore(host, blob)
+            go_astray_and_back(host, **{"hoist.reel_out_speed": 1.0})
         host.step(STEP, **{"hoist.reel_out_speed": -0.01 * k})
         wanted = system.step(STEP, reel_out_speeds={"hoist": -0.01 * k})
         found = {f"hoist.sheave_payout[{i + 1}]": value for i, value in enumerate(wanted.portions["hoist"].payout.tolist())}
