@@ -16,7 +16,8 @@ from ..equations.drum import HELD, drum_with
 from ..equations.lines import (
     CONDITIONS,
     conditions_of,
-    is_portion,
+    has_coordinates,
+    is_rope,
     lines_of,
     motion_of,
     parameters_of,
@@ -180,8 +181,8 @@ def put_length(system, k, length, speed):
 
 @kernel
 def has_drum(system, k):
-    """Whether the winch of line k is controlled by force."""
-    return winch.follows_force(parameters_of(system, k))
+    """Whether the winch of line k is controlled by force, and no coordinate (`coordinates.py`)."""
+    return winch.follows_force(parameters_of(system, k)) and not has_coordinates(system)
 
 
 @kernel
@@ -205,8 +206,8 @@ def has_free_nodes(system, k):
 
 @kernel
 def moves(system, k):
-    """Whether line k takes part in a step: a node moves freely, or the drum of a winch, or rope may run over a sheave."""
-    return has_free_nodes(system, k) or has_drum(system, k) or is_portion(system, k)
+    """Whether line k takes part in a step: a node moves freely, or the drum of a winch, or rope may run in or out."""
+    return has_free_nodes(system, k) or has_drum(system, k) or is_rope(system, k)
 
 
 @kernel

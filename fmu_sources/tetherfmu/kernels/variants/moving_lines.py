@@ -14,7 +14,7 @@ from ..equations.boundary import conditions_of_chain, place_ends
 from ..equations.drum import direction_of
 from ..equations.lines import (
     conditions_of,
-    has_sheaves,
+    has_coordinates,
     lines_of,
     motion_of,
     parameters_of,
@@ -99,7 +99,7 @@ def advance(system, step, before):
         breaks.break_at_ends(system, step)
         return OK
     status = move(system, given_steps(parameters_of(system, 0)), step)
-    if status == STEP_BUDGET_SPENT and not has_sheaves(system) and move_coarsely(system, step, before) == OK:
+    if status == STEP_BUDGET_SPENT and not has_coordinates(system) and move_coarsely(system, step, before) == OK:
         return OK
     return status
 
@@ -110,7 +110,7 @@ def end_drums(system, step):
 
     At the end of a communication step [s], of which all lines have their states.
     """
-    if has_sheaves(system):
+    if has_coordinates(system):
         rope_states.end_ropes(system, step)
     for k in range(lines_of(system)):
         if system_room.has_drum(system, k) and feels_rope(parameters_of(system, k)):
