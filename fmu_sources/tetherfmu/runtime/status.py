@@ -139,27 +139,24 @@ SENTENCES = {
         "in a system the mass of the point)"
     ),
     SHEAVES_WITH_WINCH_START: (
-        "winch_start is 2 (equilibrium) in a system with a line over sheaves or with a winch that holds lines by force; it "
-        "must be 1 (given)"
+        "winch_start is 2 (equilibrium) in a system with a line over sheaves or a winch that holds lines by force; it must "
+        "be 1 (given)"
     ),
     SHEAVES_WITH_FIXED_STEP: (
-        "fixed_step is {fixed_step} s in a system with a line over sheaves or with a winch that holds lines by force; it "
-        "must be 0 (adaptive)"
+        "fixed_step is {fixed_step} s in a system with a line over sheaves or a winch that holds lines by force; it must be "
+        "0 (adaptive)"
     ),
     SHEAVES_WITH_STRETCH_RATE: (
-        "damping_law is 2 (stretch_rate) for a line that runs over sheaves, or whose winch is controlled by force in a "
-        "system with these or with a winch that holds lines by force; it must be 1 (strain_rate)"
+        "damping_law is 2 (stretch_rate) for a line over sheaves, or with force control beside such lines or at a winch "
+        "that holds several; it must be 1 (strain_rate)"
     ),
     SHEAVES_THAT_BREAK: (
-        "breaking_force is given for a line that runs over sheaves, or whose winch is controlled by force in a system with "
-        "these or with a winch that holds lines by force, which cannot break yet: it must be 0"
+        "breaking_force is given for a line over sheaves, or with force control beside such lines or at a winch that holds "
+        "several, which cannot break yet: it must be 0"
     ),
     RELEASED_OVER_SHEAVES: (
-        "release is true for a line that runs over sheaves, or whose winch is controlled by force in a system with these, "
+        "release is true for a line over sheaves, or with force control beside such lines or at a winch that holds several, "
         "which cannot let go yet: it must be false"
-    ),
-    SHEAVES_WITH_STOP: (
-        "longest_length is given for a line that runs over sheaves, whose drum has no such stop yet: it must be 0 (no limit)"
     ),
     NO_SHARES: (
         "no lengths of the portions were found with which each sheave has the same tension on both sides; give them as "
