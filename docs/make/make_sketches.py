@@ -1,7 +1,7 @@
 """Draw the free-body sketches of docs/models/theory.md: `python docs/make/make_sketches.py`.
 
-One SVG each of a segment, the drum of a winch, a node on the ground, and rope that flows past nodes, with the letters of
-that page.
+One SVG each of a segment, a node, rope that flows past nodes, a sheave, the drum of a winch, a segment that breaks, and a
+node on the ground, with the letters of that page.
 """
 
 from pathlib import Path
@@ -61,6 +61,47 @@ def segment():
     for height in (2.4, 2.8, 3.2):
         arrow(axes, (0.3, height), (0.9, 0.0), WIND, "", (0.0, 0.0))
     write(axes, 0.3, 3.55, r"air $\mathbf{v}_\mathrm{a}$", WIND)
+    return figure
+
+
+def node():
+    """Forces on an inner node: both tensions, half of the drag of both segments, weight, rope that flows."""
+    figure, axes = sketch(7.0, 3.6)
+    left, middle, right = np.array([0.5, 0.5]), np.array([3.2, 2.1]), np.array([6.5, 3.0])
+    line(axes, [left, middle, right])
+    tensions = (left, r"$-T_{i-1}\mathbf{e}_{i-1}$", (-0.85, 0.15)), (right, r"$T_i\mathbf{e}_i$", (-0.3, 0.3))
+    for end, text, beside in tensions:
+        arrow(axes, middle, 1.4 * (end - middle) / np.linalg.norm(end - middle), FORCE, text, beside)
+    axes.plot(*middle, color=TETHER, **DOT)
+    arrow(axes, middle, (1.0, -0.45), WIND, r"$\mathbf{F}_{i-1} + \mathbf{F}_i$", (0.6, -0.15))
+    arrow(axes, middle, (0.0, -1.2), INK, "$m_i\\,g$", (0.4, 0.0))
+    arrow(axes, middle, (-0.35, 0.9), FORCE, r"$\mathbf{f}_i$", (-0.05, 0.22))
+    write(axes, 0.8, 0.4, "to node $i - 1$", TETHER)
+    write(axes, 5.1, 2.3, "to node $i + 1$", TETHER)
+    return figure
+
+
+def sheave():
+    """Forces of a rope on its sheave: the tensions where it comes and where it leaves."""
+    figure, axes = sketch(7.0, 3.4)
+    centre, radius, leaves = np.array([3.0, 1.9]), 0.75, np.radians(60.0)
+    way = np.array([np.sin(leaves), -np.cos(leaves)])  # of the rope that leaves
+    off = np.add(centre, radius * np.array([np.cos(leaves), np.sin(leaves)]))
+    come = np.add(centre, (-radius, 0.0))
+    axes.add_patch(mpl.patches.Circle(centre, radius, facecolor="#dddddd", edgecolor=INK))
+    axes.plot(*centre, color=INK, **DOT)
+    angle = np.linspace(np.pi, leaves, 40)
+    wrapped = np.add(centre, radius * np.column_stack([np.cos(angle), np.sin(angle)]))
+    line(axes, [(come[0], 0.1), *wrapped, off + 3.2 * way])
+    arrow(axes, come, (0.0, -1.3), FORCE, "$T_-$", (-0.35, 0.2))
+    arrow(axes, off, 1.4 * way, FORCE, "$T_+$", (0.15, 0.3))
+    write(axes, *(centre - (0.0, 0.35)), r"$m_\psi$", align="center")
+    bent(axes, centre, 1.0, (150.0, 95.0), MOTION)
+    write(axes, 2.55, 3.1, r"$\dot{\psi} > 0$", MOTION)
+    bent(axes, centre, 1.0, (-150.0, -30.0), INK)
+    write(axes, 3.95, 1.05, r"friction, $\tau = e^{\mu_\psi\vartheta}$")
+    write(axes, 2.05, 0.25, r"$\dot{\psi}_2$ of this portion", MOTION, "right")
+    write(axes, 5.0, 1.9, r"$\dot{\psi}_1$ of the next one", MOTION)
     return figure
 
 
@@ -126,10 +167,31 @@ def flow():
     return figure
 
 
+def breaking():
+    """A segment that has broken: both nodes keep their masses, and the end recoils behind an elastic wave."""
+    figure, axes = sketch(7.0, 3.0)
+    heights = {"before": 2.3, "after": 0.9}
+    nodes = np.array([0.5, 1.9, 3.3, 4.7, 6.1])
+    for text, height in heights.items():
+        write(axes, 0.05, height + 0.45, text, TETHER)
+        axes.plot(nodes, np.full(5, height), color=TETHER, **DOT)
+    line(axes, [(0.5, 2.3), (6.1, 2.3)])
+    for node, way in ((nodes[3], 1.0), (nodes[4], -1.0)):
+        arrow(axes, (node, 2.3), (0.55 * way, 0.0), FORCE, "", (0.0, 0.0))
+    write(axes, 5.4, 2.65, r"$T_j = F_b$", FORCE, "center")
+    line(axes, [(0.5, 0.9), (4.7, 0.9)])
+    arrow(axes, (4.7, 0.9), (-0.9, 0.0), MOTION, "", (0.0, 0.0))
+    write(axes, 4.6, 0.5, r"$v = T/\sqrt{EA\,\mu}$", MOTION, "center")
+    arrow(axes, (3.0, 1.3), (-1.2, 0.0), WIND, "", (0.0, 0.0))
+    write(axes, 2.4, 1.6, r"wave $\sqrt{EA/\mu}$", WIND, "center")
+    write(axes, 6.1, 0.5, r"$\frac{1}{2}\mu l_0$ each", align="center")
+    return figure
+
+
 def main():
     """Draw all of them."""
     mpl.rcParams["mathtext.fontset"] = "cm"
-    for draw in (segment, winch, ground, flow):
+    for draw in (segment, node, flow, sheave, winch, breaking, ground):
         save(draw(), FIGURES / f"sketch_{draw.__name__}")
 
 

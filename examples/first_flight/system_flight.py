@@ -19,10 +19,8 @@ from tetherfmu.console.colours import BLACK, coloured
 from tetherfmu.console.ending import WrongUse, command
 from tetherfmu.console.options import Parser, folder, number, setting
 from tetherfmu.console.progress import now
-from tetherfmu.input_files import tables_of
 from tetherfmu.results import PlausibilityWarning, StepRefused
 from tetherfmu.runtime import layout as at
-from tetherfmu.systems import files
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # the folder of the rooms
 from first_flight.circular_flight import Flight
@@ -39,32 +37,17 @@ IN_PLACE = {  # options of the circle: what a system has in their place
 NOTE = "<p>Arrows: forces of the lines on their points.</p>\n"
 
 
-def is_system(path):
-    """Whether a TOML file (Path) describes a system of tethers, by its table of points."""
-    try:
-        return "points" in tables_of(path)
-    except ValueError:
-        return False  # said where it is read
-
-
 def read(path, settings=()):
     """`SystemFile` of a file (Path), and its `TetherSystem`; WrongUse says in one line what is wrong with it.
 
     settings : pairs of keys of the file and values in their place.
     """
-    from tetherfmu.study.scenes.settings import put  # needs the extra `study`
+    from tetherfmu.study.scenes.systems import load  # needs the extra `study`, as `fly`
 
+    found = load(path, settings).found
     try:
-        table = tables_of(path)
-        for key, value in settings:
-            put(table, key, value)
-        found = files.read(table, path.stem)
-        for line in found.lines:
-            if line.winch.winch_control == at.WINCH_BY_FORCE:
-                raise ValueError(
-                    f"lines.{line.name}.winch_control is force, and nothing gives that; it must be speed or length"
-                )
-        return found, TetherSystem(found.points, found.lines, found.environment, found.solver, found.ground)
+        options = {"winches": found.winches}
+        return found, TetherSystem(found.points, found.lines, found.environment, found.solver, found.ground, **options)
     except ValueError as error:
         raise WrongUse(f"{path}: {error}") from None
 
@@ -75,12 +58,13 @@ def fly(found, system, wind=(0.0, 0.0, 0.0), duration=DURATION, step=STEP):
     wind [m/s] : at the reference height.  duration, step [s] : of the flight and of a communication step. Rows are those of
     `Flight`, the first at the start.
     """
+    from tetherfmu.study.scenes.systems import straight_on
+
     count = round(duration / step)
     if count == 0:
         raise WrongUse(f"the flight of {duration:g} s is shorter than a communication step of {step:g} s")
     time = step * np.arange(count + 1)
-    driven = [each for each in found.points if each.is_driven]
-    positions = {each.name: np.add(each.position, np.multiply.outer(time[:-1], each.velocity)) for each in driven}
+    positions = straight_on(found, time[:-1])
     with catch_warnings(action="ignore", category=PlausibilityWarning):  # `run` says them
         start = system.initialize(wind)
         flown = system.fly(count, step, positions, wind_velocity=wind)

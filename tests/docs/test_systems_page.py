@@ -1,4 +1,4 @@
-"""The page on systems: its file is read, its lines run, its table has every key."""
+"""The pages on systems: the file of the first is read, its lines run; the table of the second has every key."""
 
 import re
 from pathlib import Path
@@ -9,12 +9,13 @@ from tetherfmu.runtime.parameters import Solver, Winch
 from tetherfmu.runtime.quantities import quantities
 from tetherfmu.systems.files import TableOfPoint
 
-PAGE = (Path(__file__).parents[2] / "docs" / "use" / "systems.md").read_text(encoding="utf-8")
+DOCS = Path(__file__).parents[2] / "docs"
+PAGE, KEYS = ((DOCS / folder / "systems.md").read_text(encoding="utf-8") for folder in ("use", "reference"))
 
 
-def test_the_examples_of_the_page_run(tmp_path, monkeypatch):
+def test_the_examples_of_the_page_run(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    (first, *_), (crane, winches, letting_go, atwood) = (
+    (first, *_), (crane, winches, letting_go, atwood, advice) = (
         re.findall(rf"```{kind}\n(.*?)```", PAGE, re.DOTALL) for kind in ("toml", "python")
     )
     Path("crane.toml").write_text(first, encoding="utf-8")
@@ -29,12 +30,14 @@ def test_the_examples_of_the_page_run(tmp_path, monkeypatch):
     exec(letting_go, names)
     assert np.isclose(names["outputs"].lines["rope"].break_time, 0.2)  # the beginning of step 10
     assert np.isclose(names["outputs"].points["load"].velocity[2], -9.81 * 0.8, rtol=1e-3)  # free fall since then
+    exec(advice, {})
+    assert "\n  use       Crane.fmu\n            lines.rope.segments = " in capsys.readouterr().out
 
 
 def test_the_table_has_the_keys():
     for name in TableOfPoint.__dataclass_fields__:
-        assert f"`points.NAME.{name}`" in PAGE
+        assert f"`points.NAME.{name}`" in KEYS
     for name, _ in quantities(Winch):
-        assert re.search(rf"`(lines\.NAME)?\.{name}`", PAGE)
+        assert re.search(rf"`(lines\.NAME)?\.{name}`", KEYS)
     for name, _ in quantities(Solver):
-        assert f"`{name}`" in PAGE
+        assert f"`{name}`" in KEYS

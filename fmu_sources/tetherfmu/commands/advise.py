@@ -1,4 +1,4 @@
-"""The scene advisor: which FMU, segments, tolerance and communication step a scene needs."""
+"""The advisor: which FMU, segments, tolerance and communication step a scene, or a system, needs."""
 
 from importlib import import_module
 
@@ -8,10 +8,12 @@ from tetherfmu.console.options import Parser
 
 @command
 def main(arguments=None, prog="tetherfmu advise"):
-    """Print the advice for a scene; returns the exit status, 1 if nothing meets what it asks for."""
+    """Print the advice for a scene or a system; returns the exit status, 1 if nothing meets what it asks for."""
     parser = Parser(prog=prog)
-    parser.add_argument("scene", metavar="SCENE", help="scene file (TOML), or a name of tetherfmu fly --list")
+    parser.add_argument(
+        "scene", metavar="SCENE", help="file of a scene or a system (TOML), or a name of tetherfmu fly --list"
+    )
     parser.add_argument("--fast", action="store_true", help="take a second or two, and say if that is not enough")
     parser.add_settings()
     options = parser.parse_args(arguments)
-    return import_module("tetherfmu.study.advice.advise").run(options)
+    return import_module("tetherfmu.study.advice.systems").run_command(options)

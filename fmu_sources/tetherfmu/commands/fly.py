@@ -18,14 +18,14 @@ def is_scene(flight):
 def fly_scene(given, parser):
     """Fly the scene or the system that the options name; other options end the program with status 2."""
     from tetherfmu.study.scenes.named import named_scenes, named_systems, path_of
+    from tetherfmu.study.scenes.systems import is_system
 
     scene, system = example("first_flight.scene_flight"), example("first_flight.system_flight")
     try:
         given.log = path_of(given.log, named_scenes() | named_systems())
     except ValueError as error:
         raise WrongUse(str(error)) from None
-    is_system = system.is_system(given.log)
-    what, module = ("system", system) if is_system else ("scene", scene)
+    what, module = ("system", system) if is_system(given.log) else ("scene", scene)
     for name, instead in module.IN_PLACE.items():
         if getattr(given, name):
             parser.error(f"--{name} is not for a {what}: {instead}")

@@ -117,7 +117,7 @@ def structure_from(found, positions, shape_points=None, wind_points=0):
     free, band = ordered([point.name for point in found.points if not point.is_driven], found.lines)
     points, lines = [], []
     for each in found.points:
-        start = START_GIVEN if each.position else START_AT_REST  # where it is sought
+        start = START_GIVEN if each.position else START_AT_REST  # of what is found
         points.append(Point(each.name, each.mass, positions[each.name], each.velocity, start))
     for each in found.lines:
         starts = values_of(each.tether, each.winch) | {"reel_out_speed": each.reel_out_speed}

@@ -121,11 +121,11 @@ def main(arguments, more=None):
     with ProcessPoolExecutor(os.cpu_count(), get_context("spawn"), signal.signal, at_once) as pool:
         waiting, left = [], Counter()  # of each variant, how many are left
         folders = {variant: Path(place) for variant, _, place in (each.partition("=") for each in variants)}
-        for variant, folder in sorted(
-            folders.items(), key=lambda item: not (item[1] / CODE).exists()
-        ):  # without numba first
+        has_code = {variant: (folder / CODE).exists() for variant, folder in folders.items()}
+        for variant in sorted(folders, key=has_code.get, reverse=True):  # those that need no numba first
+            folder = folders[variant]
             folder.mkdir(parents=True, exist_ok=True)
-            code = None if (folder / CODE).exists() else code_of(variant)
+            code = None if has_code[variant] else code_of(variant)
             for group in alike(platforms.split(",")):
                 waiting.append(pool.submit(write_libraries, folder, variant, group, code))
                 left[variant] += 1

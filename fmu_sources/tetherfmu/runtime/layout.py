@@ -33,16 +33,8 @@ from .quantities import quantities
 
 # parameters: first the scalars in the order of their records: the place of gravity is GRAVITY; quantities of which the array
 # has something for each segment or node are not there
-_FOR_EACH = (
-    "segments",
-    "diameter",
-    "density",
-    "axial_stiffness",
-    "axial_damping",
-    "drag_coefficient",
-    "breaking_force",
-    "kite_mass",
-)
+_OF_A_TETHER = ("segments", "diameter", "density", "axial_stiffness", "axial_damping", "drag_coefficient", "breaking_force")
+_FOR_EACH = (*_OF_A_TETHER, "kite_mass")
 _SCALARS = [name for record in (*RECORDS, FreeKite) for name, _ in quantities(record) if name not in _FOR_EACH]
 globals().update({name.upper(): place for place, name in enumerate(_SCALARS)})
 # then what is no parameter of a tether

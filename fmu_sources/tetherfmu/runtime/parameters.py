@@ -9,7 +9,7 @@ from functools import wraps
 from math import inf, pi
 from typing import ClassVar
 
-from .enumerations import EXPLOG, LOGARITHMIC, WINCH_BY_FORCE
+from .enumerations import EXPLOG, LOGARITHMIC, WITH_DRUM
 from .limits import MAX_SEGMENTS, MIN_SEGMENT_LENGTH
 from .quantities import Quantity, check, checked, documented, quantities, quantity
 
@@ -18,11 +18,7 @@ IN_METRES = (0.0, 0.2, "diameters are in m: 4 mm are 0.004")  # usual ones, see 
 IN_KG_PER_M3 = (20.0, inf, "densities are in kg/m3: 0.97 g/cm3 are 970")
 OF_AIR = (0.01, inf, "densities are in kg/m3: 0.0012 g/cm3 are 1.2")
 IN_SECONDS = (0.0, 1.0, "steps are in s: 5 ms are 0.005")
-OF_THE_WHOLE_CHAIN = (
-    "slack_stiffness_ratio",
-    "slack_damping_ratio",
-    "damping_law",
-)  # the same for all tethers in series
+OF_THE_WHOLE_CHAIN = ("slack_stiffness_ratio", "slack_damping_ratio", "damping_law")  # the same for all tethers in series
 ROUGHNESS_TOO_LARGE = (
     "surface_roughness is {roughness!r}; it must be less than wind_reference_height ({height!r} m) for this wind_profile"
 )
@@ -316,8 +312,8 @@ class Winch:
     def check_effect(self):
         """ValueError if a quantity of the drum is not its default, and has no effect with this `winch_control`."""
         for name, _ in quantities(self):
-            drums = name != "winch_control" and self.winch_control != WINCH_BY_FORCE
-            if drums and getattr(self, name) != getattr(Winch, name):
+            idle = name != "winch_control" and self.winch_control not in WITH_DRUM
+            if idle and getattr(self, name) != getattr(Winch, name):
                 raise ValueError(f"{name} is {getattr(self, name)!r} and has no effect: winch_control is not 2 (force)")
 
 

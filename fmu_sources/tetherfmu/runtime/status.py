@@ -143,8 +143,8 @@ SENTENCES = {
         "be 1 (given)"
     ),
     SHEAVES_WITH_FIXED_STEP: (
-        "fixed_step is {fixed_step} s in a system with a line over sheaves or a winch that holds lines by force; it must be "
-        "0 (adaptive)"
+        "fixed_step is {fixed_step} s with force control beside lines over sheaves, or at a winch that holds several lines; "
+        "it must be 0 (adaptive)"
     ),
     SHEAVES_WITH_STRETCH_RATE: (
         "damping_law is 2 (stretch_rate) for a line over sheaves, or with force control beside such lines or at a winch "

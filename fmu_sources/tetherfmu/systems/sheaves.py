@@ -89,8 +89,12 @@ def check_with_sheaves(lines, solver, wind_points, winches):
         why = f"the winch {name} holds lines by force"
     if name is None:
         return
-    if solver.fixed_step != 0.0:
-        raise ValueError(f"fixed_step is {solver.fixed_step!r} s, and {why}; it must be 0 (adaptive)")
+    turned = [line.name for line in lines if line.winch.winch_control == at.WINCH_BY_FORCE]
+    turned += [each.name for each in winches if each.control == "force"]
+    if solver.fixed_step != 0.0 and turned:
+        raise ValueError(
+            f"fixed_step is {solver.fixed_step!r} s, {turned[0]} is controlled by force, and {why}; it must be 0 (adaptive)"
+        )
     if wind_points and any(line.through for line in lines):
         raise ValueError(f"wind_points is {wind_points!r}, and {why}; it must be 0")
     for line in lines:

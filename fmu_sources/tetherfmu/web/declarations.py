@@ -46,99 +46,61 @@ def usual(name, start, declared):
 
 def described(name, start, declared, kind="Real"):
     """One quantity, a dict; limits that are none are None, as JSON has no infinity."""
-    found = {
-        "name": name,
-        "kind": kind,
-        "unit": declared.unit,
-        "meaning": declared.meaning,
-        "minimum": None if declared.minimum == -inf else declared.minimum,
-        "maximum": None if declared.maximum == inf else declared.maximum,
-        "range": declared.range(),
-        "start": start,
-        "display": list(declared.display) or DEGREES.get(declared.unit),
-    }
+    found = {"name": name, "kind": kind, "unit": declared.unit, "meaning": declared.meaning}
+    found["minimum"] = None if declared.minimum == -inf else declared.minimum
+    found["maximum"] = None if declared.maximum == inf else declared.maximum
+    found |= {"range": declared.range(), "start": start, "display": list(declared.display) or DEGREES.get(declared.unit)}
     if declared.choices:
-        return {**found, "choices": list(declared.choices), "meanings": list(declared.choices.values())}
-    return {**found, "usual": usual(name, start, declared)}
+        return found | {"choices": list(declared.choices), "meanings": list(declared.choices.values())}
+    return found | {"usual": usual(name, start, declared)}
 
 
 def of_record(kind, left_out=()):
     """The quantities of a record with defaults, a list of dicts."""
-    defaults = {item.name: item.default for item in fields(kind)}
-    return [
-        described(name, defaults[name], declared) for name, declared in quantities.quantities(kind) if name not in left_out
-    ]
+    declared = ((name, each) for name, each in quantities.quantities(kind) if name not in left_out)
+    return [described(name, getattr(kind, name), each) for name, each in declared]
 
 
 def of_parameters():
     """The parameters of all tethers in the order in which the kernel `pack` takes them, each with its group."""
     groups = {item.name: kind.__name__ for kind in records_of("dynamic_free") for item in fields(kind)}
-    return [
-        {**described(each.name, each.start, each.quantity, each.kind), "group": groups[each.name]}
-        for each in PARAMETERS
-        if each.name in groups
-    ]
+    listed = (each for each in PARAMETERS if each.name in groups)
+    return [described(each.name, each.start, each.quantity, each.kind) | {"group": groups[each.name]} for each in listed]
 
 
 def of_inputs():
     """The inputs, each with its place in the array and its start."""
-    limits = -at.LARGEST_INPUT, at.LARGEST_INPUT
-    return [
-        {
-            **described(each.name, each.start[0], Quantity(each.unit, each.meaning, *limits)),
-            "place": inputs.PLACES[each.name],
-            "start": list(each.start),
-        }
-        for each in inputs.INPUT_TABLE
-    ]
+    found = []
+    for each in inputs.INPUT_TABLE:
+        declared = Quantity(each.unit, each.meaning, -at.LARGEST_INPUT, at.LARGEST_INPUT)
+        own = {"place": inputs.PLACES[each.name], "start": list(each.start)}
+        found.append(described(each.name, each.start[0], declared) | own)
+    return found
 
 
 def of_outputs():
     """The outputs, each with its place in the array."""
-    return [
-        {
-            "name": each.name,
-            "kind": each.kind,
-            "unit": each.quantity.unit,
-            "meaning": each.quantity.meaning,
-            "place": outputs.PLACES[each.name],
-        }
-        for each in outputs.OUTPUT_TABLE
-    ]
+    found = []
+    for each in outputs.OUTPUT_TABLE:
+        declared = {"unit": each.quantity.unit, "meaning": each.quantity.meaning}
+        found.append({"name": each.name, "kind": each.kind} | declared | {"place": outputs.PLACES[each.name]})
+    return found
 
 
 def of_variants():
     """The variants from coarse to fine."""
-    return [
-        {
-            "name": each.name,
-            "class": class_name(each.name),
-            "library": library_of(each.name),
-            "nodes": each.has_nodes,
-            "waves": each.has_waves,
-            "free": each.kite_is_free,
-            "colour": COLOUR[each.name],
-            "ignored": each.ignored,
-            "meanings": each.meanings,
-        }
-        for each in TABLE
-    ]
+    found = []
+    for each in TABLE:
+        names = {"name": each.name, "class": class_name(each.name), "library": library_of(each.name)}
+        kind = {"nodes": each.has_nodes, "waves": each.has_waves, "free": each.kite_is_free}
+        found.append(names | kind | {"colour": COLOUR[each.name], "ignored": each.ignored, "meanings": each.meanings})
+    return found
 
 
 def of_arrays():
     """Places in the flat arrays that the page reads, see `runtime.layout`, and in the plan of one line."""
-    wanted = (
-        "INPUTS",
-        "SHAPE",
-        "LENGTH",
-        "TORN_SEGMENT",
-        "TORN_AT",
-        "WARNINGS",
-        "WARNED_VALUES",
-        "WINCH_FRICTION",
-        "SHORTEST_LENGTH",
-    )
-    wanted += ("LONGEST_LENGTH", "RELATIVE_TOLERANCE", "FIXED_STEP", "NO_STOP", "ITERATION_BUDGET")
+    wanted = ("INPUTS", "SHAPE", "LENGTH", "TORN_SEGMENT", "TORN_AT", "WARNINGS", "WARNED_VALUES", "WINCH_FRICTION")
+    wanted += ("SHORTEST_LENGTH", "LONGEST_LENGTH", "RELATIVE_TOLERANCE", "FIXED_STEP", "NO_STOP", "ITERATION_BUDGET")
     of_line = ("SEGMENTS", "START_POINT", "END_POINT", "SHAPE_POINTS")
     plan = {name: places.PLAN_HEADER + getattr(places, name) for name in of_line} | {"LINES": places.LINES}
     plan |= {name: getattr(places, name) for name in ("PARAMETERS_SIZE", "STATE_SIZE", "OUTPUTS_SIZE", "WORK_SIZE")}
@@ -150,9 +112,7 @@ def of_sentences():
     return {
         "status": {str(code): sentence for code, sentence in status.SENTENCES.items()},
         "limits": status.LIMITS,
-        "warnings": [
-            {"sentence": sentence, "facts": plausibility.facts(kind)} for kind, sentence in plausibility.SENTENCES.items()
-        ],
+        "warnings": [{"sentence": each, "facts": plausibility.facts(kind)} for kind, each in plausibility.SENTENCES.items()],
         "out_of_range": quantities.OUT_OF_RANGE,
         "not_whole": quantities.NOT_WHOLE,
         "doubts": [
@@ -183,31 +143,20 @@ def scene_of(path):
     """A scene file as the page takes it: its first comment, its duration and what differs from the defaults, in SI units."""
     text = path.read_text(encoding="utf-8")
     table = tomllib.loads(text)
-    head = {
-        "title": TITLES.get(path.stem, path.stem.replace("_", " ")),
-        "about": text.partition("\n")[0].removeprefix("# "),
-    }
+    title, about = TITLES.get(path.stem, path.stem.replace("_", " ")), text.partition("\n")[0].removeprefix("# ")
+    head = {"title": title, "about": about}
     if table["flight"]["kind"] == "series":
-        return {**head, **scene_of_log(path.parent / table["flight"]["file"], table)}
+        return head | scene_of_log(path.parent / table["flight"]["file"], table)
     scene = files.read(table, path.parent, path.stem)
 
     def given(section, found, prefix=""):
         return {prefix + key: getattr(found, key) for key in table.get(section, {}) if key != "kind"}
 
     ground = TABLE_OF_GROUND(**{key: getattr(scene.ground, f"ground_{key}") for key in table.get("ground", {})})
-    return {
-        **head,
-        "duration": scene.duration,
-        "kind": table["flight"]["kind"],
-        "flight": given("flight", scene.flight),
-        "parameters": {
-            **given("tether", scene.tether),
-            **{name: getattr(scene.tether, name) for name in SCALED if "diameter" in table["tether"]},
-            **given("environment", scene.environment),
-            **given("ground", ground, "ground_"),
-        },
-        "wind": given("wind", scene.wind),
-    }
+    scaled = {name: getattr(scene.tether, name) for name in SCALED if "diameter" in table["tether"]}
+    own = given("tether", scene.tether) | scaled | given("environment", scene.environment)
+    flown = {"duration": scene.duration, "kind": table["flight"]["kind"], "flight": given("flight", scene.flight)}
+    return head | flown | {"parameters": own | given("ground", ground, "ground_"), "wind": given("wind", scene.wind)}
 
 
 def scene_of_log(path, table):

@@ -54,4 +54,4 @@ def test_shape_is_relative_to_the_length(scene):
 @pytest.mark.parametrize(("wave_time", "rows"), [(0.05, 2), (10.0, 5)])
 def test_the_start_is_left_out_for_three_wave_times(scene, wave_time, rows):
     """Outputs every 0.1 s; at most a quarter of 2 s."""
-    assert settled(scene, made_up(scene, wave_time=wave_time)) == rows
+    assert settled(scene, wave_time) == rows

@@ -152,7 +152,7 @@ def in_kilonewtons(tmp_path_factory):
     return written(tmp_path_factory.mktemp("kN"), table.assign(ground_tension=table["ground_tension"] / 1e3))
 
 
-def test_a_tether_that_refuses_all_is_given_up_and_said(in_kilonewtons):
+def test_a_tether_that_refuses_all_is_stopped_and_said(in_kilonewtons):
     """It was tried for 5 min: each of its refusals takes the longest search for a length."""
     made = replay(prepare(log.read(in_kilonewtons, "enu")), "tension", ("catenary", "straight"), wanted=())
     assert list(made.flown) == ["straight"]

@@ -51,16 +51,9 @@ def text(model, token, sources=()):
 
 def facts(model):
     """Attributes of the description in both versions of FMI."""
-    return {
-        "modelName": model.name,
-        "description": model.about,
-        "author": "TetherFMU developers",
-        "version": __version__,
-        "license": "MIT",
-        "generationTool": f"TetherFMU {__version__}",
-        "generationDateAndTime": GENERATED,
-        "variableNamingConvention": "structured",
-    }
+    own = {"modelName": model.name, "description": model.about, "author": "TetherFMU developers", "version": __version__}
+    tool = {"generationTool": f"TetherFMU {__version__}", "generationDateAndTime": GENERATED}
+    return own | {"license": "MIT"} | tool | {"variableNamingConvention": "structured"}
 
 
 def experiment(step, stop):

@@ -29,24 +29,11 @@ def header(wiring, fmi, token):
     """
     widths = {array.reference: len(array.variables) for array in arrays(wiring)} if fmi == 3 else None
     listed = [variable for variable in wiring.table if variable.causality == PARAMETER]
-    return "\n".join(
-        [
-            "/* Made by export/native/tables.py. */",
-            "#ifndef TABLES_H",
-            "#define TABLES_H",
-            *_constants(wiring, token),
-            *_sizes(wiring),
-            *_inputs(wiring),
-            *_parameters(wiring, listed),
-            *_lines(wiring),
-            *_maps(wiring),
-            *variable_texts(wiring.shown, wiring.shown_at, widths, wiring.ends[2]),
-            *_starts(wiring),
-            *sentence_texts(),
-            "#endif",
-            "",
-        ]
-    )
+    variables = variable_texts(wiring.shown, wiring.shown_at, widths, wiring.ends[2])
+    parts = *_constants(wiring, token), *_sizes(wiring), *_inputs(wiring), *_parameters(wiring, listed), *_lines(wiring)
+    parts = *parts, *_maps(wiring), *variables, *_starts(wiring), *sentence_texts()
+    head = "/* Made by export/native/tables.py. */", "#ifndef TABLES_H", "#define TABLES_H"
+    return "\n".join([*head, *parts, "#endif", ""])
 
 
 def c_text(text):
@@ -63,6 +50,13 @@ def c_enumeration(numbers):
 def c_texts(name, texts):
     """An array of texts in C."""
     return f"static const char *const {name}[] = {{\n    " + ",\n    ".join(map(c_text, texts)) + "};"
+
+
+def c_rows(declared, rows, size=None, empty=""):
+    """An array in C of rows of texts; declared : type and name.  size : of rows that are arrays.  empty : without rows."""
+    width = "" if size is None else f"[{size}]"
+    cells = ",\n    ".join(f"{{{', '.join(row)}}}" for row in rows)
+    return f"static const {declared}[]{width} = {{\n    {cells or empty}}};"
 
 
 def _constants(wiring, token):
@@ -86,7 +80,7 @@ def _constants(wiring, token):
     }
     phases = ("BEFORE", "INITIALIZING", "STEPPING", "TERMINATED")
     kinds = {name.upper() if name != "parameter" else "PARAMETER_KIND": bit for name, bit in KINDS.items()}
-    ranges = ",\n    ".join(f"{{{place}, {low!r}, {high!r}}}" for place, (low, high) in saved_state.STATE_RANGES.items())
+    ranges = ((str(place), *map(repr, limits)) for place, limits in saved_state.STATE_RANGES.items())
     return [
         c_enumeration(places),
         c_enumeration({f"PLAN_{name.removeprefix('PLAN_')}": value for name, value in plan.items()}),
@@ -94,7 +88,7 @@ def _constants(wiring, token):
         *(f"#define {name} {value}" for name, value in defined.items()),
         f"typedef {c_enumeration({name: getattr(saved_state, name) for name in phases})[:-1]} Phase;",
         c_enumeration({**kinds, "INDEPENDENT": INDEPENDENT}),
-        "static const struct { int place; double lowest, highest; } STATE_RANGE[] = {\n    " + ranges + "};",
+        c_rows("struct { int place; double lowest, highest; } STATE_RANGE", ranges),
     ]
 
 
@@ -120,12 +114,11 @@ def _inputs(wiring):
     own = dict(zip(wiring.references, (each.name for each in wiring.table), strict=True))
     if wiring.record:
         own |= dict(enumerate(names[0]))  # also of what another tether has
-    rows = ",\n    ".join("{" + ", ".join(map(c_text, row)) + "}" for row in names)
     return [
         c_enumeration({f"SCALE_{name}": number for number, name in enumerate(inputs.SCALES)}),
         c_numbers("unsigned char INPUT_SCALE", numbers),
         c_texts("INPUT_NAME", [own[place] for place in range(wiring.ends[0])]),
-        f"static const char *const LINE_INPUT_NAME[][{len(names[0])}] = {{\n    {rows}}};",
+        c_rows("char *const LINE_INPUT_NAME", (map(c_text, row) for row in names), len(names[0])),
     ]
 
 
@@ -152,16 +145,8 @@ def _given_plan(wiring):
 
 def most_room(states, others):
     """Text that says how much room the arrays need at most; states, others : lengths with 1, 2, ... segments."""
-    return "\n".join(
-        [
-            "#ifndef MAX_SEGMENTS",
-            f"#define MAX_SEGMENTS {len(states)}",
-            "#endif",
-            _most("MOST_STATE", states),
-            _most("MOST_OTHERS", others),
-            "",
-        ]
-    )
+    head = "#ifndef MAX_SEGMENTS", f"#define MAX_SEGMENTS {len(states)}", "#endif"
+    return "\n".join([*head, _most("MOST_STATE", states), _most("MOST_OTHERS", others), ""])
 
 
 def _most(name, sizes):
@@ -173,24 +158,23 @@ def _most(name, sizes):
 
 def _parameters(wiring, listed):
     """Names of the parameters and what is allowed; of each line where the quantities stand that the kernel `pack` takes."""
-    texts = [f"    {{{c_text(each.name)}, {c_text(each.quantity.range())}, {KINDS[each.kind]}}}" for each in listed]
+    rows = ((c_text(each.name), c_text(each.quantity.range()), str(KINDS[each.kind])) for each in listed)
+    doubts = ((str(place), repr(side), repr(limit), c_text(said)) for place, side, limit, said in wiring.doubtful)
     first, *_ = wiring.quantities
     names = [name for name, _, _ in first]
     numbers = {f"QUANTITY_{name.upper()}": names.index(name) for name in QUANTITIES}
     if wiring.record and wiring.record.kite_is_free:
         numbers["INITIAL_KITE_POSITION"] = names.index("initial_kite_position[1]")
-    rows = ",\n    ".join("{" + ", ".join(str(each) for _, each, _ in row) + "}" for row in wiring.quantities)
-    defaults = ",\n    ".join("{" + ", ".join(repr(float(each)) for *_, each in row) + "}" for row in wiring.quantities)
+    places = ([str(each) for _, each, _ in row] for row in wiring.quantities)
+    defaults = ([repr(float(each)) for *_, each in row] for row in wiring.quantities)
     return [
         "typedef struct { const char *name, *range; int kind; } Parameter;",
-        "static const Parameter PARAMETER[] = {\n" + ",\n".join(texts) + "};",
+        c_rows("Parameter PARAMETER", rows),
         "typedef struct { unsigned reference; double side, limit; const char *sentence; } Doubt;",
-        "static const Doubt DOUBT[] = {\n    "
-        + ",\n    ".join(f"{{{place}, {side!r}, {limit!r}, {c_text(said)}}}" for place, side, limit, said in wiring.doubtful)
-        + "};",
+        c_rows("Doubt DOUBT", doubts),
         c_enumeration({"QUANTITIES": len(first), **numbers}),
-        f"static const int QUANTITY_FROM[][{len(first)}] = {{\n    {rows}}};",
-        f"static const double QUANTITY_DEFAULT[][{len(first)}] = {{\n    {defaults}}};",
+        c_rows("int QUANTITY_FROM", places, len(first)),
+        c_rows("double QUANTITY_DEFAULT", defaults, len(first)),
     ]
 
 
@@ -205,8 +189,7 @@ def _lines(wiring):
 
 def _table(name, members, rows):
     """An array of structures of integers; without rows it has one of zeros, which nobody reads."""
-    cells = ",\n    ".join("{" + ", ".join(map(str, row)) + "}" for row in rows) or "{0}"
-    return f"static const struct {{ int {', '.join(members)}; }} {name}[] = {{\n    {cells}}};"
+    return c_rows(f"struct {{ int {', '.join(members)}; }} {name}", (map(str, row) for row in rows), empty="{0}")
 
 
 def _maps(wiring):
@@ -215,8 +198,7 @@ def _maps(wiring):
     counts = {"INPUTS_FROM": wiring.inputs, "OUTPUTS_FROM": outputs, "MOTIONS": wiring.motion}
     counts |= {"HOLDERS": wiring.holders}
     counts |= {"STARTS": wiring.starts, "CHECKS": wiring.checked, "HELD_TERMS": wiring.held, "TURNED_TERMS": wiring.turned}
-    limits = [(each.place, *map(repr, limits_of(each.quantity))) for each in wiring.checked]
-    rows = ",\n    ".join(f"{{{', '.join(map(str, row))}}}" for row in limits) or "{0, 0.0, 0.0}"
+    limits = ((str(each.place), *map(repr, limits_of(each.quantity))) for each in wiring.checked)
     masses = ", ".join(f"{{{a}, {b}}}" for a, b in wiring.carried)
     return [
         c_enumeration({name: len(listed) for name, listed in counts.items()}),
@@ -230,7 +212,7 @@ def _maps(wiring):
         c_numbers("double HOLDER_NUMBER", [row[2] for row in wiring.holders] or [0.0]),
         _table("TURNED", ("reference", "place", "less"), [(row[0], row[1], row[3]) for row in wiring.turned]),
         c_numbers("double TURNED_FACTOR", [row[2] for row in wiring.turned] or [0.0]),
-        f"static const struct {{ int reference; double lowest, highest; }} CHECK[] = {{\n    {rows}}};",
+        c_rows("struct { int reference; double lowest, highest; } CHECK", limits, empty="{0, 0.0, 0.0}"),
         f"static const int CARRIED[][2] = {{{masses}}};",
         _table("SHEAVE", ("kind", "portion", "mass", "friction", "efficiency"), wiring.sheaves or [(0, -1, -1, -1, -1)]),
         c_texts("FREE_POINT_NAME", wiring.free or ("",)),
@@ -266,10 +248,10 @@ def _starts(wiring):
     starts = [0.0] * wiring.ends[2]
     for reference, variable in zip(wiring.references, wiring.table, strict=True):
         starts[reference] = float(variable.start or 0.0)
-    rows = ",\n    ".join(f"{{{place}, {c_text(name)}}}" for name, place, _ in wiring.constants) or '{0, ""}'
+    constants = ((str(place), c_text(name)) for name, place, _ in wiring.constants)
     return [
         c_numbers("double START", starts),
-        f"static const struct {{ unsigned reference; const char *name; }} CONSTANT[] = {{\n    {rows}}};",
+        c_rows("struct { unsigned reference; const char *name; } CONSTANT", constants, empty='{0, ""}'),
         c_enumeration({"CONSTANTS": len(wiring.constants)}),
     ]
 

@@ -15,7 +15,7 @@ Z_s = A^-1 c_s,
 so that each of them costs one solution more for each matrix, and a vector for each stage.
 """
 
-from ..compilation import kernel
+from ..compilation import kernel, view
 from ..equations.lines import (
     add_at,
     clear,
@@ -23,6 +23,7 @@ from ..equations.lines import (
     is_at_point,
     is_turned,
     lines_of,
+    motion_of,
     point_at,
     points_of,
     rows_of,
@@ -68,7 +69,7 @@ from .sheave_room import (
 )
 from .sheave_slopes import add_wrap, finish_row, take_row
 from .sheave_stages import inertia_times
-from .system_room import integrator_of, moves, room_in_step
+from .system_room import integrator_of, moves, room_in_step, scratch_of
 
 
 @kernel
@@ -77,6 +78,13 @@ def pivot_of(numbers, side, other, d):
     inertia, by_rate = numbers[at_sheave.INERTIA + side + other], numbers[at_sheave.BY_RATE + 2 * side + other]
     sign = 1.0 if other == IN else -1.0
     return inertia / d - by_rate - d * sign * numbers[at_sheave.BY_LENGTH + side]
+
+
+@view
+def nodes_at_start(system, k):
+    """What `take_row` takes of the nodes of portion k at the start of the step."""
+    x, v = motion_of(system, k)
+    return x, v, integrator_of(system, k).modes
 
 
 @kernel
@@ -94,8 +102,8 @@ def take_equation(system, k, time, d, matrix):
     """Row, df/dt and D of the sheave at the end of line k, over which rope runs (modified)."""
     numbers, behind, count, j = numbers_at(system, k), numbers_at(system, k + 1), count_of(system), number_of(system, k)
     of_1, of_2 = numbers[at_sheave.OF_BEHIND], numbers[at_sheave.OF_AHEAD]
-    take_row(system, k, OUT, of_1)
-    take_row(system, k + 1, IN, of_2)
+    take_row(system, k, OUT, of_1, nodes_at_start(system, k))
+    take_row(system, k + 1, IN, of_2, nodes_at_start(system, k + 1))
     add_wrap(system, k)
     numbers[at_sheave.RATE] = finish_row(system, k, OUT, of_1, time, d) + finish_row(system, k + 1, IN, of_2, time, d)
     pivot = of_1 * pivot_of(numbers, OUT, OUT, d) + of_2 * pivot_of(behind, IN, IN, d) + mass_of(system, k) / d
@@ -114,7 +122,7 @@ def take_rows_at_drums(system, time, d):
     for k in range(lines_of(system)):
         if is_turned(system, k) and is_coordinate(system, k, IN):
             numbers = numbers_at(system, k)
-            take_row(system, k, IN, numbers[at_sheave.OF_IN])
+            take_row(system, k, IN, numbers[at_sheave.OF_IN], nodes_at_start(system, k))
             numbers[at_sheave.RATE_IN] = finish_row(system, k, IN, numbers[at_sheave.OF_IN], time, d)
 
 
@@ -148,18 +156,27 @@ def put_column(system, k, side, weight, d, column):
         column[i] = weight * (by_speed[i] + sign * by_length[i] + border[i] / d)
 
 
+@view
+def matrix_of(system, k, is_fixed):
+    """Matrix of line k in a Rosenbrock step, or in the iteration of a fixed step."""
+    return scratch_of(system, k).matrix if is_fixed else integrator_of(system, k).matrix
+
+
 @kernel
-def solve_column(system, j):
-    """Solve all lines and points for the column of coordinate j, which stands in the arrays of the lines (modified)."""
+def solve_column(system, j, is_fixed):
+    """Solve all lines and points for the column of coordinate j, which stands in the arrays of the lines (modified).
+
+    is_fixed : as for `matrix_of`.
+    """
     points = points_of(system)
     clear(points.right)
     for k in range(lines_of(system)):
         if moves(system, k):
-            column, w = single_at(system, k, SOLUTIONS + j), integrator_of(system, k)
-            condensed.solve_inner(rows_of(system, k), w.matrix, column)
+            column, matrix = single_at(system, k, SOLUTIONS + j), matrix_of(system, k, is_fixed)
+            condensed.solve_inner(rows_of(system, k), matrix, column)
             for end in range(2):
                 if is_at_point(system, k, end):
-                    left = condensed.what_is_left(segments_of(system, k), end, w.matrix, column)
+                    left = condensed.what_is_left(segments_of(system, k), end, matrix, column)
                     add_at(points.right, point_at(system, k, end), left)
     solve_blocks(*size_of_blocks(system), points.matrix, points.right, points.solution)
     for k in range(lines_of(system)):
@@ -204,7 +221,7 @@ def form_border(system, time, h):
                 weight = weight_of(system, c, k, side)
                 if weight != 0.0:
                     put_column(system, k, side, weight, d, single_at(system, k, SOLUTIONS + j))
-        solve_column(system, j)
+        solve_column(system, j, False)
     for j in range(count):
         for i in range(count):
             if runs(system, coordinate_at(system, j)) and runs(system, coordinate_at(system, i)):

@@ -114,7 +114,7 @@ def take_outputs(system, outputs):
     The plan (modified) says which line a status is about.
     """
     steps, duration = given_steps(parameters_of(system, 0)), state_of(system, 0)[at.LAST_STEP]  # with common iterations
-    most = iteration_limit.of_steps(adaptive_steps.work_of(system), steps, system_room.any_drum(system), duration)
+    most = iteration_limit.of_steps(adaptive_steps.work_of(system), steps, system_room.is_any_sought(system), duration)
     breaking.fit(system)
     status = OK
     for k in range(lines_of(system)):
@@ -226,7 +226,7 @@ def check_ropes(system):
     for k in range(lines_of(system)):
         parameters = parameters_of(system, k)
         system.plan[places.STATUS_LINE] = k
-        if parameters[at.FIXED_STEP] != 0.0:
+        if is_turned(system, k) and parameters[at.FIXED_STEP] != 0.0:
             return SHEAVES_WITH_FIXED_STEP
         if is_rope(system, k) and not sees_reeling(parameters):
             return SHEAVES_WITH_STRETCH_RATE

@@ -58,7 +58,7 @@ class Search:
             self.left -= handling + point.cost * duration
         return self.part(self.points[config])
 
-    def hopeless(self, config):
+    def is_too_coarse(self, config):
         """Whether a tether of this kind that is not coarser in any respect was clearly wrong.
 
         Not so the quasi-steady tether: few segments may make up for what its model leaves out.
@@ -102,7 +102,7 @@ class Search:
         for config in sorted(costs, key=lambda each: (costs[each], each.tolerance)):
             if costs[config] >= self.least_that_does() or self.stopped:
                 return
-            if not self.hopeless(config):
+            if not self.is_too_coarse(config):
                 self.fly(config)
 
 

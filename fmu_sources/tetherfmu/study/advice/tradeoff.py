@@ -35,8 +35,8 @@ class Measured(NamedTuple):
     cost: float  # the same from counted work, see `runs`
     refused: str = ""
 
-    def error(self, names):
-        """Largest error of some outputs; infinite if it was refused."""
+    def error(self, names=None):
+        """Largest error of some outputs, or of all; infinite if it was refused."""
         return worst(self.errors, names) if self.errors else float("inf")
 
     @property

@@ -14,7 +14,7 @@ The reference is the dynamic tether, refined in space and in time until its own 
 that knows the mean reel-out speed of each step and the wind of its middle (`Scene.inputs`, exact).
 """
 
-from functools import cache, partial
+from functools import partial
 from math import ceil, inf
 from typing import NamedTuple
 
@@ -37,10 +37,9 @@ def rms(values):
     return float(np.sqrt(np.mean(np.square(values))))
 
 
-def settled(scene, reference):
-    """First output row that counts: after 3 wave times of the reference, at most a quarter of the scene."""
-    rows = int(np.ceil(SETTLING * reference.outputs[0, at.WAVE_TIME] / scene.every))
-    return min(rows, int(LONGEST_SETTLING * scene.count))
+def settled(scene, wave_time):
+    """First output row that counts: after 3 wave times [s] of the reference, at most a quarter of the scene."""
+    return min(int(np.ceil(SETTLING * wave_time / scene.every)), int(LONGEST_SETTLING * scene.count))
 
 
 def power_error(scene, flown, reference, first):
@@ -55,7 +54,7 @@ def power_error(scene, flown, reference, first):
 
 def errors(scene, flown, reference):
     """Errors [-] of a flight against a reference, both `Flown`; dict by the names of `scenes.files.OUTPUTS`."""
-    first = settled(scene, reference)
+    first = settled(scene, reference.outputs[0, at.WAVE_TIME])
     peak, right = flown.peak[first:].max(), reference.peak[first:].max()
     distances, lengths = size(flown.shape - reference.shape)[first:], reference.outputs[first:, at.TETHER_LENGTH]
     found = {
@@ -72,9 +71,9 @@ def errors(scene, flown, reference):
     return found
 
 
-def worst(found, names):
-    """Largest error of some outputs."""
-    return max(found[name] for name in names)
+def worst(found, names=None):
+    """Largest error of some outputs; None: of all."""
+    return max(found.values() if names is None else (found[name] for name in names))
 
 
 class Reference(NamedTuple):
@@ -86,39 +85,56 @@ class Reference(NamedTuple):
     time: dict  # change of each output against the double communication step and ten times the tolerance
     spent: float  # what all flights cost together, by `runs.cost` [s]
 
-    def own_error(self, names):
-        """Bound of its own error in some outputs: both changes together; each is larger than what is left."""
+    def own_error(self, names=None):
+        """Bound of its own error in some outputs, or in all: both changes together; each is larger than what is left."""
         return worst(self.space, names) + worst(self.time, names)
+
+
+def even_part(every, longest):
+    """Communication step [s] of about the longest at most, of which an even number makes up the time between outputs [s]."""
+    return every / (2 * ceil(every / (2.0 * longest) - 1e-6))
 
 
 def converged(scene, target, names, first_segments=FIRST_SEGMENTS, longest_step=LONGEST_STEP, budget=inf):
     """`Reference` of a scene, refined until its `own_error` is at most `target` [-], or until the finest allowed.
 
-    names : outputs that count, of `scenes.files.OUTPUTS`.  first_segments : to begin with; doubled as needed.
-    longest_step : communication step to begin with [s], about; halved as needed.  budget : the next refinement, which costs
-    about twice as much, is left out if the flights would cost more than this [s].
+    names : outputs that count, of `scenes.files.OUTPUTS`.  first_segments, longest_step : to begin with, the step [s] about.
+    budget : as of `refined`.
     """
-    n = first_segments
-    step = scene.every / (2 * ceil(scene.every / (2.0 * longest_step) - 1e-6))  # an output interval is an even multiple
-    spent = {}
 
-    @cache
-    def fly(segments, h, tolerance):
-        config = Config("dynamic", segments, tolerance, h)
+    def fly(config):
         flight = run(scene, config, exact=True)
-        spent[config] = cost(scene, config, flight.calls, flight.work) * scene.count * scene.every
-        return flight
+        return flight, cost(scene, config, flight.calls, flight.work) * scene.count * scene.every
+
+    first = Config("dynamic", first_segments, TOLERANCE, even_part(scene.every, longest_step))
+    return refined(fly, partial(errors, scene), first, MOST_SEGMENTS, target, names, budget)
+
+
+def refined(fly, compare, config, most, target, names, budget=inf):
+    """`Reference`, refined from a configuration on until its `own_error` is at most `target` [-].
+
+    fly : gives the `Run` of a configuration, and what it costs [s].  compare : errors of a flight against another one, dict
+    by output.  most : segments.  names : outputs that count, None: all.  Segments are doubled or the communication step is
+    halved, what helps more. The next refinement, which costs about twice as much, is left out if the flights would cost more
+    than the budget [s].
+    """
+    known = {}
+
+    def flown(config):
+        if config not in known:
+            known[config] = fly(config)
+        return known[config][0]
 
     while True:
-        finest = fly(n, step, TOLERANCE)
-        space = errors(scene, fly(n // 2, step, TOLERANCE).flown, finest.flown)
-        time = errors(scene, fly(n, 2.0 * step, 10.0 * TOLERANCE).flown, finest.flown)
-        config, total = Config("dynamic", n, TOLERANCE, step), sum(spent.values())
+        finest, step = flown(config), config.step
+        space = compare(flown(config._replace(segments=config.segments // 2)).flown, finest.flown)
+        time = compare(flown(config._replace(step=2.0 * step, tolerance=10.0 * TOLERANCE)).flown, finest.flown)
+        total = sum(spent for _, spent in known.values())
         found = Reference(config, finest, space, time, total)
-        finer = 2 * n <= MOST_SEGMENTS, step / 2.0 >= SHORTEST_STEP
-        if found.own_error(names) <= target or not any(finer) or total + 3.0 * spent[config] > budget:
+        finer = 2 * config.segments <= most, step / 2.0 >= SHORTEST_STEP
+        if found.own_error(names) <= target or not any(finer) or total + 3.0 * known[config][1] > budget:
             return found
         if (worst(space, names) >= worst(time, names) and finer[0]) or not finer[1]:
-            n *= 2
+            config = config._replace(segments=2 * config.segments)
         else:
-            step /= 2.0
+            config = config._replace(step=step / 2.0)

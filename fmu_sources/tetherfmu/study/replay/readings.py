@@ -133,7 +133,7 @@ def leave_out(values, which, name, time, report, why):
 
 
 def floor_of(name, values, step):
-    """Distance from the median of the neighbours below which a reading is no spike; None: spikes are not sought."""
+    """Distance from the median of the neighbours below which a reading is no spike; None: there are no spikes."""
     if name == "ground_tension":
         return OF_TENSION * np.nanpercentile(np.abs(values), 99.0) if np.isfinite(values).any() else None
     floor, grows = FLOOR.get(name, (None, 0.0))

@@ -70,7 +70,7 @@ class Replay:
 
 def refused(name, flown):
     """A sentence on the steps that a tether refused."""
-    end = "" if flown.given_up is None else f" and was stopped at {flown.given_up:.1f} s"
+    end = "" if flown.stopped is None else f" and was stopped at {flown.stopped:.1f} s"
     return f"{name} refused {len(flown.refusals)} communication steps{end}; the first: {flown.refusals[0].reason}"
 
 

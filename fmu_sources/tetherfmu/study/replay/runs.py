@@ -24,7 +24,7 @@ SCALARS = (
 )
 FORCES = ("ground_force", "kite_force")
 KEPT = (*SCALARS, *FORCES)
-CHUNK = 20  # times that are flown at once: a tether that refuses all of them, 2 s, is given up
+CHUNK = 20  # times that are flown at once: a tether that refuses all of them, 2 s, is stopped
 TAUT = 1.05  # first length over the distance of the ends, at most, where a tension is measured
 
 
@@ -33,14 +33,14 @@ class Flown(NamedTuple):
 
     Columns beside outputs of these names: `mean_tension`, of `ground_tension` over the steps since the row before [N];
     `air_force`, what forces at both ends and weight leave [N]: drag, of a tether that hangs in equilibrium in the air.
-    `shapes` : (rows, points, 3) [m].  `refusals` : `results.Refusal` of the steps that were refused.  `given_up` : time from
+    `shapes` : (rows, points, 3) [m].  `refusals` : `results.Refusal` of the steps that were refused.  `stopped` : time from
     which on nothing was tried any more [s], None if all of the flight was.
     """
 
     table: pd.DataFrame
     shapes: np.ndarray
     refusals: tuple
-    given_up: float | None = None
+    stopped: float | None = None
 
 
 def finest(names):
@@ -99,7 +99,7 @@ def flown_of(tether, rows, times, found):
     """`Flown` of a tether that is initialized; rows : inputs, as many for each of the times [s] but the first."""
     first, each = tether.outputs(), round(EVERY / STEP)
     table, shapes, refusals = {name: [[getattr(first, name)]] for name in KEPT}, [first.shape[None]], []
-    means, given_up = [[first.ground_tension]], None
+    means, stopped = [[first.ground_tension]], None
     for begin in range(0, len(rows), each * CHUNK):
         part = rows[begin : begin + each * CHUNK]
         flown = tether.fly(part, STEP, on_refusal="skip")
@@ -112,7 +112,7 @@ def flown_of(tether, rows, times, found):
         shapes.append(flown.shape[each - 1 :: each])
         refusals += flown.refusals
         if len(flown.refusals) == len(part) == each * CHUNK:
-            given_up = float(times[begin // each + CHUNK])
+            stopped = float(times[begin // each + CHUNK])
             break
     columns = {"time": times, "mean_tension": filled(means, len(times))}
     columns |= {name: filled(table[name], len(times)) for name in SCALARS}
@@ -122,7 +122,7 @@ def flown_of(tether, rows, times, found):
     weight = found.weight * made.tether_length
     air = [made[f"ground_force[{i}]"] + made[f"kite_force[{i}]"] + (weight if i == 3 else 0.0) for i in (1, 2, 3)]
     made["air_force"] = np.linalg.norm(air, axis=0)
-    return Flown(made, filled(shapes, len(times)), tuple(refusals), given_up)
+    return Flown(made, filled(shapes, len(times)), tuple(refusals), stopped)
 
 
 def filled(parts, count):

@@ -24,7 +24,7 @@ UNITS |= dict(zip(csv_files.ANGLES, csv_files.UNITS_OF_ANGLES, strict=True)) | {
 COLUMNS = ("time", *chain(*VECTORS.values()), *csv_files.ANGLES, *REELING)
 FEWEST_ROWS = 4  # that a C2 spline needs
 LONGEST_NAME = 40  # characters of a column's name in a message
-JUDGED_ROWS = 10_000  # of which noise is sought
+JUDGED_ROWS = 10_000  # in which noise is looked for
 ALTERNATING = -0.5  # correlation of neighbours: noise has -0.8 in fourth differences, a smooth path nearly 1
 
 

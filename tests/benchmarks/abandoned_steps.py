@@ -1,9 +1,9 @@
-"""Communication steps that the adaptive solver gives up, against the same steps in a hundred parts, which it resolves.
+"""Communication steps that the adaptive solver abandons, against the same steps in a hundred parts, which it resolves.
 
-python tests/benchmarks/given_up_steps.py [--points 121 425 463 714] [--parts 100]
+python tests/benchmarks/abandoned_steps.py [--points 121 425 463 714] [--parts 100]
 
 For points of the stability map whose winch is told a force: the length of the tether, its positions, and the tension at the
-ground that is found in each part of the first step that is given up, adaptive and with so many fixed steps as
+ground that is found in each part of the first step that is abandoned, adaptive and with so many fixed steps as
 `limits.COARSE_WORK` gives, a tenth of them, and ten times as many. docs/models/numerics.md, "Too many internal steps", has
 the result. Some 10 s of processor time.
 """
@@ -33,8 +33,8 @@ def inputs(p, start, time):
     return given | {"reel_out_speed": p.reel_out_speed} | winch_input(p, start, time)
 
 
-def first_given_up(p):
-    """State before the first step that is given up, its time [s], and the tension at the ground at the start [N]."""
+def first_abandoned(p):
+    """State before the first step that is abandoned, its time [s], and the tension at the ground at the start [N]."""
     model = model_of(p, 1)
     start = float(model.initialize(**inputs(p, 0.0, 0.0)).ground_tension)
     for k in range(CALLS):
@@ -42,7 +42,7 @@ def first_given_up(p):
         model.step(p.step, **inputs(p, start, k * p.step))
         if kinds(model.get_state()) >> UNRESOLVED & 1:
             return state, k * p.step, start
-    raise SystemExit(f"no step of point {p.number} is given up")
+    raise SystemExit(f"no step of point {p.number} is abandoned")
 
 
 def flown(p, state, time, start, parts):
@@ -58,7 +58,7 @@ def flown(p, state, time, start, parts):
 def compare(number, parts):
     """Print a line for each number of fixed steps."""
     p = point(1, number, at.WINCH_BY_FORCE)
-    before = first_given_up(p)
+    before = first_abandoned(p)
     length, positions, tensions = flown(p, *before, parts)
     ringing = np.sqrt(np.mean(tensions**2))
     for factor in (0.1, 1.0, 10.0):
