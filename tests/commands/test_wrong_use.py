@@ -14,7 +14,7 @@ from tetherfmu import __version__
 from tetherfmu.__main__ import main as tetherfmu
 from tetherfmu.console.ending import WrongUse, remedy
 from tetherfmu.console.subcommands import SUBCOMMANDS
-from tetherfmu.study.measuring.through_fmpy import fmus_in
+from tetherfmu.study.measuring.fmus import fmus_in
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 sys.path.append(str(EXAMPLES))

@@ -7,13 +7,13 @@ import pytest
 from fmpy import read_model_description
 
 from isolation import in_shared_process
-from runtime.host import STEP, Host, blob_of, restore
+from runtime.host import STEP, Host
 from tetherfmu import TetherSystem
-from tetherfmu.check.__main__ import main as check
 from tetherfmu.export import systems
 
+from .flavours import assert_checks_pass, build_all, every_flavour, go_astray_and_back
+
 FILE = Path(__file__).parents[2] / "examples" / "systems" / "steered_kite.toml"
-FLAVOURS = {0: "2.0", 2: "2.0", 3: "3.0"}
 CONTROLS = {"length": ("winch_length", "winch_lengths"), "speed": ("reel_out_speed", "reel_out_speeds")}
 WEIGHTS = {"left.load": (-900.0, 0.0, 1500.0), "right.load": (900.0, 0.0, 1500.0)}
 
@@ -23,18 +23,16 @@ def folder(built_once):
     """Folder with the file for both controls, and an FMU of each flavour in a folder of its own."""
 
     def build(folder):
+        text = FILE.read_text(encoding="utf-8")
         for control in CONTROLS:
-            text = (
-                FILE.read_text(encoding="utf-8").replace('"length"', f'"{control}"').replace("SteeredKite", control.title())
-            )
-            (folder / f"{control}.toml").write_text(text, encoding="utf-8")
-            for native in FLAVOURS:
-                systems.build(folder / f"{control}.toml", folder / str(native), native=native or None)
+            own = text.replace('"length"', f'"{control}"').replace("SteeredKite", control.title())
+            (folder / f"{control}.toml").write_text(own, encoding="utf-8")
+        build_all(folder, *folder.glob("*.toml"))
 
     return built_once("shared_winches", build)
 
 
-@pytest.mark.parametrize("native", FLAVOURS)
+@every_flavour
 @pytest.mark.parametrize("control", CONTROLS)
 @in_shared_process
 def test_the_numbers_of_the_python_api(folder, native, control):
@@ -47,9 +45,7 @@ def test_the_numbers_of_the_python_api(folder, native, control):
     for k in range(20):
         given = {"steering": 0.001 * k, "depower": 0.0005 * k * k}
         if k == 10:
-            blob = blob_of(host)
-            host.step(STEP, **{f"steering.{name}": 1.0})
-            restore(host, blob)
+            go_astray_and_back(host, **{f"steering.{name}": 1.0})
         host.step(STEP, **{f"{winch}.{name}": value for winch, value in given.items()})
         wanted = system.step(STEP, **{argument: given})
         for line, own in wanted.lines.items():
@@ -62,7 +58,7 @@ def test_the_numbers_of_the_python_api(folder, native, control):
     assert host.get("depower.payout") > 0.005
 
 
-@pytest.mark.parametrize("native", FLAVOURS)
+@every_flavour
 def test_lines_in_winches_have_no_variables_of_a_winch(folder, native):
     names = {each.name for each in read_model_description(folder / str(native) / "Length.fmu").modelVariables}
     assert {"steering.winch_length", "depower.winch_length", "steering.winch_speed", "depower.payout"} <= names
@@ -70,7 +66,7 @@ def test_lines_in_winches_have_no_variables_of_a_winch(folder, native):
     assert not names & {f"tape_left.{what}" for what in ("reel_out_speed", "winch_length", "winch_control", "winch_mass")}
 
 
-@pytest.mark.parametrize("native", FLAVOURS)
+@every_flavour
 @in_shared_process
 def test_what_is_refused_names_the_winches(folder, native):
     host = Host(folder / str(native) / "Speed.fmu").start(**WEIGHTS)
@@ -121,5 +117,4 @@ def test_derivatives_of_a_native_fmu_count_with_the_ratio(tmp_path, folder):
 
 
 def test_their_evidence_is_met(folder, capfd):
-    assert check([str(folder / str(native) / f"{control.title()}.fmu") for native in FLAVOURS for control in CONTROLS]) == 0
-    assert capfd.readouterr().out.count("evidence set: 100 steps") == len(FLAVOURS) * len(CONTROLS)
+    assert_checks_pass(folder, capfd)

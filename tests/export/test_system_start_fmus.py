@@ -8,7 +8,8 @@ import pytest
 from isolation import in_shared_process
 from runtime.host import STEP, Host, blob_of, restore
 from tetherfmu import TetherSystem
-from tetherfmu.export import systems
+
+from .flavours import build_all, every_flavour
 
 FILE = """
 name = "Chain"
@@ -33,8 +34,6 @@ segments = 2
 WIND, LOADS = (9.0, 2.0, 0.0), {"top": (0.0, 0.0, 2.1e4), "knot": (30.0, 0.0, 0.0), "load": (0.0, -40.0, 10.0)}
 GIVEN, EQUILIBRIUM = 1, 2
 
-every_flavour = pytest.mark.parametrize("native", [0, 2, 3])
-
 
 @pytest.fixture(scope="session")
 def chains(built_once):
@@ -42,8 +41,7 @@ def chains(built_once):
 
     def build(folder):
         (folder / "chain.toml").write_text(FILE)
-        for native in (0, 2, 3):
-            systems.build(folder / "chain.toml", folder / str(native), native=native or None)
+        build_all(folder, folder / "chain.toml")
 
     return built_once("system_chains", build)
 

@@ -5,11 +5,11 @@ import pytest
 from isolation import in_shared_process
 from runtime.host import Host
 from tetherfmu import Solver, TetherSystem
-from tetherfmu.check.__main__ import main as check
-from tetherfmu.export import systems
 from tetherfmu.runtime.limits import WORST_WORK_WITH_DRUM
 from tetherfmu.systems import files
 from y_of_lines import y_of_lines
+
+from .flavours import assert_checks_pass, build_all, every_flavour
 
 BY_FORCE = "winch_control = 2\nwinch_mass = 20.0\nwinch_friction = 5.0"
 BY_LENGTH = "winch_control = 3"
@@ -22,13 +22,12 @@ def winches(built_once):
 
     def build(folder):
         (folder / "winches.toml").write_text(y_of_lines("TwoWinches", BY_FORCE, BY_LENGTH))
-        for native in (0, 2, 3):
-            systems.build(folder / "winches.toml", folder / str(native), native=native or None)
+        build_all(folder, folder / "winches.toml")
 
     return built_once("system_winches", build)
 
 
-@pytest.mark.parametrize("native", [0, 2, 3])
+@every_flavour
 @pytest.mark.parametrize("fixed_step", [0.0, 0.01])
 @in_shared_process
 def test_the_numbers_of_the_python_api(winches, native, fixed_step):
@@ -51,7 +50,7 @@ def test_the_numbers_of_the_python_api(winches, native, fixed_step):
     assert host.get("solver_iteration_limit") == (2 * WORST_WORK_WITH_DRUM if fixed_step else 0)
 
 
-@pytest.mark.parametrize("native", [0, 2, 3])
+@every_flavour
 @in_shared_process
 def test_stops_that_cross_are_refused_with_the_line(winches, native):
     host = Host(winches / str(native) / "TwoWinches.fmu")
@@ -60,6 +59,5 @@ def test_stops_that_cross_are_refused_with_the_line(winches, native):
     assert "the line main: shortest_length is 50" in str(host.messages)
 
 
-def test_check_passes(winches, capsys):
-    assert check([str(winches / str(native) / "TwoWinches.fmu") for native in (0, 2, 3)]) == 0
-    assert "0 problems found" in capsys.readouterr().out
+def test_checks_pass(winches, capfd):
+    assert_checks_pass(winches, capfd, steps=None)

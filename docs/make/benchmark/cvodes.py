@@ -13,10 +13,9 @@ from tetherfmu.kernels.equations import segment
 from tetherfmu.kernels.equations.end_motion import curve, position_at, velocity_at
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.inputs import by_name
-from tetherfmu.study.scenes.start import tether_at_start
 
 from .reference import free_state, right_hand_side
-from .scenes import STEP
+from .scenes import STEP, at_start
 
 if hasattr(casadi.GlobalOptions, "setNumpyMode"):  # from CasADi 3.8 on
     casadi.GlobalOptions.setNumpyMode(1)  # numpy functions of symbols give symbols
@@ -67,13 +66,13 @@ def equations(scene, exact_path):
     exact_path : the kite follows the formula of its path; otherwise a cubic x0 + v0 t + c2 t^2 + c3 t^3, its 12 coefficients
     being the parameters p.
     """
-    free = scene.tether.segments if scene.kite_is_free else scene.tether.segments - 1
+    free = scene.tether.segments if scene.end_is_free else scene.tether.segments - 1
     time, y, p = casadi.SX.sym("t"), casadi.SX.sym("y", 6 * free), casadi.SX.sym("p", 0 if exact_path else 12)
     kite = velocity = casadi.SX(3, 0)
-    if exact_path and not scene.kite_is_free:
+    if exact_path and not scene.end_is_free:
         kite = casadi.vertcat(*scene.flight.kite(time))
         velocity = casadi.jacobian(kite, time)
-    elif not scene.kite_is_free:
+    elif not scene.end_is_free:
         x0, v0, c2, c3 = casadi.vertsplit(p, 3)
         kite, velocity = x0 + time * (v0 + time * (c2 + time * c3)), v0 + time * (2.0 * c2 + 3.0 * time * c3)
     return {"t": time, "x": y, "p": p, "ode": slope(scene, time, y, kite, velocity)}
@@ -89,7 +88,7 @@ def integrator(scene, exact_path, times, tolerance, compiled):
 
 def whole_run(scene, tolerance, compiled=False):
     """One call for the whole run with the exact path, as a function without arguments; it returns what `exact` returns."""
-    start = free_state(scene, tether_at_start(scene))
+    start = free_state(scene, at_start(scene))
     run = integrator(scene, True, scene.times, tolerance, compiled)
     return lambda: np.array(run(x0=start)["xf"]).T[:, : len(start) // 2]
 
@@ -111,7 +110,7 @@ def restarted_run(scene, tolerance, compiled=False):
 
     The steps between two outputs are chained inside CasADi, so that Python costs nothing.
     """
-    start = free_state(scene, tether_at_start(scene))
+    start = free_state(scene, at_start(scene))
     chunk, curves = round(scene.every / STEP), kite_curves(scene)
     chained = integrator(scene, False, STEP, tolerance, compiled).mapaccum(chunk)
 
@@ -128,7 +127,7 @@ def largest_difference(scene):
     """Largest difference between CasADi's and our dy/dt at random states, relative to the largest dy/dt [-]."""
     symbols, random, ours = equations(scene, True), np.random.default_rng(1), right_hand_side(scene)
     theirs = casadi.Function("slope", [symbols["t"], symbols["x"]], [symbols["ode"]])
-    start, differences = free_state(scene, tether_at_start(scene)), []
+    start, differences = free_state(scene, at_start(scene)), []
     for _ in range(RANDOM_STATES):
         state = random.uniform(0.0, scene.duration), start + random.standard_normal(len(start))
         expected = ours(*state)

@@ -4,8 +4,8 @@ import numpy as np
 import pandas as pd
 
 from tetherfmu.study.measuring.runs import Config
-from tetherfmu.study.measuring.through_fmpy import hosted
 
+from .hosted import hosted
 from .scenes import STEP, circle_scene
 
 

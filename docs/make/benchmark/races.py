@@ -16,10 +16,9 @@ from matplotlib.ticker import LogLocator, NullFormatter
 
 from pictures import save
 from tetherfmu.console.colours import BLACK, COLOUR, REFERENCE
-from tetherfmu.study.scenes.start import tether_at_start
 
 from .reference import error, exact
-from .scenes import STEP
+from .scenes import STEP, at_start
 
 OURS, WHOLE, RESTARTED = "TetherDynamic", "CVODES, one call", "CVODES, restarted"
 COMPILED = ", compiled C"
@@ -68,10 +67,10 @@ def our_run(scene, step, tolerance, counters):
 
     The internal steps of the last call are put into `counters` under the solver and the tolerance.
     """
-    model = tether_at_start(scene, tolerance)
+    model = at_start(scene, tolerance)
     start, first = model.get_state(), model.positions[None]
     inputs, every = scene.inputs(step), round(scene.every / step)
-    free = slice(1, None if scene.kite_is_free else -1)
+    free = slice(1, None if scene.end_is_free else -1)
 
     def run():
         model.set_state(start)
@@ -87,13 +86,13 @@ def race(scene, peers, quick, compiled_too):
 
     peers : the module `cvodes`, or None.  compiled_too : whether CVODES also gets its equations as compiled C.
     """
-    step, counters = scene.every if scene.kite_is_free else STEP, {}
+    step, counters = scene.every if scene.end_is_free else STEP, {}
     ours, whole, restarted = QUICK_LADDERS if quick else LADDERS
     jobs = {(OURS, tolerance): our_run(scene, step, tolerance, counters) for tolerance in ours}
     if peers:
         for suffix in ("", COMPILED) if peers.COMPILER and compiled_too else ("",):
             jobs |= {(WHOLE + suffix, each): peers.whole_run(scene, each, bool(suffix)) for each in whole}
-            if not scene.kite_is_free:
+            if not scene.end_is_free:
                 jobs |= {(RESTARTED + suffix, each): peers.restarted_run(scene, each, bool(suffix)) for each in restarted}
     expected = exact(scene)
     times, results = interleaved(jobs, 1 if quick else 3)

@@ -10,7 +10,8 @@ from tetherfmu.kernels.linear_algebra.both_ends import deinterleave, interleave,
 from tetherfmu.libraries.ready import kernels
 from tetherfmu.runtime.packing import pack_records
 from tetherfmu.runtime.parameters import Solver
-from tetherfmu.study.scenes.start import tether_at_start
+
+from .scenes import at_start
 
 TOLERANCE = 1e-11
 
@@ -30,7 +31,7 @@ def accelerations(n, x, v, length, reeling, wind, parameters, mass, force):
 
 def free_state(scene, model):
     """Positions, then velocities of the nodes that move freely, one flat array."""
-    last = None if scene.kite_is_free else -1
+    last = None if scene.end_is_free else -1
     return np.concatenate([model.positions[1:last].ravel(), model.velocities[1:last].ravel()])
 
 
@@ -41,11 +42,11 @@ def right_hand_side(scene):
     parameters = np.array(parameters)
     x, v, force = np.zeros((3, 3 * (n + 1)))
     mass = np.zeros(n + 1)
-    half = 3 * (n if scene.kite_is_free else n - 1)
+    half = 3 * (n if scene.end_is_free else n - 1)
 
     def slope(t, y):
         x[3 : 3 + half], v[3 : 3 + half] = y[:half], y[half:]
-        if not scene.kite_is_free:
+        if not scene.end_is_free:
             x[-3:], v[-3:] = scene.flight.motion(t)[:2]
         length = scene.tether.initial_length + reeling * t
         accelerations(n, x, v, length, reeling, wind, parameters, mass, force)
@@ -56,7 +57,7 @@ def right_hand_side(scene):
 
 def exact(scene, tolerance=TOLERANCE):
     """Positions of the free nodes at `scene.times`, array (times, 3 nodes)."""
-    y, times = free_state(scene, tether_at_start(scene)), scene.times
+    y, times = free_state(scene, at_start(scene)), scene.times
     tolerances = {"rtol": tolerance, "atol": 0.1 * tolerance}
     with np.errstate(invalid="ignore"):  # a trial step that is far too long
         done = solve_ivp(right_hand_side(scene), times[[0, -1]], y, "DOP853", times, **tolerances)

@@ -9,8 +9,8 @@ import pandas as pd
 
 from tetherfmu.console.progress import now
 from tetherfmu.study.measuring.executors import progress_bar
+from tetherfmu.study.measuring.fmus import fmus_in
 from tetherfmu.study.measuring.tables import circumstances, page
-from tetherfmu.study.measuring.through_fmpy import fmus_in
 
 from .in_fmpy import host_table
 from .kernels import kernel_table

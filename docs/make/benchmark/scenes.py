@@ -4,16 +4,35 @@ The first two start turning with the kite (`initial_shape = quasi_steady`). The 
 end is free and the tether reels out.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 
+from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.parameters import Tether
 from tetherfmu.study.scenes.files import Scene
 from tetherfmu.study.scenes.flights import Circle, FigureOfEight, Flight
+from tetherfmu.study.scenes.start import tether_at_start
 from tetherfmu.study.scenes.winds import Wind
 
 STEP = 0.02  # communication step [s]
 REVOLUTION = 2.0 * np.pi / Circle().rate
 BREEZE = Wind((8.0, 0.0, 0.0))
+
+
+@dataclass(frozen=True)
+class Race(Scene):
+    """A scene in which the kite end may be let go after the start, while the winch pays out at a constant speed [m/s]."""
+
+    end_is_free: bool = False
+    reel_out_speed: float = 0.0
+
+
+def at_start(race, tolerance=0.0, **options):
+    """As `tether_at_start`."""
+    if race.end_is_free:
+        options |= {"free_ends": (False, True), "initial_shape": at.STATIC_EQUILIBRIUM}
+    return tether_at_start(race, tolerance, **options)
 
 
 class Release(Flight):
@@ -34,16 +53,16 @@ def circle_scene(segments, duration=REVOLUTION):
     """The circle with so many segments."""
     every = 0.5 if duration > 5.0 else 10 * STEP
     tether = Tether(segments=segments, initial_length=525.0)
-    return Scene("circle", every * int(duration / every), Circle(), tether, wind=BREEZE, every=every)
+    return Race("circle", every * int(duration / every), Circle(), tether, wind=BREEZE, every=every)
 
 
 def figure_of_eight_scene(segments, duration=40.0):
     """The figures of eight with so many segments."""
     tether = Tether(segments=segments, initial_length=499.0)
-    return Scene("figure of eight", duration, FigureOfEight(), tether, wind=BREEZE, every=0.2)
+    return Race("figure of eight", duration, FigureOfEight(), tether, wind=BREEZE, every=0.2)
 
 
 def release_scene(segments, duration=10.0):
     """The release with so many segments."""
     tether, winch = Tether(segments=segments, initial_length=70.0), Release.reel_out_speed
-    return Scene("release", duration, Release(), tether, kite_is_free=True, reel_out_speed=winch)
+    return Race("release", duration, Release(), tether, end_is_free=True, reel_out_speed=winch)

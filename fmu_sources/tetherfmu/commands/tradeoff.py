@@ -14,8 +14,6 @@ def main(arguments=None, prog="tetherfmu tradeoff"):
     option("scene", metavar="SCENE", help="scene file (TOML), or a name of tetherfmu fly --list")
     option("--out", type=folder, metavar="DIR", help="folder of results; continues a stopped run (default: study/NAME)")
     parser.add_workers()
-    option("--fmus", type=folder, metavar="DIR", help="folder of the FMUs (default: build them)")
-    option("--no-fmpy", action="store_true", help="leave out the cost through FMPy")
     parser.add_settings()
     options = parser.parse_args(arguments)
     return import_module("tetherfmu.study.advice.scene_report").run(options)

@@ -7,8 +7,7 @@ Reference: scipy's DOP853 at 1e-11 on the same equations.
 import numpy as np
 
 from benchmark.reference import error, exact, free_state
-from benchmark.scenes import release_scene
-from tetherfmu.study.scenes.start import tether_at_start
+from benchmark.scenes import at_start, release_scene
 
 SEGMENTS, DURATION = 10, 4.0
 # one step may err by 1e-4 of a segment, 0.7 mm, at the default tolerance; with stages that see the kink it is 8 mm
@@ -19,7 +18,7 @@ MOST_REJECTIONS = 0.1
 
 def test_released_tether():
     scene = release_scene(SEGMENTS, DURATION)
-    model = tether_at_start(scene)
+    model = at_start(scene)
     count = 3 * SEGMENTS
     rows = [free_state(scene, model)[:count]]
     for _ in scene.times[1:]:

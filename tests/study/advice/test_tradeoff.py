@@ -32,7 +32,7 @@ def folder(tmp_path_factory):
     """Results of the whole ladder in a short scene, of a run that was killed and one that went on."""
     folder = tmp_path_factory.mktemp("tradeoff")
     scene = written(folder)
-    command = [sys.executable, "-m", "tetherfmu", "tradeoff", str(scene), "--out", str(folder / "out"), "--no-fmpy"]
+    command = [sys.executable, "-m", "tetherfmu", "tradeoff", str(scene), "--out", str(folder / "out")]
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
     points = folder / "out" / "points.jsonl"
     process = subprocess.Popen([*command, "--processes", "1"], env=environment, start_new_session=True)

@@ -15,8 +15,8 @@ from tetherfmu.runtime.parameters import Environment
 from tetherfmu.runtime.variables import variables
 from tetherfmu.study.advice.figures import draw_wind
 from tetherfmu.study.advice.scene_build import needed
+from tetherfmu.study.measuring.fmus import inputs_of
 from tetherfmu.study.measuring.runs import Config, run
-from tetherfmu.study.measuring.through_fmpy import inputs_of
 from tetherfmu.study.scenes.files import load
 
 POINTS, SPACING = (8, 4, 4), (100.0, 200.0, 200.0)

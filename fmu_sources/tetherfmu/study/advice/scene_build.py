@@ -7,9 +7,9 @@ from tetherfmu.export.build_options import BuildOptions, Purpose
 from tetherfmu.fmi.system_variables import inputs_at
 from tetherfmu.lean import Lean
 from tetherfmu.runtime.variables import CALCULATED, variables
+from tetherfmu.study.measuring.fmus import inputs_of
 from tetherfmu.study.measuring.runs import fmu_of, parameters_of
 from tetherfmu.study.measuring.tables import percent
-from tetherfmu.study.measuring.through_fmpy import inputs_of
 from tetherfmu.study.scenes.files import flown_from, load
 
 from .advise import advise_in_words
@@ -33,7 +33,7 @@ def vector_of(name):
 def needed(scene, inputs, table):
     """Names of the inputs that are not 0 all through a scene, and of what is calculated and it asks for: two tuples.
 
-    Elements of vectors have the name of the vector.  inputs : as `through_fmpy.inputs_of` gives them.  table : of the
+    Elements of vectors have the name of the vector.  inputs : as `fmus.inputs_of` gives them.  table : of the
     variables of its FMU.
     """
     moved = inputs.any().groupby(vector_of).transform("any")

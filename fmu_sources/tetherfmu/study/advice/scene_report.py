@@ -1,19 +1,15 @@
 """The report of a scene: CSV of all points, Pareto figure, one page in Markdown and HTML."""
 
-import tempfile
 from pathlib import Path
 
 import pandas as pd
 from markdown import markdown
 
-from tetherfmu.console.progress import now
-from tetherfmu.runtime.variants import DYNAMIC_FREE, VARIANTS
 from tetherfmu.study.measuring.errors import worst
 from tetherfmu.study.measuring.executors import executor_of
 from tetherfmu.study.measuring.runs import Config
 from tetherfmu.study.measuring.store import POINTS, Store, keeping
 from tetherfmu.study.measuring.tables import page
-from tetherfmu.study.measuring.through_fmpy import flown, fmus_in
 from tetherfmu.study.scenes.files import OUTPUTS, flown_from, load
 
 from .figures import draw, draw_wind
@@ -41,30 +37,21 @@ def html(title, text):
     return page("advice/scene.html.j2", title=title, body=body(text))
 
 
-def write(scene, reference, points, best, through_fmpy, folder):
+def write(scene, reference, points, best, folder):
     """Write points.csv, figures, report.md and report.html to a folder (Path); returns the page as Markdown.
 
-    best : maps levels of error to the cheapest points.  through_fmpy : maps configurations to measured time per simulated
-    second.
+    best : maps levels of error to the cheapest points.
     """
     write_csv(points, reference, folder / "points.csv")
     draw(points, reference.own_error(scene.wanted.outputs), scene, folder / "pareto.png")
     if scene.wind_points:
         draw_wind(scene, folder / "wind.png")
     most_exact = {variant: mine.loc[mine.error.idxmin()] for variant, mine in points.groupby("variant", sort=False)}
-    facts = {"scene": scene, "reference": reference, "worst": worst, "through_fmpy": through_fmpy, "most_exact": most_exact}
+    facts = {"scene": scene, "reference": reference, "worst": worst, "most_exact": most_exact}
     text = page("advice/scene.md.j2", cheapest=best, **facts)
     (folder / "report.md").write_text(text, encoding="utf-8")
     (folder / "report.html").write_text(html(scene.name, text), encoding="utf-8")
     return text
-
-
-def fmpy_times(scene, points, folder):
-    """Measured time per simulated second through FMPy of the configurations of points; missing FMUs are built."""
-    now("measuring through FMPy")
-    with tempfile.TemporaryDirectory() as temporary:
-        fmus_in(folder or temporary, (DYNAMIC_FREE.name,) if scene.kite_is_free else VARIANTS, scene.wind_points)
-        return {each.config: flown(folder or temporary, scene, each.config)[0] for each in points if each is not None}
 
 
 def run(options):
@@ -74,5 +61,4 @@ def run(options):
     with flown_from(options.scene), keeping(), executor_of(options.dask, options.processes) as executor:
         reference, points = study(scene, store, executor)
     best = {level: cheapest(points, level) for level in sorted({*LEVELS, scene.wanted.allowed_error}, reverse=True)}
-    through_fmpy = {} if options.no_fmpy else fmpy_times(scene, best.values(), options.fmus)
-    print(write(scene, reference, points, best, through_fmpy, store.folder))
+    print(write(scene, reference, points, best, store.folder))

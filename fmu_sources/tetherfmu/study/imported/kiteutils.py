@@ -83,15 +83,8 @@ class Settings:
     def left_out(self):
         """Names of what has not been used; of a section of which nothing has its name alone."""
         kept = {key.partition(".")[0] for key in self.used}
-        others = [
-            key if key.partition(".")[0] in kept else key.partition(".")[0] for key in self.pairs if key not in self.used
-        ]
-        return list(dict.fromkeys(others))
-
-
-def section_of(key):
-    """Section of a "section.key"."""
-    return key.partition(".")[0]
+        others = ((key, key.partition(".")[0]) for key in self.pairs if key not in self.used)
+        return list(dict.fromkeys(key if section in kept else section for key, section in others))
 
 
 def scene(text):
@@ -104,26 +97,20 @@ def scene(text):
     environment |= air(settings)
     if (law := settings.first("environment.profile_law")) is not None:
         environment["wind_profile"] = profile(law, settings)
-    elevation = settings.first(*ELEVATION)
-    tables = {
-        "": {"duration": settings.first("system.sim_time") or 60.0},
-        "flight": {"kind": "parked", "distance": tether["initial_length"], "sway": 0.0},
-        "tether": tether,
-        "environment": environment,
-        "wind": {"velocity": [settings.first("environment.v_wind") or 0.0, 0.0, 0.0]},
-        "wanted": {"allowed_error": 0.01},
-    }
-    if elevation is not None:
-        tables["flight"]["elevation"] = f"{elevation:g} deg"
+    flight = {"kind": "parked", "distance": tether["initial_length"], "sway": 0.0}
+    if (elevation := settings.first(*ELEVATION)) is not None:
+        flight["elevation"] = f"{elevation:g} deg"
+    tables = {"": {"duration": settings.first("system.sim_time") or 60.0}, "flight": flight}
+    tables |= {"tether": tether, "environment": environment}
+    tables["wind"] = {"velocity": [settings.first("environment.v_wind") or 0.0, 0.0, 0.0]}
+    tables["wanted"] = {"allowed_error": 0.01}
     about = "the motion of the kite, which is parked downwind here, at the end of the tether: give another [flight]"
     left_out = [about, *filter(None, [", ".join(settings.left_out())])]
-    records = {"tether": (Tether, [*TETHER, "axial_stiffness"]), "environment": (Environment, [*ENVIRONMENT, *OF_AIR])}
-    defaults = [
-        f"{section}.{name} = {getattr(kind, name):g}"
-        for section, (kind, names) in records.items()
-        for name in names
-        if name not in tables[section]
-    ]
+    defaults = []
+    kinds = ("tether", Tether, (*TETHER, "axial_stiffness")), ("environment", Environment, (*ENVIRONMENT, *OF_AIR))
+    for section, kind, names in kinds:
+        others = (name for name in names if name not in tables[section])
+        defaults += [f"{section}.{name} = {getattr(kind, name):g}" for name in others]
     return Imported("scene", tables, left_out, defaults)
 
 

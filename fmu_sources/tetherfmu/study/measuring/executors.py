@@ -32,12 +32,10 @@ def end_with(parent):
 
 
 @contextmanager
-def executor_of(dask=None, processes=None, **more):
+def executor_of(dask=None, processes=None):
     """An executor: that of the Dask scheduler at an address, or processes of this machine (None: one per core).
 
     Tasks that are not begun when it is left are cancelled. `WorkersLost` if what does the work is gone.
-
-    more : options of `ProcessPoolExecutor`.
     """
     if dask is not None:
         from .cluster import cluster  # distributed belongs to another extra
@@ -45,7 +43,7 @@ def executor_of(dask=None, processes=None, **more):
         with cluster(dask) as executor:
             yield executor
         return
-    executor = ProcessPoolExecutor(processes, initializer=begin, **more)
+    executor = ProcessPoolExecutor(processes, initializer=begin)
     try:
         yield executor
     except BrokenProcessPool:

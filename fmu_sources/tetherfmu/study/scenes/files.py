@@ -90,14 +90,8 @@ class TableOfWinch(without(WINCH, Winch)):
     )
 
 
-RECORDS = {  # of a scene, by section
-    "tether": Tether,
-    "environment": Environment,
-    "ground": TABLE_OF_GROUND,
-    "winch": TableOfWinch,
-    "wind": Wind,
-    "wanted": Wanted,
-}
+RECORDS = {"tether": Tether, "environment": Environment, "ground": TABLE_OF_GROUND}  # of a scene, by section
+RECORDS |= {"winch": TableOfWinch, "wind": Wind, "wanted": Wanted}
 
 
 @dataclass(frozen=True)
@@ -116,8 +110,6 @@ class Scene:
     wanted: Wanted = Wanted()
     digest: str = ""
     every: float = EVERY  # time between two compared outputs [s]: a whole number of communication steps
-    kite_is_free: bool = False  # after the start
-    reel_out_speed: float = 0.0  # constant, of the winch, in races only [m/s]
     build: Lean = field(default_factory=Lean)  # of its FMU
     __post_init__ = check
 
@@ -137,6 +129,11 @@ class Scene:
         return self.wind.box.wind_points if isinstance(self.wind, BoxedWind) else 0
 
     @property
+    def kite_is_free(self):
+        """Whether the kite end is a mass that the tether moves."""
+        return self.flight.kite_is_free
+
+    @property
     def has_force(self):
         """Whether a force controls the winch."""
         return self.winch_force > 0.0 or self.flight.has_force
@@ -149,7 +146,7 @@ class Scene:
         """Sentences on what was hardly meant: other units, a tether far too short for its ends."""
         yield from doubts_of(self.tether, "tether.")
         yield from doubts_of(self.environment, "environment.")
-        if self.flight.kite_is_free or self.has_force:
+        if self.kite_is_free or self.has_force:
             yield from self.doubts_on_ground()
             return
         motion = self.flight.motion(self.times)
@@ -165,7 +162,7 @@ class Scene:
     def doubts_on_ground(self):
         """A sentence on a free end that begins under the ground, which would throw it out."""
         ground = self.ground
-        if self.flight.kite_is_free and ground.ground_contact == at.FLAT:
+        if self.kite_is_free and ground.ground_contact == at.FLAT:
             deep = ground.ground_height - self.flight.at_rest(self.tether, self.environment.gravity)[2]
             if deep > max(UNDER, ground.ground_sink):
                 yield f"the free end begins {deep:.3g} m below ground.height; check tether.initial_length and flight.height"
@@ -193,7 +190,7 @@ class Scene:
             given["winch_force"] = self.force_of_winch(time + 0.5 * step * exact)[:, np.newaxis]
         if self.flight.has_length and not exact:
             given["winch_length"] = (self.tether.initial_length + motion.reeled)[:, np.newaxis]
-        if self.flight.kite_is_free:
+        if self.kite_is_free:
             given["kite_position"] = self.flight.at_rest(self.tether, self.environment.gravity)
             given["kite_load"] = self.flight.load()
         rows = np.zeros((len(time), COUNT))
@@ -241,11 +238,9 @@ def read(table, folder, name):
         table = {**table, "tether": {"initial_length": flight.initial_length, **table["tether"]}}
     if finds_length(table, flight):
         table = in_balance(table, flight)
-    records = {
-        key: record(kind, table[key], key, REQUIRED.get(key, ()), NOT_OF_A_SCENE) if key in table else kind()
-        for key, kind in RECORDS.items()
-        if key != "wind"
-    }
+    records = {}
+    for key, kind in (pair for pair in RECORDS.items() if pair[0] != "wind"):
+        records[key] = record(kind, table[key], key, REQUIRED.get(key, ()), NOT_OF_A_SCENE) if key in table else kind()
     records["ground"] = ground_of(records["ground"], records["environment"])
     force = records["winch"].force
     records["winch"] = winch_of(records["winch"], flight)
@@ -266,17 +261,8 @@ def read(table, folder, name):
     if isinstance(records["wind"], BoxedWind):
         digest.update(repr(records["wind"].state_of_file).encode())
     every = step * max(1, round(EVERY / step)) if step else EVERY
-    scene = Scene(
-        name,
-        duration,
-        flight,
-        **records,
-        winch_force=force,
-        digest=digest.hexdigest()[:16],
-        every=every,
-        kite_is_free=flight.kite_is_free,
-        build=build_of(table),
-    )
+    own = {"winch_force": force, "digest": digest.hexdigest()[:16], "every": every, "build": build_of(table)}
+    scene = Scene(name, duration, flight, **records, **own)
     scene.wind_at(every)  # refused here rather than in a flight
     return scene
 

@@ -16,11 +16,11 @@ def tether_at_start(scene, tolerance=0.0, variant="dynamic", first=None, wind=No
     first : inputs to start with, array (`layout.INPUTS`,); None: those of the start.  wind : at the wind points of a scene
     that has them [m/s], array (wind_points, 3).  options : of TetherModel.
     """
-    options |= {"relative_tolerance": tolerance, "initial_shape": at.QUASI_STEADY}
+    options = {"relative_tolerance": tolerance, "initial_shape": at.QUASI_STEADY} | options
+    kind = MODELS[variant]
     if scene.kite_is_free:
-        options |= {"initial_shape": at.STATIC_EQUILIBRIUM}
-        options |= {"kite_mass": scene.flight.kite_mass} if scene.flight.kite_is_free else {"free_ends": (False, True)}
-    kind = models.TetherDynamicFree if scene.flight.kite_is_free else MODELS[variant]
+        options |= {"initial_shape": at.STATIC_EQUILIBRIUM, "kite_mass": scene.flight.kite_mass}
+        kind = models.TetherDynamicFree
     if scene.wind_points:
         options["wind_profile"] = at.UNIFORM  # of the box: its mean wind is in the wind at the points already
     model = kind(scene.tether, scene.environment, ground=scene.ground, wind_points=scene.wind_points, **options)

@@ -1,0 +1,43 @@
+"""FMUs of scenes: those of all variants in a folder, and what they are given along a scene."""
+
+from pathlib import Path
+from zipfile import is_zipfile
+
+import pandas as pd
+
+from tetherfmu.console.ending import WrongUse
+from tetherfmu.export.archive import build
+from tetherfmu.export.build_options import BuildOptions
+from tetherfmu.runtime.variables import INPUT, variables, wind_at_names
+from tetherfmu.runtime.variants import DYNAMIC_FREE, VARIANTS, class_name
+
+
+def fmus_in(folder, variants=VARIANTS, wind_points=0):
+    """Paths of the FMUs of variants by name; those that are missing are built for this platform.
+
+    wind_points : of the FMUs, which are in a folder of their own if they have any.
+    """
+    folder = Path(folder, f"wind_points_{wind_points}") if wind_points else Path(folder)
+    paths = {name: folder / f"{name}.fmu" for name in map(class_name, variants)}
+    for name, path in paths.items():
+        if not path.exists():
+            build(name, folder, BuildOptions(wind_points=wind_points))
+        if not is_zipfile(path):
+            raise WrongUse(f"{path} is no FMU: it is no zip archive")
+    return paths
+
+
+def by_name(inputs, kite_is_free=False):
+    """Inputs (steps, `layout.INPUTS`) as a DataFrame with a column for each input of an FMU that is a number."""
+    table = variables(DYNAMIC_FREE.name if kite_is_free else VARIANTS[0], 0)
+    places = {each.name: each.place for each in table if each.causality == INPUT and each.kind == "Real"}
+    return pd.DataFrame(inputs[:, list(places.values())], columns=list(places))
+
+
+def inputs_of(scene, step):
+    """Inputs of all communication steps [s] of a scene, likewise, with the wind at its wind points if it has them."""
+    found, wind = by_name(scene.inputs(step), scene.kite_is_free), scene.wind_at(step)
+    if wind is None:
+        return found
+    names = list(wind_at_names(scene.wind_points))
+    return pd.concat([found, pd.DataFrame(wind.reshape(len(wind), -1), columns=names)], axis=1)
