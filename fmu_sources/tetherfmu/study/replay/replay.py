@@ -186,8 +186,11 @@ def run(options):
     now("drawing")
     for path in write(made, place, Path(options.log).stem, options.html):
         print(path)
-    if not options.fmu:
-        return 0
+    return build_fmu(place) if options.fmu else 0
+
+
+def build_fmu(place):
+    """Build the FMU of the scene in a folder, and print where it is; returns 1 if none meets what the scene asks for."""
     if path := scene.build(place):
         print(path)
     return 0 if path else FAILED
