@@ -22,20 +22,21 @@ PAGE = Path(__file__).resolve().parents[1] / "use" / "example_fmus.md"
 HEAD = ("name", "unit", "start", "allowed", "meaning")
 ROLES = {INPUT: "in", OUTPUT: "out", PARAMETER: "parameter"}
 OF_TETHERS = {each.quantity for each in variables("dynamic", 0) if each.causality == PARAMETER}
+KITES = ["PointMassKite", "FlyingKite"]
 WITHOUT_EQUATIONS = ("TurbulentWind",)  # whose section above the tables has them
 TEXT = """# Example FMUs
 
 <!-- Written by docs/make/make_example_fmus.py from the sources: edit those, and run it again. -->
 
-For those who need partners for a tether: kites, a winch, a flight controller, a prescribed flight, turbulent wind. Fly them
-at once, or put your own model into one.
+For those who need partners for a tether: kites, a winch, a flight controller, a prescribed flight, turbulent wind. Fly or
+copy them.
 
 ```text
 tetherfmu build --examples
 ```
 
-builds them beside the tethers, and five systems of them as SSP files. They are PythonFMU slaves of 70 to 150 lines
-(`examples/fmus/`) without kernels; `TurbulentWind` needs numpy.
+builds them and five systems of them as SSP files. They are PythonFMU slaves of 70 to 150 lines (`examples/fmus/`);
+`TurbulentWind` needs numpy.
 
 | FMU | in | out | for |
 |---|---|---|---|
@@ -51,10 +52,9 @@ Connect variables with the same name. Set everything else (wind, profile, air de
 ground station is the origin. `PointMassKite` is the better kite: `FlyingKite` gets the force one communication step late,
 which limits the step to some milliseconds ([Coupling](coupling.md)).
 
-Inputs belong to the start of a communication step, outputs to its end. `input_continuation`: `linear` (1) if all FMUs step
-from the same communication point, `held` (2), `interpolated` (3) if your tool steps one FMU after the other. A step is
-refused (`fmi2Discard`) with a message if an input is not finite or out of range; the state then does not change. States are
-saved and restored bit for bit.
+`input_continuation`: `linear` (1) if all FMUs step from the same communication point, `held` (2), `interpolated` (3) if
+your tool steps one FMU after the other. Steps with an input that is not finite or out of range are refused (`fmi2Discard`)
+and change nothing. States are saved and restored bit for bit.
 
 ## A kite power system
 
@@ -65,26 +65,26 @@ through FMPy:
 
 ![Path of the kite in space, coloured by force](../figures/pumping_path.svg)
 
-Two cycles in a wind of 8 m/s at 10 m (`--cycles 2`):
+Two cycles (`--cycles 2`) in a wind of 8 m/s at 10 m, by default 20 ms and 10 segments:
 
-| exchange | step | segments | mean power | mean force | peak force |
-|---|---|---|---|---|---|
-| `--master jacobi` | 20 ms | 10 | 4038 W | 1808 N | 3530 N |
-| `--master gauss_seidel` | 20 ms | 10 | 4037 W | 1808 N | 3535 N |
-| `--master jacobi --step 0.001` | 1 ms | 10 | 4032 W | 1805 N | 3526 N |
-| `--segments 30` | 20 ms | 30 | 4036 W | 1807 N | 3529 N |
-| `--segments 1` | 20 ms | 1 | 4165 W | 1817 N | 3692 N |
+| options | mean power [W] | mean force [N] | peak force [N] |
+|---|---|---|---|
+| `--master jacobi` | 4038 | 1808 | 3530 |
+| `--master gauss_seidel` | 4037 | 1808 | 3535 |
+| `--master jacobi --step 0.001` | 4032 | 1805 | 3526 |
+| `--segments 30` | 4036 | 1807 | 3529 |
+| `--segments 1` | 4165 | 1817 | 3692 |
 
-The load on the kite is delayed, so there is a longest step ([Coupling](coupling.md#the-ways)). With the Jacobi exchange 30
-ms hold and 35 ms diverge at 8 m/s; at 10 to 14 m/s 30 ms diverge and 20 ms hold. The example recognizes divergence. It
-flies in 6 to 14 m/s; from 11 m/s on it prints for how long the motor of the winch is too weak. The work over a cycle
-balances within 1 % (`tests/physics/test_pumping_energy.py`). The flight is plausible, but not a measured one.
+The load on the kite is delayed, so there is a longest step ([Coupling](coupling.md#the-ways)). With the Jacobi exchange it
+is 30 ms at 8 m/s, where 35 ms diverge, and 20 ms at 10 to 14 m/s, where 30 ms diverge. The example recognizes divergence. It
+flies in 6 to 14 m/s; from 11 m/s on it prints for how long the motor is too weak. The work over a cycle balances within 1 %
+(`tests/physics/test_pumping_energy.py`). The flight is plausible, not measured.
 
 ## The winch inside the tether
 
-`python examples/power_system/winch_inside.py` flies the same system with the `Winch` FMU, and with the drum inside the
-tether (`winch_control` = force). Then only the motor is outside: `WinchMotor` computes the `winch_force` of the next step.
-Mean power over a cycle in 8 m/s [W]:
+`python examples/power_system/winch_inside.py` flies it with the `Winch` FMU, and with the drum inside the tether
+(`winch_control` = force). Then only the motor is outside: `WinchMotor` gives the next `winch_force`. Mean power over a
+cycle in 8 m/s [W]:
 
 | exchange | winch | 20 ms | 100 ms | 200 ms |
 |---|---|---|---|---|
@@ -96,10 +96,10 @@ Mean power over a cycle in 8 m/s [W]:
 
 ![Reel-out speed over a cycle in three steps: the winch FMU swings in 200 ms](../figures/winch_inside.svg)
 
-Two signals are delayed. The load on the kite makes steps of 100 ms diverge, unless tether and kite iterate. The tension at
-the winch is the other one: at 200 ms the motor of the `Winch` FMU saturates and the speed oscillates during reel-in. A drum
-inside the tether feels the tension at every instant. `shortest_length` and `longest_length` of the tether are the stops of
-that drum, those of `FlightController` turn the phases: set those of the tether to 0.
+Two signals are delayed. The load on the kite makes steps of 100 ms diverge, unless tether and kite iterate. The tension
+saturates the motor of the `Winch` FMU at 200 ms, and the speed oscillates during reel-in. A drum inside the tether feels
+the tension at every instant. Set its stops, `shortest_length` and `longest_length` of the tether, to 0: those of
+`FlightController` turn the phases.
 
 ## Turbulent wind
 
@@ -116,21 +116,21 @@ height h:
 
 `file` is a String parameter: set it before the initialization, or build the FMU with it (`build("TurbulentWind", folder,
 [("file", path)])` of `examples/shared/example_fmus.py`). A path that begins with `resources/` refers to the FMU; without a
-file there is the mean wind alone. The file is mapped into memory: it must not change during a run.
+file there is the mean wind alone. The file must not change during a run.
 
-- **Wiring.** Connect `kite_position`, and `shape` of a tether that is built with `--wind-points 21`, which gets `wind_at`
+- **Wiring.** Connect `kite_position`, and `shape` of a tether built with `--wind-points 21`, which gets `wind_at`
   (set `wind_points` to 2). Without `shape` the points are on the straight line from the origin to the kite. `wind_velocity`
-  is the mean along the tether, for one with `wind_profile` = uniform, in which gusts that are shorter than the tether
-  cancel. `kite_wind` goes to `wind_velocity` of a kite with a uniform profile.
+  is the mean along the tether, for one with `wind_profile` = uniform; short gusts cancel. `kite_wind` goes to
+  `wind_velocity` of a kite with a uniform profile.
 - **Axes.** x of the box is downwind, y to the left when looking downwind, z up; `wind_direction` is where the wind blows
-  *to*. `box_origin` is where the front of the box has its middle at the start. The height of the lowest row is that in a
-  TurbSim file, otherwise 0, plus `box_origin[3]`.
+  *to*. `box_origin` is the middle of its front at the start. The lowest row is at the height of the TurbSim file,
+  otherwise 0, plus `box_origin[3]`.
 - **Order of planes.** In space in files of Mann generators and numpy, so the last one is the front; in time in those of
-  TurbSim. Planes in the wrong order turn time back, which the spectra do not show. PyConTurb 2.7.4 writes the points of a
-  `.bts` plane upwards first, TurbSim and this reader have them across first.
+  TurbSim. The wrong order turns time back, which spectra do not show. PyConTurb 2.7.4 writes the points of a `.bts` plane
+  upwards first, TurbSim and this reader have them across first.
 - **Outside of the box.** `outside` = periodic (1) repeats it in all directions; seams are smooth only if it was made
-  periodic (in TurbSim: `UsableTime` = "ALL"). refused (2) refuses the step: the grid of TurbSim begins above the ground, so
-  a tether that reaches down to it needs the first choice.
+  periodic (in TurbSim: `UsableTime` = "ALL"). refused (2) refuses the step, always where a tether starts below TurbSim's
+  grid.
 
 `python examples/wind/turbulence.py` flies a parked kite and a kite on a circle, in a box that it makes (15 % of 8 m/s at 10
 m; `--box FILE` takes yours):
@@ -144,36 +144,29 @@ m; `--box FILE` takes yours):
 | circle | 11.7 ± 1.2 m/s | 10.1 ± 0.6 m/s | 2003 ± 118 N | 2209 N |
 | circle, mean wind alone | 11.6 ± 0.6 m/s | 10.0 ± 0.5 m/s | 2005 ± 120 N | 2186 N |
 
-Means and standard deviations from 20 s on. The kite on the circle has a prescribed path, so only the drag of the tether
-changes.
+Means and standard deviations from 20 s on. On the circle, a prescribed path, only the drag of the tether changes.
 
 ## A model of your own
 
-Copy a file of `examples/fmus`: a class that declares inputs, outputs and parameters, and has two methods, `first` and
-`next`, from numbers to numbers. `model_slave.py` does the rest. Add its name to `SLAVES` in
-`examples/shared/example_fmus.py`, or call `build` there. A kite that need not be an FMU is ten lines of Python in
-`examples/first_flight/fly_your_kite.py`.
+Copy a file of `examples/fmus`: a class that declares inputs, outputs and parameters, with the methods `first` and `next`,
+from numbers to numbers. `model_slave.py` does the rest. Add its name to `SLAVES` in `examples/shared/example_fmus.py`, or
+call `build` there. Without FMI a kite is ten lines of Python in `examples/first_flight/fly_your_kite.py`.
 
 ## Systems as SSP files
 
 `kite_power_system.ssp` and `winch_inside.ssp` are the systems above; `circular_flight.ssp` is `KiteOnPath` and
-`TetherDynamic`. FMUs carry their start values, because not every importer sets enumerations. Three system structures differ
-in the tether:
-
-| system structure | segments | relative_tolerance |
-|---|---|---|
-| `SystemStructure_coarse.ssd` | 3 | 1e-3 |
-| `SystemStructure.ssd` | 10 | 1e-4 |
-| `SystemStructure_fine.ssd` | 30 | 1e-6 |
+`TetherDynamic`. FMUs carry their start values, because not every importer sets enumerations. The tether has 10 segments and
+a `relative_tolerance` of 1e-4 in `SystemStructure.ssd`, 3 and 1e-3 in `SystemStructure_coarse.ssd`, 30 and 1e-6 in
+`SystemStructure_fine.ssd`.
 
 - libcosim (`CosimExecution.from_ssp_file`, on the extracted file) and Ecos (`EcosSimulation(ssp_path=...)`) agree with the
   Jacobi master of the example to ten digits.
 - fmu-manipulation-toolbox makes one FMU of a system (`fmucontainer -container kite_power_system.ssp:0.02`); it starts the
   kite without its first steering, which moves the path by centimetres.
-- `simulate_ssp` of FMPy sets all connected inputs to 0 in the first step: a kite refuses that, and the circles begin with a
-  false tension of 4e5 N and more. Use another tool.
-- `extra/com.open-simulation-platform` in each file is the system for the Open Simulation Platform
-  (`CosimExecution.from_osp_config_file`), in which each FMU may have its own step.
+- `simulate_ssp` of FMPy sets all connected inputs to 0 in the first step. A kite refuses that; circles begin with a false
+  tension of 4e5 N and more. Use another tool.
+- `extra/com.open-simulation-platform` has the system for the Open Simulation Platform
+  (`CosimExecution.from_osp_config_file`), where each FMU may have its own step.
 
 ## Parameters
 
@@ -205,8 +198,13 @@ def declared():
 
 def shared():
     """Table of the parameters that several FMUs declare in the same way."""
-    rows = [(name, ", ".join(fmus), *rest) for (role, name, *rest), fmus in declared().items() if is_shared(role, fmus)]
+    rows = [(name, in_short(fmus), *rest) for (role, name, *rest), fmus in declared().items() if is_shared(role, fmus)]
     return table(("name", "FMU", *HEAD[1:]), rows)
+
+
+def in_short(fmus):
+    """Names of FMUs for a cell."""
+    return "all" if len(fmus) == len(example_fmus.SLAVES) else "kites" if fmus == KITES else ", ".join(fmus)
 
 
 def is_shared(role, fmus):

@@ -60,10 +60,11 @@ def table():
     spent = costs()
     with MEASURED.open(encoding="utf-8", newline="") as file:
         errors = {name: values for name, *values in list(csv.reader(file))[1:]}
-    lines = ["| file | use it for | time per step | " + " | ".join(SCENES.values()) + " |", "|---" * 6 + "|"]
+    heads = " | ".join(f"{scene} [%]" for scene in SCENES.values())
+    lines = [f"| file | use it for | time per step [µs] | {heads} |", "|---" * 6 + "|"]
     for name, purpose in NEEDED_FOR.items():
-        cost = f"{spent[name]:.0f} µs" if name in spent else "-"
-        found = [f"{100.0 * float(error):.2g} %" for error in errors.get(name, ())] or ["-"] * len(SCENES)
+        cost = f"{spent[name]:.0f}" if name in spent else "-"
+        found = [f"{100.0 * float(error):.2g}" for error in errors.get(name, ())] or ["-"] * len(SCENES)
         lines.append(f"| `{name}.fmu` | {purpose} | {cost} | " + " | ".join(found) + " |")
     return "\n".join(lines) + (
         f"\n\nTime: a step of 20 ms in FMPy ({circumstances()}). Error: force on the kite, {SEGMENTS} segments\n"

@@ -27,26 +27,24 @@ hide-toc: true
 <!-- Written by docs/make/make_variables.py from the sources: edit those, and run it again. -->
 
 For everyone who connects a tether FMU: every variable with unit, start value, limits and value reference, and the FMUs
-that have it. How they are exchanged, and all signs: [Interface](../use/interface.md).
+that have it. Exchange and signs: [Interface](../use/interface.md).
 
 ```{{raw}} html
 <p class="filter"><input type="search" placeholder="Filter: winch, force, DF, N/m ..." aria-label="Filter the variables"></p>
 <script defer src="../_static/filter.js"></script>
 ```
 
-FMUs: {letters}. In brackets: the FMU ignores the parameter, but checks its range.
+FMUs: {letters}. In brackets: ignored, but its range is checked.
 
 Value references (VR) are the same in all FMUs. A vector is one array in FMI 3 with the VR of its first element. With K
 points of the shape (`--shape-points`) the VR of parameters are greater by 3 (K - {points}). Types: Real (FMI 3:
-Float64) unless the VR column says {integer} or Boolean. A [group](#groups-and-presets) stands for its variables in the
-options for lean FMUs.
+Float64) unless the VR column says {integer} or Boolean. A [group](#groups-and-presets) is for lean FMUs.
 
 ## Inputs
 
 {inputs}
 
-`wind_at` is there only in an FMU that is built with `--wind-points K` ([Wind at
-points](../use/interface.md#wind-at-points)).
+`wind_at` needs the build option `--wind-points K` ([Wind at points](../use/interface.md#wind-at-points)).
 
 ## Outputs
 
@@ -54,30 +52,30 @@ points](../use/interface.md#wind-at-points)).
 
 ## Local variables
 
-They are read and plotted, not connected. K is the build option `--shape-points`, {points} by default. With
-`--wind-points` the shape is an output.
+Read and plotted, not connected. K is the build option `--shape-points`, {points} by default. With `--wind-points` the
+shape is an output.
 
 {local}
 
 ## Parameters
 
-All are fixed: set them before the initialization ends.
+Set them before the initialization ends.
 
 {parameters}
 
-More rules: with `wind_profile` 3 or 4 `surface_roughness` must be less than `wind_reference_height`; `initial_length`
-must be at least 0.01 m for each segment; with force control `initial_length` must lie between `shortest_length` and
-`longest_length`. `segments` starts at the build option `--segments`.
+More rules: with `wind_profile` 3 or 4 `surface_roughness` is less than `wind_reference_height`; `initial_length` is at
+least 0.01 m for each segment; with force control it lies between `shortest_length` and `longest_length`. `segments` starts
+at the build option `--segments`.
 
 The time of FMI 3 has the VR {time}, in `TetherDynamicFree.fmu` {free_time}.
 
 ## In some FMUs
 
-These outputs and local variables have another meaning there:
+Other meanings there:
 
 {meanings}
 
-Why some FMUs ignore parameters:
+Ignored parameters:
 
 {ignored}
 
@@ -91,9 +89,8 @@ Variables that FMI 2 counts, of full FMUs and with each `--preset`:
 
 ## Names in C
 
-`tetherfmu build --native --header` writes a C header with the value references
-([Hosts in C and C++](../use/importing.md#hosts-in-c-and-c-tested)). A name is `TETHER_` and the variable in capitals;
-for FMI 2 an element has its index behind it: `TETHER_KITE_POSITION_1`.
+`tetherfmu build --native --header` writes [a C header](../use/importing.md#hosts-in-c-and-c-tested) with the value
+references. A name is `TETHER_` and the variable in capitals, for FMI 2 with the index: `TETHER_KITE_POSITION_1`.
 """
 
 

@@ -55,7 +55,7 @@ DECIDED = {  # parameters that nobody can --set: what they follow from
 }
 setting = setting_but(DECIDED)  # of the option --set
 COLUMNS = (
-    "CSV file with the columns time, kite_position[1], kite_position[2] and kite_position[3]; it may also have those of "
+    "CSV file with the columns time, kite_position[1], kite_position[2] and kite_position[3]. It may also have those of "
     "kite_velocity, ground_position, ground_velocity and wind_velocity, and one of reel_out_speed, winch_length, winch_force"
 )
 
@@ -169,7 +169,7 @@ def parser_of(prog, circle=False):
     length, duration = f"needed where {LOG} has no column of it", f"default: all of {LOG}"
     about = "start value of a parameter of the FMU; may be repeated (default: those of the FMU)"
     if circle:
-        scene = "a scene, by the name of its file (TOML) or one of --list; or a"
+        scene = "a scene, by the name of its file (TOML) or one of --list, or a"
         option("log", nargs="?", metavar="FLIGHT", help=f"{scene} {COLUMNS} (default: fly the circle)")
         option("--list", action="store_true", help="list the scenes that come with it, and end")
         length, duration = f"{length}; default on the circle: 525", "default: all of FLIGHT, one turn on the circle"

@@ -24,8 +24,7 @@ class Material:
 
 _KITE_TETHER = (
     "settings of KiteModels.jl: rho_tether 724 kg/m3, e_tether 55 GPa (M. B. Ruppert, measured on a kite tether); the fact "
-    "sheet CIS YA100 of DSM gives 109 to 132 GPa for the fibre, the same for SK75 and SK78: they differ in creep, which "
-    "these tethers do not have"
+    "sheet CIS YA100 of DSM gives 109 to 132 GPa for the fibre, the same for SK75 and SK78"
 )
 _PER_SQUARE = 4.0 / pi  # area of a circle: d^2 / _PER_SQUARE
 _ORCAFLEX = "OrcaFlex manual, line types, rope/wire: mass {} d^2 kg/m, EA = {} d^2 N, d nominal diameter [m]"

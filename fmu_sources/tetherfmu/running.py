@@ -74,8 +74,8 @@ class Running:
         numbers = [self._instance.parameters_of(k) for k in range(len(self._instance.lines))]
         if numbers[0][at.FIXED_STEP] == 0.0:
             return 0
-        has_drum = any(each[at.WINCH_CONTROL] in at.WITH_DRUM for each in numbers)
-        return most_of_a_step(numbers[0][at.FIXED_STEP_METHOD] == at.BACKWARD_EULER, has_drum)
+        is_sought = any(each[at.WINCH_CONTROL] in at.WITH_DRUM or each[at.IS_PORTION] != 0.0 for each in numbers)
+        return most_of_a_step(numbers[0][at.FIXED_STEP_METHOD] == at.BACKWARD_EULER, is_sought)
 
     @contextmanager
     def _all_or_nothing(self):

@@ -4,7 +4,8 @@
 
 All tethers, two systems and both versions of FMI: compiled by cmake from the files of the FMU alone, in an empty folder
 without any environment, by FMPy with all warnings, and by gcc with several options; validated; flown with their evidence
-sets beside the native library. Needs cmake and gcc. FILE : of a system of tethers.
+sets beside the native library. The memory that an instance takes, with room for all segments and for 40. Needs cmake and
+gcc. FILE : of a system of tethers.
 """
 
 import argparse
@@ -63,6 +64,15 @@ def different(one, other):
     return sum(int((a.view(np.uint64) != b.view(np.uint64)).sum()) for a, b in pairs), sum(a.size for a, _ in pairs)
 
 
+def memory(path, folder, options=()):
+    """Memory of an instance [MB]."""
+    sources = importer.unpacked(path, folder)
+    size = '#include "fmu.c"\n#include <stdio.h>\nint main(void) { return printf("%zu", ARRAYS_AT + PLACES * PLACE) < 0; }\n'
+    (sources / "size.c").write_text(size, encoding="utf-8")
+    subprocess.run(["gcc", *options, "size.c", "-o", "size", "-lm"], cwd=sources, check=True)
+    return 1e-6 * int(subprocess.run([sources / "size"], capture_output=True, text=True, check=True).stdout)
+
+
 def main(names, versions, levels):
     """Print a table; versions : of FMI.  levels : of optimization by gcc, which is the same for both."""
     print("FMU, FMI, compiled by, numbers of the evidence run that differ from the native FMU's, problems of validation")
@@ -71,6 +81,8 @@ def main(names, versions, levels):
             with tempfile.TemporaryDirectory() as temporary:
                 folder = Path(temporary) / f"fmi{fmi}"
                 path = built(name, folder, fmi)
+                most, forty = (memory(path, folder, options) for options in ((), ("-DMAX_SEGMENTS=40",)))
+                print(f"{path.stem}, {fmi}: an instance takes {most:.2f} MB, {forty:.2f} MB for 40 segments", flush=True)
                 expected = importer.evidence_run(path)
                 libraries = {"cmake": compiled_alone(path, folder), "FMPy": compiled_by_fmpy(path, folder)}
                 for level in levels if fmi == versions[0] else ():

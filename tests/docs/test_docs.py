@@ -165,12 +165,42 @@ def test_blocks_run_one_after_the_other(fmu_folder, tmp_path, text, prints):
     assert (tmp_path / "result.csv").exists() is ("write_csv" in text)
 
 
+def test_the_tether_on_the_page_of_the_ground_breaks(fmu_folder, tmp_path):
+    """When the catenary, which cannot break, has the tension of the `breaking_force` at its kite end."""
+    code, shown = re.search(r"```python\n(.*?)```\n\n```text\n(.*?)```", page("ground"), re.DOTALL).groups()
+    shutil.copytree(fmu_folder, tmp_path / "dist")
+    assert ran([sys.executable, "-c", code], tmp_path).splitlines()[-1] == shown.strip()
+    catenary = tetherfmu.TetherCatenary()
+    catenary.initialize(reel_out_speed=-0.5)
+    flown = catenary.fly(tetherfmu.inputs_along(750, 0.02, kite=(300.0, 0.0, 400.0), reel_out_speed=-0.5), 0.02)
+    reached = np.interp(1000.0, flown.of("kite_tension"), flown.time)
+    assert float(re.search(r"([\d.]+) s", shown)[1]) == pytest.approx(reached, abs=0.05)  # s: 25 mm, 31 N of waves
+
+
+def test_size_of_a_saved_state(fmu_folder, tmp_path):
+    """Of 20 segments, in the FMU as on the page."""
+    code = f"""
+from fmpy import extract, instantiate_fmu, read_model_description
+path = {str(fmu_folder / "TetherDynamic.fmu")!r}
+fmu = instantiate_fmu(extract(path), read_model_description(path), "CoSimulation")
+fmu.setupExperiment()
+fmu.enterInitializationMode()
+fmu.exitInitializationMode()
+print(len(fmu.serializeFMUstate(fmu.getFMUstate())))
+"""
+    size = int(ran([sys.executable, "-c", code], tmp_path).splitlines()[-1])
+    assert float(re.search(r"([\d.]+) kB for 20 segments", page("fmi"))[1]) == pytest.approx(size / 1e3, abs=0.05)
+
+
 def test_blocks_of_the_python_api(tmp_path):
-    """A force, a time and a tension from a log, a tension in turbulence."""
+    """A force, a system, a time and a tension from a log, a tension in turbulence."""
     printed = [ran([sys.executable, "-c", code], tmp_path) for language, code in blocks(page("api")) if language == "python"]
-    assert len(printed) == 3
-    assert float(printed[1].split()[0]) == 20.0
-    assert all(float(number) > 0.0 for text in printed[1:] for number in text.split())
+    _, system, log, turbulence = printed
+    hoisted, passed, let_go = map(float, system.splitlines()[0].split())
+    assert (hoisted, let_go) == pytest.approx((-0.4, 1.0))  # 2 s at 0.2 m/s; the beginning of step 50
+    assert 0.0 < passed < 1.0  # the load swings away from the sheave on one line, 200 kg against 100
+    assert float(log.split()[0]) == 20.0
+    assert all(float(number) > 0.0 for text in (log, turbulence) for number in text.split())
 
 
 def test_blocks_for_users_of_tethers_jl(tmp_path):

@@ -118,6 +118,8 @@ def test_the_manual_has_formulas(site, browser):
         ("citation", "use/start.html#how-to-cite"),
         ("elastic modulus", "reference/variables.html#parameters"),
         ("turbulence", "reference/api.html#turbulence"),
+        ("sheave", "use/systems.html#lines-over-sheaves"),
+        ("breaking", "use/interface.html#breaking-and-letting-go"),
         ("TetherDynamic", "reference/api.html#tetherfmu.TetherDynamic"),
     ],
 )

@@ -1,4 +1,4 @@
-"""The page on systems: its file is read, its lines run, its table has every key."""
+"""The pages on systems: the file of the first is read, its lines run; the table of the second has every key."""
 
 import re
 from pathlib import Path
@@ -9,7 +9,8 @@ from tetherfmu.runtime.parameters import Solver, Winch
 from tetherfmu.runtime.quantities import quantities
 from tetherfmu.systems.files import TableOfPoint
 
-PAGE = (Path(__file__).parents[2] / "docs" / "use" / "systems.md").read_text(encoding="utf-8")
+DOCS = Path(__file__).parents[2] / "docs"
+PAGE, KEYS = ((DOCS / folder / "systems.md").read_text(encoding="utf-8") for folder in ("use", "reference"))
 
 
 def test_the_examples_of_the_page_run(tmp_path, monkeypatch, capsys):
@@ -35,8 +36,8 @@ def test_the_examples_of_the_page_run(tmp_path, monkeypatch, capsys):
 
 def test_the_table_has_the_keys():
     for name in TableOfPoint.__dataclass_fields__:
-        assert f"`points.NAME.{name}`" in PAGE
+        assert f"`points.NAME.{name}`" in KEYS
     for name, _ in quantities(Winch):
-        assert re.search(rf"`(lines\.NAME)?\.{name}`", PAGE)
+        assert re.search(rf"`(lines\.NAME)?\.{name}`", KEYS)
     for name, _ in quantities(Solver):
-        assert f"`{name}`" in PAGE
+        assert f"`{name}`" in KEYS

@@ -23,7 +23,8 @@ from tetherfmu.export.native.tables import most_room
 
 pytestmark = pytest.mark.skipif(not importer.available(), reason="there is no gcc")
 NAME = "TetherStraight"
-BRIDLE = Path(__file__).parents[2] / "examples" / "systems" / "y_bridle.toml"
+SYSTEMS = Path(__file__).parents[2] / "examples" / "systems"
+BRIDLE, ATWOOD = SYSTEMS / "y_bridle.toml", SYSTEMS / "atwood.toml"
 IN_C = {"copysign", "fabs", "trunc", "ceil", "sqrt", "floor", "fmax", "memmove"}  # what compilers need no function for
 PROGRAM = r"""
 #include <stdlib.h>
@@ -90,6 +91,18 @@ def test_the_numbers_of_the_native_fmu_of_a_system(tmp_path):
     found, expected = (own_process(derivatives_of_bridle, path=each) for each in (other, path))
     assert found == expected
     assert all(found)
+
+
+@pytest.mark.parametrize("solver", ["", "[solver]\nfixed_step = 0.005\n"])
+def test_the_numbers_of_the_native_fmu_over_sheaves(tmp_path, solver):
+    """To the last bit, with adaptive and with fixed steps."""
+    (tmp_path / "native").mkdir()
+    file = tmp_path / "atwood.toml"
+    file.write_text(ATWOOD.read_text(encoding="utf-8") + solver, encoding="utf-8")
+    path = systems.build(file, tmp_path / "native", native=2, with_sources=True)
+    other = importer.with_library(path, importer.compiled(path, tmp_path), tmp_path, 2)
+    found, expected = (own_process(importer.evidence_run, path=each) for each in (other, path))
+    assert clients.different(found, expected) == []
 
 
 def derivatives_of_bridle(path):

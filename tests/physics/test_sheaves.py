@@ -14,16 +14,21 @@ energy     what the powers do not explain falls with the square of the communica
 import numpy as np
 import pytest
 
-from tetherfmu import Environment, Line, Point, Solver, StepRefused, Tether, TetherSystem, Winch
-
-G, DENSITY, DIAMETER = 9.81, 1.0, 0.01  # [m/s2], of the rope [kg/m], [m]
-HEAVY = {"diameter": DIAMETER, "mass_per_length": DENSITY, "axial_stiffness": 1e7, "axial_damping": 1e4}
-LIGHT = {"diameter": DIAMETER, "mass_per_length": 0.2, "axial_stiffness": 1e5, "axial_damping": 100.0}
-
-
-def rope(length, segments=6, drag=0.0, **of_rope):
-    return Tether(segments=segments, initial_length=length, drag_coefficient=drag, **of_rope)
-
+from over_sheaves import (
+    STIFF,
+    Atwood,
+    G,
+    block_system,
+    corner,
+    energy_from_nowhere,
+    flown_held,
+    hanging_pulley,
+    hoisted,
+    moving,
+    rope,
+    slips_at,
+)
+from tetherfmu import Line, Point, Solver, StepRefused, Tether, TetherSystem, Winch
 
 # --- Atwood's machine
 
@@ -32,45 +37,20 @@ def rope(length, segments=6, drag=0.0, **of_rope):
 @pytest.mark.parametrize("sheave_mass", [0.0, 5.0])
 def test_atwood(sheave_mass):
     """Payout within 2e-4 m in 2 s, tensions within 0.05 N: what is left are waves along the rope, which is not rigid."""
-    m1, m2, length = 20.0, 30.0, 10.0
-    low_a, low_b = (-length * (1.0 + (mass + 0.5 * DENSITY * length) * G / 1e7) for mass in (m1, m2))  # stretched
-    points = [Point("a", (0.0, 0.0, low_a), mass=m1), Point("s", (0.0, 0.0, 0.0)), Point("b", (0.0, 0.0, low_b), mass=m2)]
-    line = Line(
-        "rope", "a", "b", rope(20.0, 10, **HEAVY), through=["s"], initial_portions=[10.0, 10.0], sheave_mass=sheave_mass
-    )
-    system = TetherSystem(points, [line])
-    system.initialize()
-    whole = m1 + m2 + 2.0 * DENSITY * length + sheave_mass
-    rate, first = np.sqrt(2.0 * DENSITY * G / whole), (m2 - m1) * G / whole
+    atwood = Atwood(sheave_mass)
+    system = atwood.system()
     for k in range(100):
-        found = system.step(0.02).portions["rope"]
-        time = 0.02 * (k + 1)
-        payout, gained = first / rate**2 * (np.cosh(rate * time) - 1.0), first * np.cosh(rate * time)
+        found, time = system.step(0.02).portions["rope"], 0.02 * (k + 1)
+        payout = atwood.payout(time)
         assert found.payout[0] == pytest.approx(payout, abs=2e-4)
-        assert found.length == pytest.approx([length - found.payout[0], length + found.payout[0]], abs=1e-12)
+        assert found.length == pytest.approx([10.0 - found.payout[0], 10.0 + found.payout[0]], abs=1e-12)
         if time > 0.5:
-            assert found.tension_to[0] == pytest.approx((m1 + DENSITY * (length - payout)) * (G + gained), abs=0.05)
-            assert found.tension_from[1] == pytest.approx((m2 + DENSITY * (length + payout)) * (G - gained), abs=0.05)
-    assert found.speed[0] == pytest.approx(first / rate * np.sinh(rate * time), abs=1e-3)
+            assert (found.tension_to[0], found.tension_from[1]) == pytest.approx(atwood.tensions(time), abs=0.05)
+    assert found.speed[0] == pytest.approx(atwood.speed(time), abs=1e-3)
     assert found.payout[0] > 2.5
 
 
 # --- friction
-
-
-def corner(load, friction=0.0, efficiency=1.0):
-    """A rope around a right angle without gravity, drawn at with 100 N at its start and with a load [N] at its end."""
-    points = [
-        Point("a", (-5.0 * (1.0 + 100.0 / 1e5), 0.0, 0.0), mass=10.0),
-        Point("s", (0.0, 0.0, 0.0)),
-        Point("b", (0.0, 0.0, -5.0 * (1.0 + load / 1e5)), mass=10.0),
-    ]
-    sheave = {"sheave_friction": friction, "sheave_efficiency": efficiency, "initial_portions": [5.0, 5.0]}
-    system = TetherSystem(
-        points, [Line("rope", "a", "b", rope(10.0, **LIGHT), through=["s"], **sheave)], Environment(gravity=0.0)
-    )
-    system.initialize(loads={"a": (-100.0, 0.0, 0.0), "b": (0.0, 0.0, -load)})
-    return system
 
 
 @pytest.mark.parametrize("part", [0.99, 1.01])
@@ -90,14 +70,7 @@ def test_capstan(part):
 
 def test_the_onset():
     """It slips within the communication step in which the load gets greater than friction holds."""
-    ratio = np.exp(0.3 * np.pi / 2.0)
-    system, slipped = corner(100.0 * (ratio - 0.02), friction=0.3), None
-    for k in range(60):
-        load = 100.0 * (ratio - 0.02 + 0.001 * k)
-        found = system.step(0.05, loads={"b": (0.0, 0.0, -load)}).portions["rope"]
-        if found.payout[0] != 0.0 and slipped is None:
-            slipped = load
-    assert slipped == pytest.approx(100.0 * ratio, abs=0.4)
+    assert slips_at() == pytest.approx(100.0 * np.exp(0.3 * np.pi / 2.0), abs=0.4)
 
 
 @pytest.mark.filterwarnings("ignore:.*presses its ends apart")  # after the start with 100 N in all of it
@@ -111,28 +84,6 @@ def test_efficiency():
     assert ratio == pytest.approx(0.95, rel=1e-12)
 
 
-def flown_held(through):
-    """Nodes and forces of a mass between two points, in wind, with a winch; on one line over a sheave, or on two."""
-    points = [Point("a", (-7.0, 0.0, 0.0)), Point("s", mass=40.0), Point("b", (7.0, 0.0, 0.3))]
-    of_rope = {**LIGHT, "axial_damping": 300.0, "drag": 1.0}
-    if through:
-        sheave = {"through": ["s"], "initial_portions": [10.0, 10.0], "sheave_friction": 5.0}
-        lines = [Line("one", "a", "b", rope(20.0, **of_rope), **sheave)]
-    else:
-        lines = [Line("one", "a", "s", rope(10.0, **of_rope)), Line("two", "s", "b", rope(10.0, **of_rope))]
-    system = TetherSystem(points, lines)
-    system.initialize((8.0, 1.0, 0.0))
-    found = []
-    for k in range(50):
-        load, speed = (10.0 * np.sin(0.1 * k), 5.0, 0.0), 0.3 * np.sin(0.05 * k)
-        moved = {"positions": {"b": (7.0 + 0.002 * k, 0.0, 0.3)}, "velocities": {"b": (0.1, 0.0, 0.0)}}
-        outputs = system.step(0.02, **moved, loads={"s": load}, reel_out_speeds={"one": speed})
-        nodes = list(system.positions.values())
-        nodes = nodes[0] if through else np.vstack([nodes[0], nodes[1][1:]])
-        found.append(np.concatenate([nodes.ravel(), *(outputs.points[name].force for name in "asb")]))
-    return np.array(found)
-
-
 def test_a_line_that_is_held_is_two_lines():
     assert np.array_equal(flown_held(True), flown_held(False))
 
@@ -142,10 +93,7 @@ def test_a_line_that_is_held_is_two_lines():
 
 def test_a_hanging_pulley():
     """Equal tensions, and equal angles: 2e-6 of the rope's own weight, 1e-5 of the load."""
-    of_rope = {"diameter": 0.005, "mass_per_length": 1e-4, "axial_stiffness": 1e6, "axial_damping": 1e3}
-    points = [Point("a", (0.0, 0.0, 0.0)), Point("pulley", mass=50.0), Point("b", (8.0, 0.0, 1.0))]
-    system = TetherSystem(points, [Line("rope", "a", "b", rope(12.0, 4, **of_rope), through=["pulley"])])
-    start = system.initialize()
+    system, start = hanging_pulley()
     place, found = start.points["pulley"].position, start.portions["rope"]
     up = [(end - place) / np.linalg.norm(end - place) for end in np.array([(0.0, 0.0, 0.0), (8.0, 0.0, 1.0)])]
     assert found.tension_to[0] == pytest.approx(found.tension_from[1], rel=1e-9)
@@ -159,18 +107,8 @@ def test_a_hanging_pulley():
 @pytest.mark.parametrize("falls", [2, 4])
 def test_falls(falls):
     """Within 0.1 % and the weight of the rope."""
-    stiff = {"diameter": 0.012, "mass_per_length": 0.57, "axial_stiffness": 1e7, "axial_damping": 1e5}
-    tether = rope(20.0 * falls, **stiff)
-    points = [Point("winch", (0.0, 0.0, 30.0)), Point("anchor", (1.0, 0.0, 30.0)), Point("block", mass=2000.0)]
-    through = ["block"]
-    if falls == 4:
-        points.append(Point("crown", (0.5, 0.0, 30.0)))
-        through = ["block", "crown", "block"]
-    system = TetherSystem(points, [Line("hoist", "winch", "anchor", tether, through=through)])
-    start = system.initialize()
-    weight = tether.mass_per_length * G * 20.0
-    for k in range(150):
-        outputs = system.step(0.02, reel_out_speeds={"hoist": -0.5 * min(1.0, 0.02 * k)})
+    start, outputs = hoisted(falls)
+    weight = STIFF["mass_per_length"] * G * 20.0
     share, own = 2000.0 * G / falls, start.portions["hoist"].tension_to
     assert own == pytest.approx([share] * falls, rel=1e-3, abs=1.1 * weight)
     assert outputs.lines["hoist"].winch_speed == pytest.approx(-0.5)
@@ -184,9 +122,8 @@ def test_falls(falls):
 def test_a_winch_pays_out_the_whole_line(control):
     """It follows the length of all portions together; speeds that rise evenly add up to it."""
     points = [Point("winch", (0.0, 0.0, 30.0)), Point("anchor", (1.0, 0.0, 30.0)), Point("block", mass=2000.0)]
-    stiff = {"diameter": 0.012, "mass_per_length": 0.57, "axial_stiffness": 1e7, "axial_damping": 1e5}
     winch, sheave = Winch(winch_control=control), {"through": ["block"], "sheave_friction": 0.02}
-    system = TetherSystem(points, [Line("hoist", "winch", "anchor", rope(40.0, **stiff), winch=winch, **sheave)])
+    system = TetherSystem(points, [Line("hoist", "winch", "anchor", rope(40.0, **STIFF), winch=winch, **sheave)])
     system.initialize(winch_lengths={"hoist": 40.0} if control == "length" else None)
     name = "winch_lengths" if control == "length" else "reel_out_speeds"
     for k in range(100):
@@ -203,31 +140,11 @@ def test_a_winch_pays_out_the_whole_line(control):
 )  # it jumps
 def test_a_portion_stops_before_it_vanishes():
     """Five segments of 1 cm are left, and the sheave is held while the rope draws it on."""
-    points = [Point("a", (0.0, 0.0, -1.0), mass=20.0), Point("s", (0.0, 0.0, 0.0)), Point("b", (0.0, 0.0, -4.0), mass=60.0)]
-    line = Line("rope", "a", "b", rope(5.0, 5, **LIGHT, slack_damping_ratio=0.1), through=["s"], initial_portions=[1.0, 4.0])
-    system = TetherSystem(points, [line])
-    system.initialize()
+    system = block_system()
     found = [system.step(0.02).portions["rope"] for _ in range(60)]
     shortest = min(each.length[0] for each in found)
     assert shortest == pytest.approx(0.05, rel=1e-6)
     assert max(each.speed[0] for each in found) > 2.0
-
-
-def moving(velocity):
-    """Tensions and lengths of a rope over a hanging pulley with friction, seen from a frame of this velocity [m/s]."""
-    velocity = np.array(velocity)
-    ends = {"a": np.array((-6.0, 0.0, 0.0)), "b": np.array((7.0, 0.0, 1.0))}
-    points = [Point(name, place, velocity) for name, place in ends.items()]
-    points.append(Point("pulley", velocity=velocity, mass=40.0))
-    line = Line("rope", "a", "b", rope(20.0, 5, **LIGHT), through=["pulley"], sheave_mass=0.5, sheave_friction=0.01)
-    system = TetherSystem(points, [line])
-    system.initialize()
-    found = []
-    for k in range(50):
-        places = {name: place + 0.02 * k * velocity for name, place in ends.items()}
-        own = system.step(0.02, places, reel_out_speeds={"rope": 0.5 * np.sin(0.1 * k)}).portions["rope"]
-        found.append(np.concatenate([own.tension_from, own.tension_to, own.length, own.speed]))
-    return np.array(found)
 
 
 def test_a_moving_frame():
@@ -239,28 +156,13 @@ def test_a_moving_frame():
 # --- energy
 
 
-def residual(step, sheave_mass, reel):
-    """Energy from nowhere [J] in 1 s of a rope over a driven sheave, whose one end hangs, and what was exchanged [J]."""
-    points = [Point("a", (-6.0, 0.0, 0.0)), Point("s", (0.0, 0.0, 4.0)), Point("b", (2.0, 0.0, -6.0), mass=10.0)]
-    of_rope = {"diameter": DIAMETER, "mass_per_length": 0.3, "axial_stiffness": 2e4, "axial_damping": 200.0, "drag": 1.0}
-    sheave = {"initial_portions": [7.5, 12.5], "sheave_mass": sheave_mass}
-    line = Line("rope", "a", "b", rope(20.0, 5, **of_rope), through=["s"], **sheave)
-    system = TetherSystem(points, [line], solver=Solver(relative_tolerance=1e-7))
-    system.initialize()
-    before, total = system.energy(), 0.0
-    first = before.total
-    for k in range(round(1.0 / step)):
-        system.step(step, reel_out_speeds={"rope": reel * (1.0 - np.cos(3.0 * k * step))})
-        after = system.energy()
-        total += 0.5 * step * (before.power + after.power)
-        before = after
-    return after.total - first - total, abs(after.total - first)
+TIGHT = Solver(relative_tolerance=1e-7)
 
 
 @pytest.mark.filterwarnings("ignore:.*presses its ends apart")
 @pytest.mark.parametrize(("sheave_mass", "reel"), [(0.0, 0.0), (5.0, 0.5)])
 def test_energy(sheave_mass, reel):
-    (coarse, size), (fine, _) = residual(0.01, sheave_mass, reel), residual(0.005, sheave_mass, reel)
+    (coarse, size), (fine, _) = (energy_from_nowhere(step, sheave_mass, reel, TIGHT) for step in (0.01, 0.005))
     assert abs(fine) < 2e-3 * size
     assert coarse / fine == pytest.approx(4.0, rel=0.1)
 
@@ -301,7 +203,6 @@ WRONG = {
     "a range": ({"sheave_efficiency": 1.2}, {}, "sheave_efficiency is 1.2; it must be"),
     "two losses": ({"sheave_efficiency": 0.9, "sheave_friction": 0.1}, {}, "both given"),
     "a force": ({"winch": Winch(winch_control="force", winch_mass=1.0)}, {}, "winch_control = force"),
-    "fixed steps": ({}, {"solver": Solver(fixed_step=0.01)}, "fixed_step is 0.01 s, and r runs over sheaves"),
     "wind points": ({}, {"wind_points": 5}, "wind_points is 5, and r runs over sheaves"),
     "a law": ({"tether": Tether(initial_length=16.0, damping_law="stretch_rate")}, {}, "damping_law is stretch_rate"),
     "breaking": ({"tether": Tether(initial_length=16.0, breaking_force=1e4)}, {}, "breaking_force is 10000.0, and r runs"),

@@ -43,11 +43,10 @@ START_UNDER_GROUND = 27
 RELEASED_WITHOUT_MASS = 28
 # of lines over sheaves
 SHEAVES_WITH_DRUM = 29
-SHEAVES_WITH_FIXED_STEP = 30
-SHEAVES_WITH_STRETCH_RATE = 31
-SHEAVES_THAT_BREAK = 32
-RELEASED_OVER_SHEAVES = 33
-NO_SHARES = 34
+SHEAVES_WITH_STRETCH_RATE = 30
+SHEAVES_THAT_BREAK = 31
+RELEASED_OVER_SHEAVES = 32
+NO_SHARES = 33
 
 SENTENCES = {
     OK: "done",
@@ -141,7 +140,6 @@ SENTENCES = {
         "winch_control is 2 (force) in a system with a line over sheaves, which it cannot be yet: set it to 1 (speed) or 3 "
         "(length)"
     ),
-    SHEAVES_WITH_FIXED_STEP: "fixed_step is {fixed_step} s in a system with a line over sheaves; it must be 0 (adaptive)",
     SHEAVES_WITH_STRETCH_RATE: "damping_law is 2 (stretch_rate) for a line over sheaves; it must be 1 (strain_rate)",
     SHEAVES_THAT_BREAK: "breaking_force is given for a line over sheaves, which cannot break yet: it must be 0",
     RELEASED_OVER_SHEAVES: "release is true for a line over sheaves, which cannot let go yet: it must be false",

@@ -80,13 +80,11 @@ def sheaves_of(line):
     return {"initial_portions": tuple(given), **{name: numbers_in(line, name) for name in SHEAVE_QUANTITIES}}
 
 
-def check_with_sheaves(lines, solver, wind_points):
+def check_with_sheaves(lines, wind_points):
     """ValueError if a system whose lines run over sheaves has what it cannot have yet."""
     name = next((line.name for line in lines if line.through), None)
     if name is None:
         return
-    if solver.fixed_step != 0.0:
-        raise ValueError(f"fixed_step is {solver.fixed_step!r} s, and {name} runs over sheaves; it must be 0 (adaptive)")
     if wind_points:
         raise ValueError(f"wind_points is {wind_points!r}, and {name} runs over sheaves; it must be 0")
     for line in lines:

@@ -16,7 +16,10 @@ from ..equations import segment
 from ..equations.boundary import chain_during
 from ..equations.ground import ground_of, has_ground
 from ..equations.lines import (
+    comes_from,
     conditions_of,
+    goes_on,
+    has_sheaves,
     is_at_point,
     lines_of,
     load_at,
@@ -31,9 +34,10 @@ from ..line import second_order
 from ..line.backward_euler import WHOLE
 from ..line.second_order import ROUNDING
 from ..linear_algebra.vectors import get, norm, sub
+from ..points.sheave_room import has_run
 from ..points.system_guess import start
-from ..points.system_room import Step, any_drum, drum_at, has_drum, moves, scratch_of, stages_of
-from . import turning
+from ..points.system_room import Step, drum_at, has_drum, is_any_sought, moves, scratch_of, stages_of
+from . import turning, turning_sheaves
 
 # why a step is one of backward Euler: at once, or after stages that were left, which is what is noted
 ASKED = 1
@@ -87,6 +91,7 @@ def least_swing(system, k):
     if has_drum(system, k):
         ends += 1
         moving += drum_at(system, k).mass
+    ends += goes_on(system, k) + comes_from(system, k)
     chain = chain_during(conditions, 0.0)
     factor = pi**2 if ends == 0 else (1.0 if ends == 1 else 4.0)
     return factor * stiffest(chain) / (chain.length * moving) if moving > 0.0 else inf
@@ -110,7 +115,9 @@ def stiff_swing(system, h):
     if count == 0:
         return 0.0
     turning.attempt_whole_step(system, h)
-    start(system, Step(0.0, h, WHOLE, any_drum(system)))
+    if has_sheaves(system):
+        turning_sheaves.attempt_whole_step(system, 0.0, h)
+    start(system, Step(0.0, h, WHOLE, is_any_sought(system)))
     fastest = 0.0
     for k in range(lines_of(system)):
         if is_stiff(system, k):
@@ -162,12 +169,14 @@ def hard_at(system):
 
 @kernel
 def energy_and_power_of_line(system, k, time, is_new):
-    """Energy [J] and largest power [W] of line k with its drum and its parts of the loads on points, by masses."""
+    """Energy [J] and largest power [W] of line k with its drum or sheave and its parts of the loads on points, by masses."""
     points, w, (x, v) = points_of(system), stages_of(system, k), motion_of(system, k)
     here, speed = (x, v) if is_new else (w.x, w.v)
     of_drum, grown = 0.0, 0.0
     if has_drum(system, k):
         of_drum, grown = turning.energy_and_power(system, k, is_new, here, speed)
+    elif has_run(system, k):
+        of_drum, grown = turning_sheaves.energy_and_power(system, k, is_new, here, speed)
     energy, power = second_order.energy_and_power(conditions_of(system, k), time, here, speed, w.chain.mass)
     for end in range(2):
         if is_at_point(system, k, end):

@@ -15,11 +15,13 @@ from ..arrays import copy
 from ..compilation import kernel
 from ..equations import segment
 from ..equations.boundary import chain_during, chain_with, place_ends
-from ..equations.lines import conditions_of, lines_of, motion_of, state_of
+from ..equations.lines import conditions_of, has_sheaves, lines_of, motion_of, state_of
 from ..equations.notes import note, note_peak
 from ..line import backward_euler, second_order
 from ..line.backward_euler import EXPECTED, STAGE, WHOLE
 from ..line.second_order import ENDS, GAMMA, TO_NEXT
+from ..points.fixed_sheaves import keep_lengths, unconverged_sheaves
+from ..points.sheave_room import has_run, portion_at_start
 from ..points.system_descent import (
     EARLY,
     HELD,
@@ -36,16 +38,16 @@ from ..points.system_guess import begin_as_expected, guess, start
 from ..points.system_room import (
     UNCONVERGED,
     Step,
-    any_drum,
     attempt_of,
     has_drum,
+    is_any_sought,
     length_of,
     moves,
     numbers_of,
     scratch_of,
     stages_of,
 )
-from . import turning
+from . import turning, turning_sheaves
 from .adaptive_steps import work_of
 from .breaks import begin_breaks, break_lines, can_any_break
 from .fallback import (
@@ -62,6 +64,7 @@ from .fallback import (
     is_explained,
     stiff_swing,
 )
+from .running_ropes import begin_ropes
 
 HELD_FROM = LAST_ITERATIONS - MOST_ITERATIONS  # of the iterations of the finest parts: so that they come to an end
 
@@ -89,6 +92,13 @@ def take_all(system, step):
 
 
 @kernel
+def count_unconverged(system, step, taken):
+    """Number of lines, drums and sheaves that have not converged; taken : part of the last move."""
+    count = unconverged_lines(system, taken) + unconverged_drums(system, step)
+    return count + unconverged_sheaves(system, step) if has_sheaves(system) else count
+
+
+@kernel
 def take_step(system, step, most, in_any_case):
     """A step of backward Euler of all lines (modified): whether it was taken, and the iterations, negative if singular.
 
@@ -100,7 +110,7 @@ def take_step(system, step, most, in_any_case):
     if step.kind == EXPECTED:
         phi, taken = begin_as_expected(system, step)
         iterations = 1
-        unconverged = unconverged_lines(system, taken) + unconverged_drums(system, step) if taken < inf else 1
+        unconverged = count_unconverged(system, step, taken) if taken < inf else 1
     else:
         phi = guess(system, step)
     phase = EARLY
@@ -112,7 +122,7 @@ def take_step(system, step, most, in_any_case):
         iterations += 1
         if taken == inf:
             return False, -1
-        unconverged = unconverged_lines(system, taken) + unconverged_drums(system, step)
+        unconverged = count_unconverged(system, step, taken)
     has_converged = unconverged == 0 and taken != STUCK and (phase == HELD or rests_on_ground(system, step))
     if not (in_any_case or has_converged):
         return False, iterations
@@ -128,14 +138,32 @@ def take_in_any_case(system, time, h):
     Where it does not converge with drums, the lines take it alone with their last speeds, in as many iterations again.
     """
     iterations = 0
-    if any_drum(system):
+    if is_any_sought(system):
         taken, iterations = take_step(system, Step(time, h, WHOLE, True), LAST_ITERATIONS, False)
         if taken or iterations < 0:
             return iterations
         note_unconverged(system, True, 0.0)
         turning.turn_evenly(system, time)
+        if has_sheaves(system):
+            keep_lengths(system, Step(time, h, WHOLE, False))
     _, more = take_step(system, Step(time, h, WHOLE, False), LAST_ITERATIONS, True)
     return more if more < 0 else iterations + more
+
+
+@kernel
+def attempt_whole_step(system, time, h):
+    """Let all drums and ropes (modified) begin a step of backward Euler of h [s] at a time [s]."""
+    turning.attempt_whole_step(system, h)
+    if has_sheaves(system):
+        turning_sheaves.attempt_whole_step(system, time, h)
+
+
+@kernel
+def end_whole_step(system, time, h):
+    """Let all drums and ropes (modified) have the result of a step of backward Euler of h [s] from a time [s] on."""
+    turning.end_whole_step(system, h)
+    if has_sheaves(system):
+        turning_sheaves.end_whole_step(system, time, h)
 
 
 @kernel
@@ -147,8 +175,8 @@ def subdivided_step(system, time, h):
     """
     iterations, done, size = 0, 0, FINEST
     while done < FINEST:
-        own = Step(time + h * done / FINEST, h * size / FINEST, WHOLE, any_drum(system))
-        turning.attempt_whole_step(system, own.h)
+        own = Step(time + h * done / FINEST, h * size / FINEST, WHOLE, is_any_sought(system))
+        attempt_whole_step(system, own.time, own.h)
         taken, more = True, 0
         if size == 1:
             more = take_in_any_case(system, own.time, own.h)
@@ -157,7 +185,7 @@ def subdivided_step(system, time, h):
         if more < 0:
             return more
         if taken:
-            turning.end_whole_step(system, own.h)
+            end_whole_step(system, own.time, own.h)
         iterations += more
         done, size = backward_euler.next_part(done, size, taken)
     return iterations
@@ -185,12 +213,14 @@ def begin_stage(system, i, known):
 
 @kernel
 def go_back(system):
-    """Put all lines and drums (modified) back to the start of the step."""
+    """Put all lines, drums and ropes (modified) back to the start of the step."""
     for k in range(lines_of(system)):
         w, (x, v) = stages_of(system, k), motion_of(system, k)
         copy(w.x, x)
         copy(w.v, v)
         turning.go_back(system, k)
+    if has_sheaves(system):
+        turning_sheaves.go_back(system)
 
 
 @kernel
@@ -211,17 +241,21 @@ def stages(system, time, h, known):
     for i in range(STAGES):
         begin_stage(system, i, known)
         turning.begin_stage(system, i, reach, known)
-        own = Step(time + (ENDS[i] - GAMMA) * h, reach, EXPECTED if known > 0 else STAGE, any_drum(system))
+        own = Step(time + (ENDS[i] - GAMMA) * h, reach, EXPECTED if known > 0 else STAGE, is_any_sought(system))
+        if has_sheaves(system):
+            turning_sheaves.begin_stage(system, i, own.time, reach, known)
         taken, more = take_step(system, own, MOST_ITERATIONS, False)
         iterations += max(more, 0)
         if not taken:
             return hard_at(system), iterations
         if not turning.end_stage(system, time, own.time + reach - time, reach):
             return AT_STOP, iterations
+        if has_sheaves(system) and not turning_sheaves.end_stage(system, own.time + reach):
+            return AT_STOP, iterations
         if i < STAGES - 1:
             does_cross = does_cross or crosses(system, time, time + ENDS[i] * h)
         known += 1
-    if not turning.turn_smoothly(system):
+    if not turning.turn_smoothly(system) or (has_sheaves(system) and not turning_sheaves.run_smoothly(system)):
         return AT_STOP, iterations
     if bounces(system, h):
         return ON_GROUND, iterations
@@ -243,6 +277,8 @@ def step(system, method, time, h, known):
         return subdivided_step(system, time, h), ASKED
     why, iterations = stages(system, time, h, known)
     if why == 0:
+        if has_sheaves(system):
+            turning_sheaves.end_stages(system, time, h)
         return iterations, 0
     go_back(system)
     more = subdivided_step(system, time, h)
@@ -252,9 +288,9 @@ def step(system, method, time, h, known):
 @kernel
 def truncated_step(system, time, h):
     """One step of backward Euler of all lines (modified), taken as it is: its iterations. All lines count as unconverged."""
-    turning.attempt_whole_step(system, h)
+    attempt_whole_step(system, time, h)
     iterations = take_in_any_case(system, time, h)
-    turning.end_whole_step(system, h)
+    end_whole_step(system, time, h)
     note_unconverged(system, True, 0.0)
     return iterations
 
@@ -265,6 +301,8 @@ def note_peaks(system, time):
     for k in range(lines_of(system)):
         conditions, (x, v) = conditions_of(system, k), motion_of(system, k)
         chain = chain_with(conditions, *length_of(system, k)) if has_drum(system, k) else chain_during(conditions, time)
+        if has_run(system, k):
+            chain = portion_at_start(system, k, time)
         note_peak(state_of(system, k), segment.largest_tension(chain, x, v))
 
 
@@ -285,6 +323,8 @@ def integrate(system, steps, duration):
     h = duration / count
     for k in range(lines_of(system)):
         numbers_of(system, k)[UNCONVERGED] = 0.0
+    if has_sheaves(system):
+        begin_ropes(system)
     memory, spent, known, method = state_of(system, 0), 0, 0, steps.method
     if method != at.BACKWARD_EULER:
         swing = h * sqrt(stiff_swing(system, h))
@@ -299,6 +339,8 @@ def integrate(system, steps, duration):
         if iterations < 0:
             return STATE_NOT_FINITE
         status = turning.balance(system, i * h + h, GAMMA * h if why == 0 else h)
+        if status == OK and has_sheaves(system):
+            status = turning_sheaves.check(system)
         if status != OK:
             return status
         known = 3 if why == 0 else 0
@@ -309,6 +351,8 @@ def integrate(system, steps, duration):
             note_peaks(system, i * h + h)
         if may_break and break_lines(system, i * h + h):
             may_break, known = can_any_break(system), 0
+    if has_sheaves(system):
+        turning_sheaves.end_steps(system)
     memory[at.STEPS] += count
     memory[at.ITERATIONS] += spent
     return OK

@@ -153,15 +153,15 @@ def end_stage(system, time, h, reach):
 
 
 @kernel
-def turns_smoothly(drum, speed, first, second, third):
+def turns_smoothly(has_friction, has_mass, speed, first, second, third):
     """Whether a drum turns, or is held, throughout a step, with its speeds [m/s] at the start and in the stages."""
     if first == 0.0 and second == 0.0 and third == 0.0:
-        return drum.mass == 0.0 or speed == 0.0
+        return not has_mass or speed == 0.0
     if first == 0.0 or second == 0.0 or third == 0.0:
         return False
-    if drum.friction == 0.0:
+    if not has_friction:
         return True
-    return first * second > 0.0 and second * third > 0.0 and (drum.mass == 0.0 or speed * first > 0.0)
+    return first * second > 0.0 and second * third > 0.0 and (not has_mass or speed * first > 0.0)
 
 
 @kernel
@@ -169,9 +169,9 @@ def turn_smoothly(system):
     """Whether each drum turns, or is held, throughout a step whose stages are done."""
     for k in range(lines_of(system)):
         if has_drum(system, k):
-            numbers, (_, speed) = numbers_of(system, k), length_of(system, k)
+            numbers, drum, (_, speed) = numbers_of(system, k), drum_at(system, k), length_of(system, k)
             stages = numbers[START_SPEED], numbers[LONG_BEFORE], numbers[BEFORE], speed
-            if not turns_smoothly(drum_at(system, k), *stages):
+            if not turns_smoothly(drum.friction != 0.0, drum.mass != 0.0, *stages):
                 return False
     return True
 

@@ -13,7 +13,7 @@ sheave, F_L behind it. A line and the free points are solved as without sheaves;
 so that each sheave costs one solution more for each matrix, and a vector for each stage.
 """
 
-from ..compilation import kernel
+from ..compilation import kernel, view
 from ..equations.lines import (
     add_at,
     clear,
@@ -21,6 +21,7 @@ from ..equations.lines import (
     goes_on,
     is_at_point,
     lines_of,
+    motion_of,
     point_at,
     points_of,
     rows_of,
@@ -55,7 +56,7 @@ from .sheave_slopes import add_wrap, finish_row, take_row
 
 # --- slopes of forces
 from .sheave_stages import inertia_times
-from .system_room import integrator_of, moves, room_in_step, shares_of
+from .system_room import integrator_of, moves, room_in_step, scratch_of, shares_of
 
 
 @kernel
@@ -66,13 +67,20 @@ def pivot_of(numbers, side, other, d):
     return inertia / d - by_rate - d * sign * numbers[at_sheave.BY_LENGTH + side]
 
 
+@view
+def nodes_at_start(system, k):
+    """What `take_row` takes of the nodes of portion k at the start of the step."""
+    x, v = motion_of(system, k)
+    return x, v, integrator_of(system, k).modes
+
+
 @kernel
 def take_equation(system, k, time, d, matrix):
     """Row, df/dt and D of the sheave at the end of line k, over which rope runs (modified)."""
     numbers, behind, count, j = numbers_at(system, k), numbers_at(system, k + 1), sheaves_of(system), number_of(system, k)
     of_1, of_2 = numbers[at_sheave.OF_BEHIND], numbers[at_sheave.OF_AHEAD]
-    take_row(system, k, OUT, of_1)
-    take_row(system, k + 1, IN, of_2)
+    take_row(system, k, OUT, of_1, nodes_at_start(system, k))
+    take_row(system, k + 1, IN, of_2, nodes_at_start(system, k + 1))
     add_wrap(system, k)
     numbers[at_sheave.RATE] = finish_row(system, k, OUT, of_1, time, d) + finish_row(system, k + 1, IN, of_2, time, d)
     pivot = of_1 * pivot_of(numbers, OUT, OUT, d) + of_2 * pivot_of(behind, IN, IN, d) + mass_of(system, k) / d
@@ -98,18 +106,27 @@ def put_column(system, k, side, d, column):
         column[i] = by_speed[i] + sign * by_length[i] + border[i] / d
 
 
+@view
+def matrix_of(system, k, is_fixed):
+    """Matrix of line k in a Rosenbrock step, or in the iteration of a fixed step."""
+    return scratch_of(system, k).matrix if is_fixed else integrator_of(system, k).matrix
+
+
 @kernel
-def solve_column(system, j):
-    """Solve all lines and points for the column of sheave number j, which stands in the arrays of the lines (modified)."""
+def solve_column(system, j, is_fixed):
+    """Solve all lines and points for the column of sheave number j, which stands in the arrays of the lines (modified).
+
+    is_fixed : as for `matrix_of`.
+    """
     points = points_of(system)
     clear(points.right)
     for k in range(lines_of(system)):
         if moves(system, k):
-            column, w = single_at(system, k, SOLUTIONS + j), integrator_of(system, k)
-            condensed.solve_inner(rows_of(system, k), w.matrix, column)
+            column, matrix = single_at(system, k, SOLUTIONS + j), matrix_of(system, k, is_fixed)
+            condensed.solve_inner(rows_of(system, k), matrix, column)
             for end in range(2):
                 if is_at_point(system, k, end):
-                    left = condensed.what_is_left(segments_of(system, k), end, w.matrix, column)
+                    left = condensed.what_is_left(segments_of(system, k), end, matrix, column)
                     add_at(points.right, point_at(system, k, end), left)
     solve_blocks(*size_of_blocks(system), points.matrix, points.right, points.solution)
     for k in range(lines_of(system)):
@@ -145,7 +162,7 @@ def form_border(system, time, h):
                     clear(single_at(system, other, SOLUTIONS + j))
                 put_column(system, k, OUT, d, single_at(system, k, SOLUTIONS + j))
                 put_column(system, k + 1, IN, d, single_at(system, k + 1, SOLUTIONS + j))
-                solve_column(system, j)
+                solve_column(system, j, False)
             else:
                 matrix[count * j + j] = 1.0
     for k in range(lines_of(system)):

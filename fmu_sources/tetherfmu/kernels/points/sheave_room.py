@@ -17,6 +17,7 @@ from ..equations.lines import (
     conditions_of,
     goes_on,
     has_sheaves,
+    is_portion,
     lines_of,
     number_of_line,
     parameters_of,
@@ -53,6 +54,24 @@ from ..flat_arrays import part
     KEPT,  # PASSED and STAGE_SPEED of a step that is tried
     STARTED,  # how often rope began to run over it while it was sought over which it does
     BY_OWN,  # slope of its equation by its speed, without that of R_a and R_b [N s/m]
+    # of a sheave in fixed steps, see `fixed_sheaves.py`; PASSED, STAGE_SPEED and GAIN are those of the iteration
+    REACHED,  # PASSED where the step, or its stage, starts [m]; SPEED is that there
+    START_SPEED,  # at the start of a step of three stages [m/s]
+    ONWARD_PASSED,  # the start of the third stage but for the result of the second one [m]
+    ONWARD_SPEED,  # [m/s]
+    BEFORE,  # speeds in the last stage but one, and in the one before it [m/s]
+    LONG_BEFORE,
+    KEEPS,  # sign of the speed that friction does not let turn round in the step, 0: it may
+    LOWEST,  # limits of the speed in the iteration [m/s]
+    HIGHEST,
+    WAY,  # how u' is sought in the iteration
+    SOUGHT,  # its value where that is given [m/s]
+    CHANGE,  # by how much the last iteration changed it [m/s]
+    IS_FOUND,  # 1 if u' was found as it was sought, and the tensions beside it are close; else 0
+    LOSS,  # E
+    MOVED_BEHIND,  # change of the tensions [N] and of the angle of wrap [rad] with the moves of nodes, without u' - u
+    MOVED_AHEAD,
+    MOVED_WRAP,
     # of a portion
     LENGTH_NOW,  # at the start of the step [m]
     LENGTH,  # at a stage [m]
@@ -66,16 +85,18 @@ from ..flat_arrays import part
     BY_RATE,  # by a and b [N s/m]: aa, ab, ba, bb
     CROSSED,  # sums of col_0 . v' over the nodes [N], of a and b
     WINCH,  # coefficients of the length that a winch pays out into the first portion, see `winch.py`
+    BEGAN,  # time of the communication step at which a fixed step began, at which LENGTH_NOW is the length [s]
     _,
     NUMBERS,
-) = places_of(*[1] * 14, 3, *[1] * 6, 2, *[1] * 7, 2, 3, 3, 2, 4, 2, 5, 1)
+) = places_of(*[1] * 14, 3, *[1] * 6, 2, *[1] * 2, *[1] * 17, *[1] * 5, 2, 3, 3, 2, 4, 2, 5, 1, 1)
 
 BORDER, PULLED, BY_SPEED, BY_VELOCITY, ROW = range(5)  # arrays of 3 (n + 1) numbers, each of a and of b:
 # col at the start of the step and at a stage [kg], slopes of the forces by the rate [N s/m], R_v [N s/m], row of the matrix
 ARRAYS = 10
 FORCE_BY_LENGTH = ARRAYS  # slopes of the forces by L [N/m]
 ACCELERATIONS = ARRAYS + 1  # of the nodes at a stage [m/s2]
-SOLUTIONS = ARRAYS + 2  # of the column of each sheave
+VELOCITIES = ARRAYS + 2  # of the nodes in the iteration of a fixed step [m/s]
+SOLUTIONS = ARRAYS + 3  # of the column of each sheave
 
 
 @kernel
@@ -88,7 +109,7 @@ def portion_work_size(n, sheaves):
 @kernel
 def shared_work_size(sheaves):
     """Length of what all sheaves together need of `work`: matrices and vectors."""
-    size = 2 * sheaves * sheaves + 4 * sheaves
+    size = 5 * sheaves * sheaves + 4 * sheaves
     return size + size % 2
 
 
@@ -134,6 +155,28 @@ def differences_of(system):
     """Room for one number more of each sheave, behind `shared_of`."""
     count, first = sheaves_of(system), number_in(system.plan, places.SHEAVES_WORK)
     return part(system.work, first + count * (2 * count + 3), count)
+
+
+@view
+def slopes_of(system):
+    """Slopes by the speeds of all sheaves, in fixed steps: of T_1, of T_2 [N s/m], of the angle of wrap [s/m].
+
+    Matrices with a row for each sheave.
+    """
+    count, first = sheaves_of(system), number_in(system.plan, places.SHEAVES_WORK)
+    square = count * count
+    first += 2 * square + 4 * count
+    return (
+        part(system.work, first, square),
+        part(system.work, first + square, square),
+        part(system.work, first + 2 * square, square),
+    )
+
+
+@kernel
+def has_run(system, k):
+    """Whether line k is a portion that rope over a sheave has made longer or shorter in this communication step."""
+    return is_portion(system, k) and numbers_at(system, k)[HAS_RUN] != 0.0
 
 
 @kernel

@@ -92,18 +92,13 @@ def add_winch_rates(system, k, time, w):
 
 
 @kernel
-def take_row(system, k, side, weight):
+def take_row(system, k, side, weight, nodes):
     """Slopes of R_a or R_b of portion k by positions into ROW, by velocities into BY_VELOCITY, times a weight (modified).
 
-    And by L and the rates into its numbers, without the weight.
+    And by L and the rates into its numbers, without the weight.  nodes : positions [m] and velocities [m/s] of the nodes,
+    and the modes of the segments.
     """
-    n, w, numbers, (x, v), part = (
-        segments_of(system, k),
-        integrator_of(system, k),
-        numbers_at(system, k),
-        motion_of(system, k),
-        1.0,
-    )
+    n, numbers, (x, v, modes), part = segments_of(system, k), numbers_at(system, k), nodes, 1.0
     by_position, by_velocity = array_at(system, k, ROW, side), array_at(system, k, BY_VELOCITY, side)
     clear(by_position)
     clear(by_velocity)
@@ -116,7 +111,7 @@ def take_row(system, k, side, weight):
         r, u = sub(get(x, s + 1), get(x, s)), sub(get(v, s + 1), get(v, s))
         a, b, c = rope.passing(chain, s, part, IN), rope.passing(chain, s, part, OUT), rope.flowing(chain, s, part)
         y, gained = rope.passing(chain, s, part, side), rope.gaining(chain, s, part)
-        by_r, by_u, of_length = rope.by_motion(chain, s, y, c, gained, w.modes[s], r, u, a_p, a_q)
+        by_r, by_u, of_length = rope.by_motion(chain, s, y, c, gained, modes[s], r, u, a_p, a_q)
         below = -y.sign * property_of(chain, s, at.SHARE) * rope.half_density(chain, s) * chain.gravity
         add_at(by_position, s, scale(weight, sub((0.0, 0.0, below), by_r)))
         add_at(by_position, s + 1, scale(weight, add((0.0, 0.0, below), by_r)))
@@ -124,8 +119,8 @@ def take_row(system, k, side, weight):
         add_at(by_velocity, s, scale(-weight, by_u))
         add_at(by_velocity, s + 1, scale(weight, by_u))
         by_length += of_length
-        by_a += rope.by_rate(chain, s, y, a, c, w.modes[s], r, u)
-        by_b += rope.by_rate(chain, s, y, b, c, w.modes[s], r, u)
+        by_a += rope.by_rate(chain, s, y, a, c, modes[s], r, u)
+        by_b += rope.by_rate(chain, s, y, b, c, modes[s], r, u)
         part -= property_of(chain, s, at.SHARE)
         a_p = a_q
     if side == IN:
@@ -186,7 +181,15 @@ def finish_row(system, k, side, weight, time, d):
         paid, inertia = winch_of(system, k), numbers[at_sheave.INERTIA + side]
         of_winch = numbers[at_sheave.BY_LENGTH + side] * winch.rate_at(paid, time) - inertia * winch.jerk_of(paid)
         rate += weight * (of_winch + numbers[at_sheave.BY_RATE + 2 * side] * winch.gain_at(paid, time))
-    for i in range(n + 1):
+    close_row(system, k, side, weight, d)
+    return rate
+
+
+@kernel
+def close_row(system, k, side, weight, d):
+    """Row of R_a or R_b of portion k, but for its rate, from ROW and BY_VELOCITY, times a weight (modified)."""
+    conditions, border = conditions_of(system, k), array_at(system, k, BORDER, side)
+    by_position, by_velocity = array_at(system, k, ROW, side), array_at(system, k, BY_VELOCITY, side)
+    for i in range(conditions.n + 1):
         along = add_scaled(add_scaled(get(by_velocity, i), d, get(by_position, i)), weight / d, get(border, i))
         put(by_position, i, along if conditions.first <= i <= conditions.last else ZERO_VECTOR)
-    return rate

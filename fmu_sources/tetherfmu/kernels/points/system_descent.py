@@ -20,6 +20,7 @@ from ..equations.ground import has_ground
 from ..equations.lines import (
     add_at,
     clear,
+    has_sheaves,
     is_at_point,
     lines_of,
     parameters_of,
@@ -35,7 +36,7 @@ from ..line.backward_euler import MOST_HALVINGS
 from ..linear_algebra import condensed
 from ..linear_algebra.point_blocks import factorize_blocks, solve_blocks
 from ..linear_algebra.vectors import dot, get, sub
-from . import system_fixed_drums
+from . import fixed_sheaves, system_fixed_drums
 from .at_points import add_column, place_matrix, take_ends
 from .system_room import CHANGE, GOAL, attempt_of, is_turning, moves, numbers_of, room_in_step, scratch_of
 
@@ -186,6 +187,28 @@ def move_with_drums_held(system, step):
 
 
 @kernel
+def move_over_sheaves(system, step, phase):
+    """Move of all nodes [m] and speeds of the ropes over sheaves (modified); the part to try, 0 where a matrix is singular.
+
+    phase : EARLY, LATE or HELD.
+    """
+    if not move_points(system, step):
+        return 0.0
+    taken = move_lines(system, step)
+    if not step.turns:
+        return taken
+    if phase >= LATE and unconverged_lines(system, 1.0) > 0:
+        fixed_sheaves.hold_speeds(system)
+        return taken
+    fixed_sheaves.find_sheaves(system, step)
+    taken = 1.0
+    for k in range(lines_of(system)):
+        if moves(system, k):
+            taken = min(taken, longest_part(attempt_of(system, k, step).chain, scratch_of(system, k).move))
+    return taken
+
+
+@kernel
 def direction(system, step, phase):
     """Move of all nodes [m] by Newton's method into the scratch space; the part to try, 0 where a matrix is singular.
 
@@ -194,6 +217,8 @@ def direction(system, step, phase):
     for k in range(lines_of(system)):
         if moves(system, k) and not condense_line(system, k, step, phase):
             return 0.0
+    if has_sheaves(system):
+        return move_over_sheaves(system, step, phase)
     if step.turns:
         if phase >= LATE:
             converges, taken = move_with_drums_held(system, step)

@@ -134,9 +134,9 @@ def mass_by_speed(attempt, i, w):
 
 
 @kernel
-def form_column(system, k, step):
-    """-dg/du of the drum of line k into its column (modified): of the masses, of their loads, of springs and dampers."""
-    attempt, w, column = attempt_of(system, k, step), scratch_of(system, k), room_in_step(system, k).column
+def put_reeling_column(system, k, step, column):
+    """-dg/du for the rate u of L of line k (modified): of the masses, of their loads, of springs and dampers."""
+    attempt, w = attempt_of(system, k, step), scratch_of(system, k)
     n, h, b = attempt.chain.n, step.h, incremental_potential.shrinkage(attempt)
     for i in range(n + 1):
         put(column, i, scale(mass_by_speed(attempt, i, w) / (h * h), sub(get(w.free, i), get(w.x, i))))
@@ -149,9 +149,16 @@ def form_column(system, k, step):
         pull = add(scale(along, e), scale(aslant, incremental_potential.slant_of(b, length, e, r0)))
         put(column, s, add(get(column, s), pull))
         put(column, s + 1, sub(get(column, s + 1), pull))
-    if feels_rope(attempt.chain.parameters):
+
+
+@kernel
+def form_column(system, k, step):
+    """-dg/du of the drum of line k into its column (modified)."""
+    column = room_in_step(system, k).column
+    put_reeling_column(system, k, step, column)
+    if feels_rope(parameters_of(system, k)):
         rope_fixed_drums.form_column(system, k, step)
-    hold_ends(attempt.conditions, column)
+    hold_ends(conditions_of(system, k), column)
 
 
 @kernel
@@ -311,6 +318,15 @@ def give(system, step):
 
 
 @kernel
+def follow(system, k, step):
+    """Let masses and the forces of rope that flows follow the length of line k and its rates (modified)."""
+    attempt, w = attempt_of(system, k, step), scratch_of(system, k)
+    node_masses(attempt.chain, w.mass)
+    if flow.flows(attempt.chain):
+        incremental_potential.find_flow(attempt, w.x, w)
+
+
+@kernel
 def turn(system, step):
     """Let all drums (modified) have the speeds that were found; masses and the forces of rope that flows follow."""
     for k in range(lines_of(system)):
@@ -318,10 +334,7 @@ def turn(system, step):
             numbers = numbers_of(system, k)
             numbers[CHANGE] = numbers[ONWARD] - numbers[TRIAL]
             numbers[TRIAL] = numbers[ONWARD]
-            attempt, w = attempt_of(system, k, step), scratch_of(system, k)
-            node_masses(attempt.chain, w.mass)
-            if flow.flows(attempt.chain):
-                incremental_potential.find_flow(attempt, w.x, w)
+            follow(system, k, step)
     take_masses(system, step)
 
 

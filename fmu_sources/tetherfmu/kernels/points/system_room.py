@@ -16,6 +16,7 @@ from ..equations.drum import HELD, drum_with
 from ..equations.lines import (
     CONDITIONS,
     conditions_of,
+    has_sheaves,
     is_portion,
     lines_of,
     motion_of,
@@ -31,7 +32,7 @@ from ..line import rosenbrock, second_order
 from ..line.incremental_potential import Attempt
 from ..line.rodas4p import STAGES
 from ..linear_algebra import condensed
-from .sheave_room import is_running
+from .sheave_room import has_run, is_running, portion_gaining
 
 Room = namedtuple("Room", "numbers columns own column")
 Room.__doc__ = """Scratch arrays of a line.
@@ -233,12 +234,19 @@ is_any_turning, is_any_reeling = any_line(turns), any_line(reels)
 is_any_turning_with_rope = any_line(turns_with_rope)
 
 
+@kernel
+def is_any_sought(system):
+    """Whether speeds of drums or of ropes over sheaves are found in fixed steps."""
+    return any_drum(system) or has_sheaves(system)
+
+
 # --- fixed steps
 
 Step = namedtuple("Step", "time h kind turns")
 Step.__doc__ = """A fixed step: its start [s] in the communication step, h [s], its kind (`backward_euler.start`).
 
-turns : whether the speeds of the drums are found in it; else their lengths change as the conditions of their lines say.
+turns : whether the speeds of drums and of ropes over sheaves are found in it; else lengths change as the conditions of their
+lines say, and ropes run as fast as in the last iteration.
 """
 
 
@@ -263,4 +271,6 @@ def attempt_of(system, k, step):
     """`incremental_potential.Attempt` of line k."""
     conditions = conditions_of(system, k)
     _, v = motion_of(system, k)
+    if has_run(system, k):
+        return Attempt(conditions, portion_gaining(system, k, 1.0), step.h, v)
     return Attempt(conditions, chain_moving(conditions, *length_in_motion(system, k, step)), step.h, v)

@@ -30,7 +30,7 @@ from ..equations.rope_at_drum import feels_rope
 from ..line import step_control
 from ..line.backward_euler import FixedSteps, given_steps
 from ..line.moving_drum import Instant
-from ..motion import adaptive_steps, breaks, fallback, fixed_steps, rope_states
+from ..motion import adaptive_steps, breaks, fallback, fixed_steps, rope_states, running_ropes, turning_sheaves
 from ..points import drum_tension, system_room
 from ..rest import compressed_chain, end_tensions
 from ..step.plausibility import note_pressing, note_stiff_and_slack, note_unconverged
@@ -70,6 +70,8 @@ def go_back(system, before):
             state[i] = first[i]
         if system_room.has_drum(system, k):
             state[at.LENGTH], state[at.REELING] = first[at.LENGTH], first[at.REELING]
+    if has_sheaves(system):
+        turning_sheaves.mend(system)
     breaks.go_back(system, before)
 
 
@@ -81,6 +83,8 @@ def move_coarsely(system, step, before):
     """
     h = step * adaptive_steps.work_of(system) / at.COARSE_WORK
     go_back(system, before)
+    if has_sheaves(system):
+        running_ropes.begin_ropes(system)
     method = at.BACKWARD_EULER if fallback.stiff_swing(system, h) > 0.0 else at.SECOND_ORDER
     status = move(system, FixedSteps(h, float(method)), step)
     memory = state_of(system, 0)
@@ -99,7 +103,7 @@ def advance(system, step, before):
         breaks.break_at_ends(system, step)
         return OK
     status = move(system, given_steps(parameters_of(system, 0)), step)
-    if status == STEP_BUDGET_SPENT and not has_sheaves(system) and move_coarsely(system, step, before) == OK:
+    if status == STEP_BUDGET_SPENT and move_coarsely(system, step, before) == OK:
         return OK
     return status
 

@@ -12,7 +12,6 @@ from tetherfmu.runtime.status import (
     OK,
     SHEAVES_THAT_BREAK,
     SHEAVES_WITH_DRUM,
-    SHEAVES_WITH_FIXED_STEP,
     SHEAVES_WITH_STRETCH_RATE,
 )
 
@@ -109,7 +108,7 @@ def take_outputs(system, outputs):
     The plan (modified) says which line a status is about.
     """
     steps, duration = given_steps(parameters_of(system, 0)), state_of(system, 0)[at.LAST_STEP]  # with common iterations
-    most = iteration_limit.of_steps(adaptive_steps.work_of(system), steps, system_room.any_drum(system), duration)
+    most = iteration_limit.of_steps(adaptive_steps.work_of(system), steps, system_room.is_any_sought(system), duration)
     breaking.fit(system)
     status = OK
     for k in range(lines_of(system)):
@@ -215,14 +214,12 @@ def check_sought(system):
 
 @kernel
 def check_ropes(system):
-    """OK, or about a line why a system with lines over sheaves cannot be: a drum, fixed steps, its law, breaking."""
+    """OK, or about a line why a system with lines over sheaves cannot be: a drum, its law, breaking."""
     for k in range(lines_of(system)):
         parameters = parameters_of(system, k)
         system.plan[places.STATUS_LINE] = k
         if follows_force(parameters):
             return SHEAVES_WITH_DRUM
-        if parameters[at.FIXED_STEP] != 0.0:
-            return SHEAVES_WITH_FIXED_STEP
         if is_portion(system, k) and not sees_reeling(parameters):
             return SHEAVES_WITH_STRETCH_RATE
         if is_portion(system, k) and parameters[at.CAN_BREAK] != 0.0:

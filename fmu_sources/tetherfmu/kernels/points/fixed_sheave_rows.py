@@ -1,0 +1,248 @@
+"""Ropes over sheaves in an iteration of a fixed step: what they pull at its end, and how that changes with all that moves.
+
+    T_2 + T_2^2/(2 EA) = R_a of the portion ahead,   T_1 + T_1^2/(2 EA) = - R_b of the one behind,
+    v = (x - x0)/h,   v' = (v - v0)/h,   u' = (u - u0)/h
+
+(`equations/rope_at_sheave.py`). Lines and points are solved for minus the gradient g of Phi, and for minus its change with
+the speed u_s of each sheave,
+
+    A p = -g,   A Z_s = -dg/du_s,   move = p + sum_s (u_s' - u_s) Z_s
+
+so that T_1, T_2 and the angle of wrap change by what p does, kept in the numbers of the sheave, and by a row of slopes by
+the speeds of all sheaves (`sheave_room.slopes_of`). `fixed_sheaves.py` has the equations of the sheaves.
+"""
+
+from tetherfmu.runtime import layout as at
+
+from ..compilation import kernel
+from ..equations import rope_at_sheave as rope
+from ..equations import segment
+from ..equations.boundary import hold_ends
+from ..equations.end_motion import acceleration_at
+from ..equations.lines import (
+    add_at,
+    clear,
+    comes_from,
+    conditions_of,
+    goes_on,
+    lines_of,
+    motion_of,
+    segments_of,
+    sheaves_of,
+)
+from ..equations.properties import property_of
+from ..equations.rope_at_sheave import IN, OUT
+from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, dot, get, put, scale, sub
+from . import sheave_room as at_sheave
+from .sheave_border import pivot_of, row_times, solve_column
+from .sheave_pulls import loss_with, number_of, stiffness_of
+from .sheave_room import (
+    ACCELERATIONS,
+    BORDER,
+    SOLUTIONS,
+    VELOCITIES,
+    array_at,
+    numbers_at,
+    portion_gaining,
+    single_at,
+    slopes_of,
+)
+from .sheave_slopes import close_row, take_row, turn_of
+from .sheaves import tension_in
+from .system_fixed_drums import put_reeling_column
+from .system_room import moves, scratch_of
+
+# --- rows
+
+
+@kernel
+def take_motion(system, k, step):
+    """VELOCITIES and ACCELERATIONS of the nodes of portion k in the iteration (modified)."""
+    conditions, w, (_, v), end = conditions_of(system, k), scratch_of(system, k), motion_of(system, k), step.time + step.h
+    velocities, accelerations = single_at(system, k, VELOCITIES), single_at(system, k, ACCELERATIONS)
+    for i in range(conditions.n + 1):
+        velocity = scale(1.0 / step.h, sub(get(w.x, i), get(w.old, i)))
+        put(velocities, i, velocity)
+        if conditions.first <= i <= conditions.last:
+            put(accelerations, i, scale(1.0 / step.h, sub(velocity, get(v, i))))
+        else:
+            put(accelerations, i, acceleration_at(conditions.kite if i > 0 else conditions.ground, end))
+
+
+@kernel
+def take_pulls(system, k):
+    """PULL, INERTIA and BORDER of portion k in the iteration (modified)."""
+    numbers, w, n, part = numbers_at(system, k), scratch_of(system, k), segments_of(system, k), 1.0
+    velocities, accelerations = single_at(system, k, VELOCITIES), single_at(system, k, ACCELERATIONS)
+    into, out = array_at(system, k, BORDER, IN), array_at(system, k, BORDER, OUT)
+    chain = portion_gaining(system, k, 1.0)
+    own = rope.rope_of(chain)
+    lowest, highest = get(w.x, 0)[2], get(w.x, n)[2]
+    pull_a = rope.of_speed(own, 1.0, numbers[at_sheave.INTO])
+    pull_b = rope.of_speed(own, -1.0, chain.leaving)
+    inertia_aa, inertia_ab, inertia_bb, below_a, below_b = 0.0, 0.0, 0.0, ZERO_VECTOR, ZERO_VECTOR
+    for s in range(n):
+        r, u, next_part = (
+            sub(get(w.x, s + 1), get(w.x, s)),
+            sub(get(velocities, s + 1), get(velocities, s)),
+            part - own.share,
+        )
+        height, c = segment.mean_height(get(w.x, s), get(w.x, s + 1)), rope.flowing(chain, s, part)
+        of_a, of_b = rope.pulls(own, chain, part, c, w.held[s], r, u, height - lowest, height - highest)
+        aa, ab, bb = rope.inertias(own, part, dot(r, r))
+        inertia_aa += aa
+        inertia_ab += ab
+        inertia_bb += bb
+        col = scale(-own.half, r)
+        put(into, s, add_scaled(below_a, part, col))
+        put(out, s, add_scaled(below_b, 1.0 - part, col))
+        below_a, below_b = scale(next_part, col), scale(1.0 - next_part, col)
+        pull_a += of_a + dot(get(into, s), get(accelerations, s))
+        pull_b += of_b + dot(get(out, s), get(accelerations, s))
+        part = next_part
+    put(into, n, below_a)
+    put(out, n, below_b)
+    pull_a += dot(below_a, get(accelerations, n)) - inertia_aa * numbers[at_sheave.INTO_GAIN]
+    pull_b += dot(below_b, get(accelerations, n)) - inertia_ab * numbers[at_sheave.INTO_GAIN]
+    numbers[at_sheave.PULL] = pull_a - inertia_ab * chain.leaving_gain
+    numbers[at_sheave.PULL + 1] = pull_b - inertia_bb * chain.leaving_gain
+    numbers[at_sheave.INERTIA], numbers[at_sheave.INERTIA + 1] = inertia_aa, inertia_ab
+    numbers[at_sheave.INERTIA + 2] = inertia_bb
+
+
+@kernel
+def take_portion(system, k, step):
+    """Pulls and rows of portion k in the iteration (modified)."""
+    w = scratch_of(system, k)
+    take_motion(system, k, step)
+    take_pulls(system, k)
+    nodes = w.x, single_at(system, k, VELOCITIES), w.held
+    if comes_from(system, k):
+        take_row(system, k, IN, 1.0, nodes)
+        close_row(system, k, IN, 1.0, step.h)
+    if goes_on(system, k):
+        take_row(system, k, OUT, 1.0, nodes)
+        close_row(system, k, OUT, 1.0, step.h)
+
+
+# --- columns
+
+
+@kernel
+def put_column(system, k, side, step, column):
+    """-dg/du for the speed u of a sheave beside portion k into an array (modified)."""
+    w, chain, part = scratch_of(system, k), portion_gaining(system, k, 1.0), 1.0
+    velocities, border = single_at(system, k, VELOCITIES), array_at(system, k, BORDER, side)
+    sign = 1.0 if side == IN else -1.0
+    put_reeling_column(system, k, step, column)
+    for i in range(len(column)):
+        column[i] = sign * column[i] + border[i] / step.h
+    for s in range(chain.n):
+        r, u = sub(get(w.x, s + 1), get(w.x, s)), sub(get(velocities, s + 1), get(velocities, s))
+        c = rope.flowing(chain, s, part)
+        of_p, of_q = rope.force_by_rate(chain, s, rope.passing(chain, s, part, side), c, r, u)
+        along = scale(sign * step.h, rope.force_by_length(chain, s, c, r))
+        add_at(column, s, add(of_p, along))
+        add_at(column, s + 1, sub(of_q, along))
+        part -= property_of(chain, s, at.SHARE)
+    hold_ends(conditions_of(system, k), column)
+
+
+@kernel
+def solve_columns(system, step):
+    """Z of all sheaves (modified); the matrices of lines and points are factorized."""
+    for k in range(lines_of(system)):
+        if goes_on(system, k):
+            j = number_of(system, k)
+            for other in range(lines_of(system)):
+                clear(single_at(system, other, SOLUTIONS + j))
+            put_column(system, k, OUT, step, single_at(system, k, SOLUTIONS + j))
+            put_column(system, k + 1, IN, step, single_at(system, k + 1, SOLUTIONS + j))
+            solve_column(system, j, True)
+
+
+@kernel
+def add_columns(system, k):
+    """Add what the changes of all speeds do to the move of line k (modified)."""
+    move = scratch_of(system, k).move
+    for other in range(lines_of(system)):
+        if goes_on(system, other):
+            change = numbers_at(system, other)[at_sheave.CHANGE]
+            if change != 0.0:
+                column = single_at(system, k, SOLUTIONS + number_of(system, other))
+                for i in range(len(move)):
+                    move[i] += change * column[i]
+
+
+# --- tensions and wrap
+
+
+@kernel
+def wrap_times(turns, n, behind, ahead):
+    """Change of an angle of wrap with moves of the nodes of both portions; turns : its slopes by those beside the sheave."""
+    by_1, by_2 = turns
+    return dot(by_1, sub(get(behind, n - 1), get(behind, n))) + dot(by_2, sub(get(ahead, 1), get(ahead, 0)))
+
+
+@kernel
+def rate_of_pull(system, k, side, other, h):
+    """Slope of R_a or R_b of portion k by the rate of its coordinate `other`, if that is a sheave [N s/m]."""
+    is_sheave = comes_from(system, k) if other == IN else goes_on(system, k)
+    return -pivot_of(numbers_at(system, k), side, other, h) if is_sheave else 0.0
+
+
+@kernel
+def take_sheave(system, k, step):
+    """T_1, T_2, E of the sheave at the end of line k in the iteration, and how they change, into its numbers (modified)."""
+    numbers, n, h = numbers_at(system, k), segments_of(system, k), step.h
+    w_1, w_2 = scratch_of(system, k), scratch_of(system, k + 1)
+    stiffness_1, stiffness_2 = stiffness_of(system, k), stiffness_of(system, k + 1)
+    tension_1 = tension_in(stiffness_1, -numbers[at_sheave.PULL + 1])
+    tension_2 = tension_in(stiffness_2, numbers_at(system, k + 1)[at_sheave.PULL])
+    by_1, by_2 = -1.0 / (1.0 + max(tension_1, 0.0) / stiffness_1), 1.0 / (1.0 + max(tension_2, 0.0) / stiffness_2)
+    to_1, to_2 = sub(get(w_1.x, n - 1), get(w_1.x, n)), sub(get(w_2.x, 1), get(w_2.x, 0))
+    turns = turn_of(to_1, to_2), turn_of(to_2, to_1)
+    numbers[at_sheave.TENSION_BEHIND], numbers[at_sheave.TENSION_AHEAD] = tension_1, tension_2
+    numbers[at_sheave.LOSS] = loss_with(system, k, to_1, to_2)
+    numbers[at_sheave.MOVED_BEHIND] = by_1 / h * row_times(system, k, OUT, w_1.move)
+    numbers[at_sheave.MOVED_AHEAD] = by_2 / h * row_times(system, k + 1, IN, w_2.move)
+    numbers[at_sheave.MOVED_WRAP] = wrap_times(turns, n, w_1.move, w_2.move)
+    slopes_1, slopes_2, slopes_wrap = slopes_of(system)
+    row = sheaves_of(system) * number_of(system, k)
+    for other in range(lines_of(system)):
+        if goes_on(system, other):
+            j = row + number_of(system, other)
+            behind, ahead = single_at(system, k, SOLUTIONS + j - row), single_at(system, k + 1, SOLUTIONS + j - row)
+            slopes_1[j] = by_1 / h * row_times(system, k, OUT, behind)
+            slopes_2[j] = by_2 / h * row_times(system, k + 1, IN, ahead)
+            slopes_wrap[j] = wrap_times(turns, n, behind, ahead)
+    own = row + number_of(system, k)
+    slopes_1[own] += by_1 * rate_of_pull(system, k, OUT, OUT, h)
+    slopes_2[own] += by_2 * rate_of_pull(system, k + 1, IN, IN, h)
+    if comes_from(system, k):
+        slopes_1[own - 1] += by_1 * rate_of_pull(system, k, OUT, IN, h)
+    if goes_on(system, k + 1):
+        slopes_2[own + 1] += by_2 * rate_of_pull(system, k + 1, IN, OUT, h)
+
+
+@kernel
+def linearize_sheaves(system, step):
+    """Tensions and angles of wrap at all sheaves in the iteration, and how they change (modified).
+
+    The moves p of all lines without changes of the speeds are known.
+    """
+    for k in range(lines_of(system)):
+        if comes_from(system, k) or goes_on(system, k):
+            take_portion(system, k, step)
+    solve_columns(system, step)
+    for k in range(lines_of(system)):
+        if goes_on(system, k):
+            take_sheave(system, k, step)
+
+
+@kernel
+def add_all_columns(system):
+    """`add_columns` of all lines (modified)."""
+    for k in range(lines_of(system)):
+        if moves(system, k):
+            add_columns(system, k)

@@ -1,0 +1,189 @@
+"""Scenes of ropes over sheaves, for adaptive and for fixed steps, and closed forms of what moves in them."""
+
+import numpy as np
+
+from tetherfmu import Environment, Line, Point, Solver, Tether, TetherSystem
+
+G, DENSITY, DIAMETER = 9.81, 1.0, 0.01  # [m/s2], of the rope [kg/m], [m]
+HEAVY = {"diameter": DIAMETER, "mass_per_length": DENSITY, "axial_stiffness": 1e7, "axial_damping": 1e4}
+LIGHT = {"diameter": DIAMETER, "mass_per_length": 0.2, "axial_stiffness": 1e5, "axial_damping": 100.0}
+STIFF = {"diameter": 0.012, "mass_per_length": 0.57, "axial_stiffness": 1e7, "axial_damping": 1e5}
+ADAPTIVE = Solver()
+
+
+def rope(length, segments=6, drag=0.0, **of_rope):
+    """Rope of a length [m]."""
+    return Tether(segments=segments, initial_length=length, drag_coefficient=drag, **of_rope)
+
+
+class Atwood:
+    """Two masses [kg] on a heavy rope, 10 m on either side of a sheave; closed form of its motion at a time [s]."""
+
+    m1, m2, length = 20.0, 30.0, 10.0
+
+    def __init__(self, sheave_mass):
+        self.sheave_mass = sheave_mass
+        whole = self.m1 + self.m2 + 2.0 * DENSITY * self.length + sheave_mass
+        self.rate, self.first = np.sqrt(2.0 * DENSITY * G / whole), (self.m2 - self.m1) * G / whole
+
+    def system(self, solver=ADAPTIVE):
+        """The system, started."""
+        weights = (mass + 0.5 * DENSITY * self.length for mass in (self.m1, self.m2))
+        low_a, low_b = (-self.length * (1.0 + weight * G / HEAVY["axial_stiffness"]) for weight in weights)  # stretched
+        points = [Point("a", (0.0, 0.0, low_a), mass=self.m1), Point("s", (0.0, 0.0, 0.0))]
+        points.append(Point("b", (0.0, 0.0, low_b), mass=self.m2))
+        sheave = {"through": ["s"], "initial_portions": [self.length] * 2, "sheave_mass": self.sheave_mass}
+        system = TetherSystem(points, [Line("rope", "a", "b", rope(20.0, 10, **HEAVY), **sheave)], solver=solver)
+        system.initialize()
+        return system
+
+    def payout(self, time):
+        """Rope that has passed [m]."""
+        return self.first / self.rate**2 * (np.cosh(self.rate * time) - 1.0)
+
+    def speed(self, time):
+        """Its rate [m/s]."""
+        return self.first / self.rate * np.sinh(self.rate * time)
+
+    def tensions(self, time):
+        """Tensions on both sides of the sheave [N]."""
+        gained, payout = self.first * np.cosh(self.rate * time), self.payout(time)
+        behind = (self.m1 + DENSITY * (self.length - payout)) * (G + gained)
+        return behind, (self.m2 + DENSITY * (self.length + payout)) * (G - gained)
+
+
+def corner(load, friction=0.0, efficiency=1.0, solver=ADAPTIVE):
+    """A rope around a right angle without gravity, drawn at with 100 N at its start and with a load [N] at its end."""
+    points = [
+        Point("a", (-5.0 * (1.0 + 100.0 / 1e5), 0.0, 0.0), mass=10.0),
+        Point("s", (0.0, 0.0, 0.0)),
+        Point("b", (0.0, 0.0, -5.0 * (1.0 + load / 1e5)), mass=10.0),
+    ]
+    sheave = {"sheave_friction": friction, "sheave_efficiency": efficiency, "initial_portions": [5.0, 5.0]}
+    lines = [Line("rope", "a", "b", rope(10.0, **LIGHT), through=["s"], **sheave)]
+    system = TetherSystem(points, lines, Environment(gravity=0.0), solver)
+    system.initialize(loads={"a": (-100.0, 0.0, 0.0), "b": (0.0, 0.0, -load)})
+    return system
+
+
+def slips_at(solver=ADAPTIVE):
+    """Load [N] at which the rope of a `corner` with friction 0.3 first runs, while it grows by 0.1 N each 50 ms."""
+    ratio = np.exp(0.3 * np.pi / 2.0)
+    system = corner(100.0 * (ratio - 0.02), friction=0.3, solver=solver)
+    for k in range(60):
+        load = 100.0 * (ratio - 0.02 + 0.001 * k)
+        if system.step(0.05, loads={"b": (0.0, 0.0, -load)}).portions["rope"].payout[0] != 0.0:
+            return load
+    return None
+
+
+def flown_held(through, solver=ADAPTIVE):
+    """Nodes and forces of a mass between two points, in wind, with a winch; on one line over a sheave, or on two."""
+    points = [Point("a", (-7.0, 0.0, 0.0)), Point("s", mass=40.0), Point("b", (7.0, 0.0, 0.3))]
+    of_rope = {**LIGHT, "axial_damping": 300.0, "drag": 1.0}
+    if through:
+        sheave = {"through": ["s"], "initial_portions": [10.0, 10.0], "sheave_friction": 5.0}
+        lines = [Line("one", "a", "b", rope(20.0, **of_rope), **sheave)]
+    else:
+        lines = [Line("one", "a", "s", rope(10.0, **of_rope)), Line("two", "s", "b", rope(10.0, **of_rope))]
+    system = TetherSystem(points, lines, solver=solver)
+    system.initialize((8.0, 1.0, 0.0))
+    found = []
+    for k in range(50):
+        load, speed = (10.0 * np.sin(0.1 * k), 5.0, 0.0), 0.3 * np.sin(0.05 * k)
+        moved = {"positions": {"b": (7.0 + 0.002 * k, 0.0, 0.3)}, "velocities": {"b": (0.1, 0.0, 0.0)}}
+        outputs = system.step(0.02, **moved, loads={"s": load}, reel_out_speeds={"one": speed})
+        nodes = list(system.positions.values())
+        nodes = nodes[0] if through else np.vstack([nodes[0], nodes[1][1:]])
+        found.append(np.concatenate([nodes.ravel(), *(outputs.points[name].force for name in "asb")]))
+    return np.array(found)
+
+
+def hanging_pulley(solver=ADAPTIVE):
+    """A pulley of 50 kg that hangs in equilibrium in a rope of almost no weight: the system, and its first outputs."""
+    of_rope = {"diameter": 0.005, "mass_per_length": 1e-4, "axial_stiffness": 1e6, "axial_damping": 1e3}
+    points = [Point("a", (0.0, 0.0, 0.0)), Point("pulley", mass=50.0), Point("b", (8.0, 0.0, 1.0))]
+    line = Line("rope", "a", "b", rope(12.0, 4, **of_rope), through=["pulley"])
+    system = TetherSystem(points, [line], solver=solver)
+    return system, system.initialize()
+
+
+def hoisted(falls, solver=ADAPTIVE):
+    """A block of 2 t on 2 or 4 falls of 20 m that a winch hauls in for 3 s: first and last outputs, speeds."""
+    points = [Point("winch", (0.0, 0.0, 30.0)), Point("anchor", (1.0, 0.0, 30.0)), Point("block", mass=2000.0)]
+    through = ["block"]
+    if falls == 4:
+        points.append(Point("crown", (0.5, 0.0, 30.0)))
+        through = ["block", "crown", "block"]
+    line = Line("hoist", "winch", "anchor", rope(20.0 * falls, **STIFF), through=through)
+    system = TetherSystem(points, [line], solver=solver)
+    start = system.initialize()
+    for k in range(150):
+        outputs = system.step(0.02, reel_out_speeds={"hoist": -0.5 * min(1.0, 0.02 * k)})
+    return start, outputs
+
+
+def block_system(solver=ADAPTIVE):
+    """Two masses, of which the heavier one draws the rope over a sheave until the portion of the other one is at its end."""
+    points = [Point("a", (0.0, 0.0, -1.0), mass=20.0), Point("s", (0.0, 0.0, 0.0)), Point("b", (0.0, 0.0, -4.0), mass=60.0)]
+    tether = rope(5.0, 5, **LIGHT, slack_damping_ratio=0.1)
+    line = Line("rope", "a", "b", tether, through=["s"], initial_portions=[1.0, 4.0])
+    system = TetherSystem(points, [line], solver=solver)
+    system.initialize()
+    return system
+
+
+def moving(velocity, solver=ADAPTIVE):
+    """Tensions and lengths of a rope over a hanging pulley with friction, seen from a frame of this velocity [m/s]."""
+    velocity = np.array(velocity)
+    ends = {"a": np.array((-6.0, 0.0, 0.0)), "b": np.array((7.0, 0.0, 1.0))}
+    points = [Point(name, place, velocity) for name, place in ends.items()]
+    points.append(Point("pulley", velocity=velocity, mass=40.0))
+    line = Line("rope", "a", "b", rope(20.0, 5, **LIGHT), through=["pulley"], sheave_mass=0.5, sheave_friction=0.01)
+    system = TetherSystem(points, [line], solver=solver)
+    system.initialize()
+    found = []
+    for k in range(50):
+        places = {name: place + 0.02 * k * velocity for name, place in ends.items()}
+        own = system.step(0.02, places, reel_out_speeds={"rope": 0.5 * np.sin(0.1 * k)}).portions["rope"]
+        found.append(np.concatenate([own.tension_from, own.tension_to, own.length, own.speed]))
+    return np.array(found)
+
+
+def energy_from_nowhere(step, sheave_mass, reel, solver):
+    """Energy from nowhere [J] in 1 s of a rope over a driven sheave, whose one end hangs, and what was exchanged [J]."""
+    points = [Point("a", (-6.0, 0.0, 0.0)), Point("s", (0.0, 0.0, 4.0)), Point("b", (2.0, 0.0, -6.0), mass=10.0)]
+    of_rope = {"diameter": DIAMETER, "mass_per_length": 0.3, "axial_stiffness": 2e4, "axial_damping": 200.0, "drag": 1.0}
+    sheave = {"initial_portions": [7.5, 12.5], "sheave_mass": sheave_mass}
+    line = Line("rope", "a", "b", rope(20.0, 5, **of_rope), through=["s"], **sheave)
+    system = TetherSystem(points, [line], solver=solver)
+    system.initialize()
+    before, total = system.energy(), 0.0
+    first = before.total
+    for k in range(round(1.0 / step)):
+        system.step(step, reel_out_speeds={"rope": reel * (1.0 - np.cos(3.0 * k * step))})
+        after = system.energy()
+        total += 0.5 * step * (before.power + after.power)
+        before = after
+    return after.total - first - total, abs(after.total - first)
+
+
+def reeved(solver=ADAPTIVE):
+    """Nodes, payouts and tensions after 1 s of a load on two falls, which is pushed and hauled in, without jumps.
+
+    The rope runs from its winch over a heavy sheave, which is driven, and over that of the load.
+    """
+    soft = {"diameter": DIAMETER, "mass_per_length": 0.3, "axial_stiffness": 2e4, "axial_damping": 400.0}
+    points = [Point("winch", (-8.0, 0.0, 0.0)), Point("head", (0.0, 0.0, 6.0)), Point("load", mass=60.0)]
+    points.append(Point("anchor", (3.0, 0.0, 6.0)))
+    line = Line("rope", "winch", "anchor", rope(28.0, 4, **soft, drag=1.0), through=["head", "load"], sheave_mass=[8.0, 1.0])
+    system = TetherSystem(points, [line], solver=solver)
+    system.initialize((8.0, 1.0, 0.0))
+    for time in 0.02 * np.arange(50):
+        more = time**3 / (1.0 + time * time)  # begins without velocity and acceleration
+        loads, speeds = {"load": (30.0 * more, 40.0 * more, 0.0)}, {"rope": -0.8 * more}
+        outputs = system.step(0.02, reel_out_speeds=speeds, loads=loads)
+    found = outputs.portions["rope"]
+    return np.concatenate([*map(np.ravel, system.positions.values()), found.payout]), np.concatenate(
+        [found.tension_from, found.tension_to]
+    )

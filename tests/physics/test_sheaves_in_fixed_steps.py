@@ -1,0 +1,277 @@
+"""Lines over sheaves in systems with a `fixed_step`; scenes and formulas are those of `test_sheaves.py`.
+
+closed forms      Atwood's machine, capstan, efficiency, falls, hanging pulley: they hold as with adaptive steps
+held              a line that friction holds is two lines, bit for bit
+orders            2 and 1 to the adaptive solution
+stops             a portion stops before its segments get shorter than they may
+random ropes      agree with the adaptive solution, converge to it, and their work is bounded
+"""
+
+import numpy as np
+import pytest
+
+from over_sheaves import (
+    STIFF,
+    Atwood,
+    G,
+    block_system,
+    corner,
+    energy_from_nowhere,
+    flown_held,
+    hanging_pulley,
+    hoisted,
+    moving,
+    reeved,
+    rope,
+    slips_at,
+)
+from random_sheaves import random_ropes, started, told
+from tetherfmu import Line, Point, Solver, StepRefused, Tether, TetherSystem, Winch
+
+pytestmark = pytest.mark.filterwarnings("ignore::tetherfmu.PlausibilityWarning")
+METHODS = ("second_order", "backward_euler")
+
+
+def fixed(step, method):
+    return Solver(fixed_step=step, fixed_step_method=method)
+
+
+# --- closed forms
+
+
+@pytest.mark.parametrize("sheave_mass", [0.0, 5.0])
+def test_atwood_by_second_order(sheave_mass):
+    """As `test_sheaves.test_atwood`: waves along the rope are left."""
+    atwood = Atwood(sheave_mass)
+    system = atwood.system(fixed(0.01, "second_order"))
+    for k in range(100):
+        found, time = system.step(0.02).portions["rope"], 0.02 * (k + 1)
+        assert found.payout[0] == pytest.approx(atwood.payout(time), abs=2e-4)
+        if time > 0.5:
+            assert (found.tension_to[0], found.tension_from[1]) == pytest.approx(atwood.tensions(time), abs=0.05)
+    assert system.counters["rejections"] == 0
+
+
+def test_atwood_by_backward_euler():
+    """The error of the payout and of the tensions at 2 s falls with the step."""
+    atwood, errors = Atwood(5.0), []
+    for step in (0.02, 0.01, 0.005):
+        system = atwood.system(fixed(step, "backward_euler"))
+        for _ in range(100):
+            found = system.step(0.02).portions["rope"]
+        behind, ahead = atwood.tensions(2.0)
+        errors.append([found.payout[0] - atwood.payout(2.0), found.tension_to[0] - behind, found.tension_from[1] - ahead])
+    slopes = np.log2(np.abs(errors[:-1]) / np.abs(errors[1:]))
+    assert slopes == pytest.approx(np.ones((2, 3)), abs=0.05)
+    assert abs(errors[-1][0]) < 0.02
+
+
+@pytest.mark.parametrize("part", [0.99, 1.01])
+@pytest.mark.parametrize("method", METHODS)
+def test_capstan(method, part):
+    """The ratio to 1e-12, of rounding; below the onset nothing moves."""
+    ratio = np.exp(0.3 * np.pi / 2.0)
+    system = corner(100.0 * ratio * part, friction=0.3, solver=fixed(0.01, method))
+    for _ in range(50):
+        found = system.step(0.02).portions["rope"]
+    if part < 1.0:
+        assert found.payout[0] == 0.0
+        assert system.counters["rejections"] == 0
+    else:
+        moving_rope = 0.2 * found.speed[0] ** 2
+        assert found.speed[0] > 0.01
+        assert (found.tension_from[1] - moving_rope) / (found.tension_to[0] - moving_rope) == pytest.approx(ratio, rel=1e-12)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_the_onset(method):
+    """It slips within the communication step in which the load gets greater than friction holds."""
+    assert slips_at(fixed(0.01, method)) == pytest.approx(100.0 * np.exp(0.3 * np.pi / 2.0), abs=0.15)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_efficiency(method):
+    system = corner(120.0, efficiency=0.95, solver=fixed(0.01, method))
+    for _ in range(50):
+        found = system.step(0.02).portions["rope"]
+    moving_rope = 0.2 * found.speed[0] ** 2
+    assert (found.tension_to[0] - moving_rope) / (found.tension_from[1] - moving_rope) == pytest.approx(0.95, rel=1e-12)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_hanging_pulley_stays(method):
+    system, start = hanging_pulley(fixed(0.01, method))
+    for _ in range(20):
+        outputs = system.step(0.05)
+    assert np.abs(outputs.points["pulley"].position - start.points["pulley"].position).max() < 1e-6  # of rounding, times EA
+
+
+@pytest.mark.parametrize("falls", [2, 4])
+@pytest.mark.parametrize("method", METHODS)
+def test_falls(method, falls):
+    """The block rises by 1/n of the rope, each fall carries 1/n of it: within 0.1 % and the weight of the rope."""
+    start, outputs = hoisted(falls, fixed(0.01, method))
+    paid, share = 20.0 * falls - outputs.lines["hoist"].tether_length, 2000.0 * G / falls
+    risen = outputs.points["block"].position[2] - start.points["block"].position[2]
+    assert paid == pytest.approx(1.255, abs=0.01)
+    assert risen == pytest.approx(paid / falls * (1.0 + share / 1e7), rel=1e-3, abs=5e-4)
+    weight = STIFF["mass_per_length"] * G * 20.0
+    assert outputs.portions["hoist"].tension_to == pytest.approx([share] * falls, rel=1e-3, abs=1.1 * weight)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_moving_frame(method):
+    still, seen = (moving(velocity, fixed(0.01, method)) for velocity in ((0.0, 0.0, 0.0), (3.0, -2.0, 1.0)))
+    assert np.abs(still[:, -1]).max() > 0.1
+    assert np.abs(seen - still).max() < 1e-3  # of 300 N; where iterations end
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_line_that_is_held_is_two_lines(method):
+    solver = fixed(0.01, method)
+    assert np.array_equal(flown_held(True, solver), flown_held(False, solver))
+
+
+# --- winches
+
+
+@pytest.mark.parametrize("control", ["speed", "length"])
+@pytest.mark.parametrize("method", METHODS)
+def test_a_winch_pays_out_the_whole_line(method, control):
+    points = [Point("winch", (0.0, 0.0, 30.0)), Point("anchor", (1.0, 0.0, 30.0)), Point("block", mass=2000.0)]
+    winch, sheave = Winch(winch_control=control), {"through": ["block"], "sheave_friction": 0.02}
+    line = Line("hoist", "winch", "anchor", rope(40.0, **STIFF), winch=winch, **sheave)
+    system = TetherSystem(points, [line], solver=fixed(0.01, method))
+    system.initialize(winch_lengths={"hoist": 40.0} if control == "length" else None)
+    name = "winch_lengths" if control == "length" else "reel_out_speeds"
+    for k in range(100):
+        time = 0.02 * k
+        value = 40.0 - 0.1 * time**2 if control == "length" else -0.2 * time
+        outputs = system.step(0.02, **{name: {"hoist": value}})
+    assert outputs.lines["hoist"].tether_length == pytest.approx(40.0 - 0.1 * 2.0**2, abs=1e-3)
+    assert outputs.portions["hoist"].length.sum() == pytest.approx(outputs.lines["hoist"].tether_length, abs=1e-12)
+
+
+# --- orders
+
+
+def test_orders():
+    """Slopes over 20, 10 and 5 ms to the adaptive solver at 1e-9, of nodes and payouts, and of tensions."""
+    exact, steps = reeved(Solver(relative_tolerance=1e-9)), np.array((0.02, 0.01, 0.005))
+    for method, order, largest in (("second_order", 2.0, (1e-5, 0.02)), ("backward_euler", 1.0, (2e-3, 1.0))):
+        flown = [reeved(fixed(h, method)) for h in steps]
+        for k in range(2):
+            errors = [np.abs(each[k] - exact[k]).max() for each in flown]
+            assert errors[0] < largest[k]
+            assert np.polyfit(np.log(steps), np.log(errors), 1)[0] == pytest.approx(order, abs=0.05)
+
+
+def test_energy():
+    """What is lost falls at least with the step, as a damped rope that turns has it, and no energy comes from nowhere."""
+    (coarse, size), (fine, _) = (energy_from_nowhere(h, 5.0, 0.5, fixed(h, "second_order")) for h in (0.01, 0.005))
+    assert 1.9 < coarse / fine < 4.2
+    assert -0.005 * size < fine < 0.0
+
+
+# --- events
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_portion_stops_before_it_vanishes(method):
+    """Five segments of 1 cm are left; until then it moves as with adaptive steps."""
+    system, adaptive = block_system(fixed(0.002, method)), block_system()
+    found = [system.step(0.02).portions["rope"] for _ in range(60)]
+    other = [adaptive.step(0.02).portions["rope"].length[0] for _ in range(30)]
+    assert min(each.length[0] for each in found) == pytest.approx(0.05, rel=1e-6)
+    assert max(each.speed[0] for each in found) > 2.0
+    assert [each.length[0] for each in found[:30]] == pytest.approx(other, abs=0.01)
+
+
+def test_where_a_sheave_begins_to_run_a_step_is_one_of_backward_euler():
+    system = corner(180.0, friction=0.3, solver=fixed(0.01, "second_order"))
+    for _ in range(20):
+        outputs = system.step(0.01)
+    assert 1 <= system.counters["rejections"] <= 4
+    assert outputs.portions["rope"].speed[0] > 0.1
+
+
+# --- random ropes
+
+
+def flown(network, solver, step, count):
+    """Payouts of all sheaves [m] after so many steps [s], and the system."""
+    system = started(network, solver)
+    for k in range(count):
+        outputs = system.step(step, **told(network, step * k))
+    return np.concatenate([each.payout for each in outputs.portions.values()]), system
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_random_ropes_agree_with_adaptive_steps(method):
+    """Median over 24 scenes of 0.5 s, of payouts of some dm: 0.3 and 7 mm at 5 ms, a half or less at 2.5 ms."""
+    errors = []
+    for seed in range(24):
+        network = random_ropes(np.random.default_rng((10, seed)), is_wild=False)
+        exact, _ = flown(network, Solver(relative_tolerance=1e-7), 0.01, 50)
+        errors.append([np.abs(flown(network, fixed(h, method), 0.01, 50)[0] - exact).max() for h in (0.005, 0.0025)])
+    coarse, fine = np.median(errors, axis=0)
+    assert coarse < (1e-3 if method == "second_order" else 0.015)
+    assert fine < 0.6 * coarse
+
+
+@pytest.mark.parametrize("seeds", [range(50), range(50, 100)])
+@pytest.mark.parametrize("method", METHODS)
+def test_wild_ropes_are_bounded(method, seeds):
+    """Stiff, slack, undamped, light: all that starts goes on, all numbers are finite, the work is bounded."""
+    flights = 0
+    for seed in seeds:
+        rng = np.random.default_rng((9, seed))
+        network, h = random_ropes(rng, is_wild=True), float(rng.choice((0.002, 0.01, 0.05)))
+        try:
+            system = started(network, fixed(h, method))
+        except StepRefused:  # no lengths of the portions are found
+            continue
+        flights += 1
+        for k in range(20):
+            before = system.counters["iterations"]
+            outputs = system.step(h, **told(network, h * k))
+            limit = next(iter(outputs.lines.values())).solver_iteration_limit
+            assert system.counters["iterations"] - before <= limit == system.most_factorizations
+        assert all(np.isfinite(each).all() for each in system.positions.values())
+        for line in network[1]:
+            if line.through:
+                assert outputs.portions[line.name].length.min() > 0.0099 * line.tether.segments
+    assert flights > 40
+
+
+# --- states, steps that are given up
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_state_goes_on_bit_for_bit(method):
+    system = corner(180.0, friction=0.3, solver=fixed(0.005, method))
+    for _ in range(10):
+        system.step(0.02)
+    state = system.get_state()
+    first = [system.step(0.02).portions["rope"].tension_to[0] for _ in range(5)]
+    system.set_state(state)
+    assert [system.step(0.02).portions["rope"].tension_to[0] for _ in range(5)] == first
+    before = system.get_state()
+    with pytest.raises(StepRefused, match=r"loads|load"):
+        system.step(0.02, loads={"b": (np.nan, 0.0, 0.0)})
+    assert np.array_equal(system.get_state(), before)
+
+
+def test_a_step_that_is_given_up_is_done_with_fixed_steps():
+    """8 s in one step, of a stiff rope without damping between masses that almost balance."""
+    places = {"a": (20.0, -10.0), "b": (20.1, -10.0)}
+    points = [Point(name, (0.0, 0.0, z), mass=mass) for name, (mass, z) in places.items()]
+    points.append(Point("s", (0.0, 0.0, 0.0)))
+    light = {"diameter": 0.002, "mass_per_length": 1e-3, "axial_stiffness": 1e5, "axial_damping": 0.0}
+    tether = Tether(segments=20, initial_length=22.0, drag_coefficient=0.0, **light)
+    system = TetherSystem(points, [Line("rope", "a", "b", tether, through=["s"], initial_portions=[11.0, 11.0])])
+    system.initialize()
+    outputs = system.step(8.0)
+    assert any("it was done with fixed steps" in each for each in system.implausible)
+    assert outputs.portions["rope"].length.sum() == pytest.approx(22.0, abs=1e-12)
+    assert np.isfinite(outputs.portions["rope"].payout[0])
