@@ -127,7 +127,6 @@ def test_the_parameters_of_sheaves_count(folder, native):
 def test_what_is_refused_is_named(folder, native):
     for wrong, said in {
         "rope.sheave_efficiency[1]": (2.0, "rope.sheave_efficiency"),
-        "rope.winch_control": (2, "winch_control is 2"),
         "rope.breaking_force": (1e5, "breaking_force is given for a line over sheaves"),
     }.items():
         value, sentence = said

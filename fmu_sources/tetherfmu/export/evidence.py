@@ -311,14 +311,10 @@ _SYSTEM_TOLERANCE, _SYSTEM_REFERENCE = 1e-6, 1e-8  # at the default a short stif
 _MEAN, _GUSTS, _RISES, _RATE = 4.0, 1.0, 3.0, 0.7  # [m/s], [m/s], [s], [rad/s]
 _AMPLITUDE = 0.01  # of the driven points, in the mean length of the lines [-]
 _PAID_OUT = 2e-4  # of the length of a line, in a second [1/s]
+_LIFT = 0.01  # of the force of a winch that holds several lines [-]
 # arguments of `TetherSystem.step`, and the inputs of points and lines that they are
-KINDS = {
-    "positions": "position",
-    "velocities": "velocity",
-    "reel_out_speeds": "reel_out_speed",
-    "winch_lengths": "winch_length",
-    "wind_at": "wind_at",
-}
+KINDS = {"positions": "position", "velocities": "velocity", "reel_out_speeds": "reel_out_speed"}
+KINDS |= {"winch_lengths": "winch_length", "winch_forces": "winch_force", "wind_at": "wind_at"}
 _TENSIONS = {"tension_from": "ground_tension", "tension_to": "kite_tension", "tether_length": "tether_length"}
 
 
@@ -337,16 +333,14 @@ def of_system(system, wind_points=0):
     turns += [f"{winch.name}.{winch.input}" for winch in system.winches]
     winds = [f"{line}.{name}" for line, count in lines.items() for name in wind_at_names(count)]
     forces = {each.name: f"{each.name}.{'force' if each.is_driven else 'position'}" for each in system.points}
+    of_points = (name for vector in forces.values() for name in components(vector, 3))
     at = partial(inputs_of_system, system=system)
     return EvidenceSet(
         kind="",
         model=model,
         scene=[with_wind_at(rounded(at(k * STEP)), wind_points, lines) for k in range(_SYSTEM_STEPS + 1)],
         inputs=(*moves, *turns, *components("wind_velocity", 3), *winds),
-        outputs=(
-            *(name for vector in forces.values() for name in components(vector, 3)),
-            *(f"{line}.{what}" for line in lines for what in _TENSIONS),
-        ),
+        outputs=(*of_points, *(f"{line}.{what}" for line in lines for what in _TENSIONS)),
         given=_named,
         found=partial(_found_in_system, forces),
         tolerance=_SYSTEM_TOLERANCE,
@@ -369,12 +363,13 @@ def inputs_of_system(time, system):
     speed = length * (rate * sin(_RATE * time) + share * _RATE * cos(_RATE * time))
     driven = {point.name: point.position for point in system.points if point.is_driven}
     speeds = {line.name: share * _PAID_OUT * line.tether.initial_length for line in lines_alone(system)}
-    winches = {name: [each for each in system.winches if each.input == name] for name in ("reel_out_speed", "winch_length")}
+    winches = {name: [each for each in system.winches if each.input == name] for name in KINDS.values()}
     return {
         "positions": {name: (x, y + sway, z) for name, (x, y, z) in driven.items()},
         "velocities": dict.fromkeys(driven, (0.0, speed, 0.0)),
         "reel_out_speeds": speeds | {each.name: share * _PAID_OUT * mean for each in winches["reel_out_speed"]},
         "winch_lengths": {each.name: integral * _PAID_OUT * mean for each in winches["winch_length"]},
+        "winch_forces": {each.name: each.winch_force * (1.0 + _LIFT * share) for each in winches["winch_force"]},
         "wind_velocity": (_MEAN * share, _GUSTS * share * sin(_RATE * time), 0.0),
     }
 
