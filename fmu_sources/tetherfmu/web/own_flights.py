@@ -22,20 +22,18 @@ class Pointer:
     response_time: float = quantity(1.5, "s", "in which the kite comes to the pointer, about", 0.1, 60.0)
 
 
+STEERING = {
+    "by_hand": "a person",
+    "figures_of_eight": "a controller, figures of eight at constant reel-out speed",
+    "pumping_cycles": "a controller, pumping cycles",
+}
+
+
 @dataclass(frozen=True)
 class FreeFlight:
     """The kite flies free: the tether moves it under lift and drag of a soft wing, which a person or a controller steers."""
 
-    autopilot: int = quantity(
-        2,
-        "",
-        "who steers",
-        choices={
-            "by_hand": "a person",
-            "figures_of_eight": "a controller, figures of eight at constant reel-out speed",
-            "pumping_cycles": "a controller, pumping cycles",
-        },
-    )
+    autopilot: int = quantity(2, "", "who steers", choices=STEERING)
     initial_elevation: float = quantity(radians(30.0), "rad", "of the kite at the start", 0.0, 1.5, display=DEGREES)
 
 
