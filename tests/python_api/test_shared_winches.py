@@ -2,11 +2,12 @@
 
 import copy
 import pickle
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from tetherfmu import Line, Point, SharedWinch, StepRefused, Tether, TetherSystem, Winch
+from tetherfmu import Line, Point, SharedWinch, Solver, StepRefused, Tether, TetherSystem, Winch
 
 STEP = 0.02
 TAPE = Tether(segments=3, initial_length=10.0)
@@ -102,8 +103,8 @@ def test_a_start_speed_and_a_winch_of_one_line():
 
 WRONG = {
     "an unknown control": (
-        lambda: SharedWinch("drum", {"a": 1}, control="force"),
-        r"drum\.control is 'force'; it must be 'speed' or 'length'",
+        lambda: SharedWinch("drum", {"a": 1}, control="torque"),
+        r"drum\.control is 'torque'; it must be 'speed' or 'force' or 'length'",
     ),
     "no lines": (lambda: SharedWinch("drum", {}), r"drum\.lines is \{\}; it must have names of lines"),
     "a ratio of 0": (
@@ -114,6 +115,19 @@ WRONG = {
     "a speed without effect": (
         lambda: SharedWinch("drum", {"a": 1}, "length", 0.5),
         r"drum\.reel_out_speed is 0\.5 and has no effect: control is 'length'",
+    ),
+    "a mass without effect": (
+        lambda: SharedWinch("drum", {"a": 1}, winch_mass=2.0),
+        r"drum\.winch_mass is 2\.0 and has no effect: control is 'speed'",
+    ),
+    "a start speed without effect": (
+        lambda: SharedWinch("drum", {"a": 1}, "force", reel_out_speed=1.0),
+        r"drum\.reel_out_speed is 1\.0 and has no effect: control is 'force'",
+    ),
+    "a mass below 0": (lambda: SharedWinch("drum", {"a": 1}, "force", winch_mass=-1.0), r"drum\.winch_mass is -1\.0"),
+    "a force that is none": (
+        lambda: SharedWinch("drum", {"a": 1}, "force", winch_force=np.inf),
+        r"drum\.winch_force is inf",
     ),
     "a speed that is none": (lambda: SharedWinch("drum", {"a": 1}, "speed", np.nan), r"drum\.reel_out_speed is nan"),
     "a wrong name": (lambda: SharedWinch("a drum", {"a": 1}), "the name of a winch is 'a drum'"),
@@ -128,6 +142,10 @@ FITTING = {
     "other controls": (
         [SharedWinch("one", {"a": 1}), SharedWinch("two", {"a": 1, "b": 1}, "length")],
         r"the line a is held by winches with different controls, one \(speed\), two \(length\)",
+    ),
+    "force and speed": (
+        [SharedWinch("one", {"a": 1}, "force"), SharedWinch("two", {"a": 1, "b": 1})],
+        r"the line a is held by winches with different controls, one \(force\), two \(speed\)",
     ),
     "the same ratios": (
         [SharedWinch("one", {"a": 1, "b": 2}), SharedWinch("two", {"a": 2, "b": 4})],
@@ -148,6 +166,33 @@ def test_winches_that_do_not_fit_are_refused(case):
     winches, said = FITTING[case]
     with pytest.raises(ValueError, match=said):
         TetherSystem(POINTS, lines_with(), winches=winches)
+
+
+@pytest.mark.parametrize(
+    ("more", "solver", "said"),
+    [
+        ({"damping_law": "stretch_rate"}, {}, r"a\.damping_law is stretch_rate, and drum holds it by force"),
+        ({"breaking_force": 1e4}, {}, r"a\.breaking_force is 10000\.0, and drum holds it by force; it must be 0"),
+        ({}, {"fixed_step": 0.01}, r"fixed_step is 0\.01 s, and the winch drum holds lines by force; it must be 0"),
+    ],
+)
+def test_what_a_winch_cannot_do_by_force(more, solver, said):
+    lines = [replace(line, tether=replace(TAPE, **more)) for line in lines_with()]
+    with pytest.raises(ValueError, match=said):
+        TetherSystem(POINTS, lines, solver=Solver(**solver), winches=[SharedWinch("drum", {"a": 1.0}, "force")])
+
+
+def test_inputs_of_a_winch_by_force_that_cannot_be():
+    """A drum without mass cannot push at lines that it only pays out; nor can its lines let go."""
+    system = TetherSystem(POINTS, lines_with(), winches=[SharedWinch("drum", {"a": 1.0}, "force", winch_force=50.0)])
+    system.initialize(loads={"right": (0.0, 0.0, 300.0)})
+    with pytest.raises(StepRefused, match=r"the line a: .*winch_force"):
+        system.step(STEP, winch_forces={"drum": -100.0})
+    with pytest.raises(StepRefused, match="the line a: release is true for a line over sheaves, or with force control"):
+        system.step(STEP, releases={"a": True})
+    with pytest.raises(ValueError, match="there is no winch_force of a line or a winch with the name 'a'"):
+        system.step(STEP, winch_forces={"a": 1.0})
+    system.step(STEP)
 
 
 def test_a_line_has_no_other_winch():

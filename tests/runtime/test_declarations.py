@@ -37,8 +37,10 @@ def test_each_scalar_of_the_parameters_has_a_place_of_its_own():
     declared = [each.name.upper() for each in PARAMETERS if hasattr(layout, each.name.upper())]
     others = ["GROUND_IS_FREE", "KITE_IS_FREE", "CALM_LAYER", "WIND_POINTS", "TORN_NOW", "CAN_BREAK"]
     others += [f"WHOLE_{what}" for what in ("STIFFNESS", "DAMPING", "DRAG_WIDTH", "CONTROL")]
-    others += ["IS_PORTION", "GIVEN_PORTION", "SHEAVE_MASS", "SHEAVE_FRICTION", "SHEAVE_EFFICIENCY"]
+    others += ["IS_PORTION", "GIVEN_PORTION", "SHEAVE_MASS", "SHEAVE_FRICTION", "SHEAVE_EFFICIENCY", "PULLS_BACK"]
     places = [getattr(layout, name) for name in (*declared, *others)]
+    for first in (layout.HELD_BY, layout.HELD_RATIO):
+        places += range(first, first + layout.MOST_HOLDERS)
     assert sorted(places) == list(range(layout.PARAMETER_SCALARS))
     taken = {name.upper() for name in (*inputs.PLACES, *outputs.PLACES)} | written_in(layout)
     assert not set(declared) & taken

@@ -6,7 +6,7 @@ from pathlib import Path
 from ..runtime import layout, refusals, saved_state, status
 from ..runtime.instance import Instance, zeros
 from ..runtime.kernel_library import load
-from ..runtime.packing import pack_lines, put_sheaves
+from ..runtime.packing import pack_lines, put_holders, put_sheaves
 from ..runtime.parameters import DEFAULT_TOLERANCE
 from ..runtime.plan_layout import DRIVEN
 from ..runtime.quantities import NOT_WHOLE, checked, is_beyond
@@ -146,6 +146,7 @@ class TetherSlave(BaseSlave):
         sought = [(place, int(values[reference] == layout.START_AT_REST)) for place, reference in wiring.starts]
         counts, parameters = pack_lines(self._instance.kernels, lines, tolerance, int(self._kite_is_free))
         put_sheaves(counts, parameters, [_sheave(row, values) for row in wiring.sheaves or [(0,)] * len(counts)])
+        put_holders(counts, parameters, wiring.holders)
         return counts, parameters, sought
 
     def _set_up(self, packed):

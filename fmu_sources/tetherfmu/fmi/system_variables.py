@@ -46,15 +46,17 @@ MEANINGS = {
     "tension_from": "tension of the first segment, at {}; with winch_control = force where the line leaves the winch",
     "tension_to": "tension of the last segment, at {}",
 }
+OF_A_DRUM = ("winch_mass", "winch_damping", "winch_friction")  # parameters of shared winches that are controlled by force
 TOLD = {  # inputs of shared winches
     "reel_out_speed": "speed at which {} pays out a line with the ratio 1; positive pays out",
     "winch_length": "length of a line with the ratio 1 that {} is to pay out from the start",
+    "winch_force": "force with which {} pulls at its lines: sum of their tensions times their ratios; positive reels in",
 }
 TURNED = {  # their outputs: the output of a tether that they are made of
     "winch_speed": ("winch_speed", "reel-out speed of a line with the ratio 1"),
     "payout": ("tether_length", "length of a line with the ratio 1 that it has paid out since the start"),
 }
-PARTING = ("broken", "break_time")  # outputs that a line over sheaves has not, which cannot break or let go
+PARTING = ("broken", "break_time")  # outputs that a line has not which cannot break or let go
 # outputs of the portions and the sheaves of a line, in the order of `layout.PORTION_LENGTH`, ...: unit, meaning
 OF_PORTIONS = {
     "portion_length": ("m", "unstretched length of portion {}"),
@@ -96,7 +98,7 @@ class Point:
 class Line:
     """A line of a system: its name, the names of its points, start values of its quantities by name, points of its shape.
 
-    wind_points : at which the wind is an input; 0 for none.  through : names of the points over whose sheaves it runs.
+    wind_points : at which the wind is an input, of each portion; 0 for none.  through : names of points at its sheaves.
     sheaves : of such a line, dict of start values of `SHEAVE_QUANTITIES`, one for each sheave, and `initial_portions` [m].
     """
 
@@ -119,8 +121,9 @@ class Line:
 class SharedWinch:
     """A winch that holds several lines of a system, see `systems/shared_winches.py`: its name and its input.
 
-    ratios : pairs of a line and its ratio.  shares : pairs of a line and what it counts in the payout.  reel_out_speed : at
-    the start.
+    ratios : pairs of a line and its ratio.  shares : pairs of a line and what it counts in the payout.  reel_out_speed,
+    winch_force : at the start.  carrier : of one that is controlled by force, the line in whose arrays its drum stands.
+    drum : pairs of a quantity in `OF_A_DRUM` and its start value.
     """
 
     name: str
@@ -128,6 +131,9 @@ class SharedWinch:
     ratios: tuple
     shares: tuple
     reel_out_speed: float = 0.0
+    winch_force: float = 0.0
+    carrier: str = ""
+    drum: tuple = ()
 
 
 @dataclass(frozen=True)
@@ -149,6 +155,10 @@ class Structure:
     def holding(self, line):
         """The shared winches that hold a line with this name."""
         return [each for each in self.winches if line in dict(each.ratios)]
+
+    def can_part(self, line):
+        """Whether a line can break and let go: not over sheaves, or at a shared winch that is controlled by force."""
+        return not line.through and not any(each.carrier for each in self.holding(line.name))
 
     @property
     def has_wind_points(self):
@@ -223,8 +233,8 @@ def _inputs(structure):
         start = getattr(winch, winch.input, declared.start[0])
         yield Variable(f"{winch.name}.{winch.input}", INPUT, "Real", quantity, 0, start, group=declared.group)
     for line in structure.lines:
-        if line.through:
-            continue  # it cannot let go
+        if not structure.can_part(line):
+            continue
         declared = inputs.BY_NAME[RELEASE]
         quantity = Quantity("", _RELEASE.format(line))
         yield Variable(f"{line.name}.{RELEASE}", INPUT, declared.kind, quantity, 0, 0.0, group=declared.group)
@@ -232,8 +242,9 @@ def _inputs(structure):
         for variable in _vector(each.name, INPUT, Quantity(each.unit, each.meaning), each.group, each.start):
             yield without_effect(variable, structure.has_wind_points, each.name)
     for line in structure.lines:
-        points = f"points on {line.name} at equal unstretched length, {line.start} first"
-        for name, meaning in elements(f"{line.name}.{inputs.WIND_AT.name}", points, POINTS, line.wind_points):
+        points, count = f"points on {line.name} at equal unstretched length, {line.start} first", len(portions_of(line))
+        points += f", {line.wind_points} on each portion" if count > 1 else ""
+        for name, meaning in elements(f"{line.name}.{inputs.WIND_AT.name}", points, POINTS, count * line.wind_points):
             quantity = Quantity(inputs.WIND_AT.unit, f"wind at {meaning}")
             yield Variable(name, INPUT, "Real", quantity, 0, 0.0, group=inputs.WIND_AT.group)
 
@@ -267,6 +278,11 @@ def _parameters(structure):
         for each in parameters_of((Tether,) if structure.holding(line.name) else RECORDS_OF_A_LINE, line.starts):
             yield replace(each, name=f"{line.name}.{each.name}")
         yield from _parameters_of_sheaves(line)
+    for winch in structure.winches:
+        for name, start in winch.drum:
+            each = dict(quantities(Winch))[name]
+            declared = replace(each, meaning=each.meaning.replace("force control: ", ""))
+            yield Variable(f"{winch.name}.{name}", PARAMETER, "Real", declared, 0, start, group="winch")
 
 
 def _parameters_of_sheaves(line):
@@ -356,7 +372,7 @@ def _outputs(structure, known):
 def _outputs_of_line(structure, line, known):
     """Outputs of a line."""
     for name, own in OF_A_LINE.items():
-        if line.through and name in PARTING:
+        if name in PARTING and not structure.can_part(line):
             continue
         each = outputs.BY_NAME[name]
         meaning = MEANINGS[own].format(dict(line.ends)[name.partition("_")[0]]) if own in MEANINGS else each.quantity.meaning

@@ -19,7 +19,7 @@ from ..runtime.outputs import COUNTERS
 from ..runtime.parameters import Ground, Tether, Winch
 from ..runtime.quantities import doubts_in
 from ..runtime.sheaves import SHEAVE_QUANTITIES
-from ..runtime.variables import INPUT, PARAMETER, input_names, line_of_tether, parameters_at, references, wind_points_in
+from ..runtime.variables import INPUT, INPUT_NAMES, PARAMETER, line_of_tether, parameters_at, references, wind_points_in
 from ..runtime.variants import BY_NAME, Variant, library_of
 from .portions import all_portions, portions_of
 from .selection import shown, with_starts
@@ -36,7 +36,11 @@ from .system_variables import (
 )
 
 IDLE_PROFILE = "wind_profile has no effect: the wind is that of wind_at"
-CONTROLS = {"reel_out_speed": at.WINCH_BY_SPEED, "winch_length": at.WINCH_BY_LENGTH}  # of lines at shared winches
+CONTROLS = {  # of lines at shared winches
+    "reel_out_speed": at.WINCH_BY_SPEED,
+    "winch_length": at.WINCH_BY_LENGTH,
+    "winch_force": at.WINCH_BY_FORCE,
+}
 FORCES = ("force", "tension_from", "tension_to")  # of a system: on driven points, and of lines at their ends
 
 
@@ -68,6 +72,7 @@ class Wiring(NamedTuple):
     checked: tuple = ()  # variables of parameters that the kernel `pack` does not check
     free: tuple = ()  # names of the free points
     band: int = 0  # of their matrix
+    holders: tuple = ()  # rows (line, place in its parameters, number), see `holders_of`
     sheaves: tuple = ()  # of each line `layout.IS_PORTION`, and of the numbers behind it the references, -1 for the default
 
 
@@ -110,7 +115,7 @@ def of_system(structure, left_out=(), starts=()):
         sizes |= {f"{line.name}.{name}": (count,) for name, *_, count in outputs_of_portions(line)}
         sizes |= {f"{line.name}.{name}": (len(line.through),) for name in SHEAVE_QUANTITIES}
         sizes[f"{line.name}.initial_portions"] = (len(line.through) + 1,)
-    sizes |= {f"{line.name}.{WIND_AT.name}": (line.wind_points, 3) for line in structure.lines}
+    sizes |= {f"{line.name}.{WIND_AT.name}": (len(portions_of(line)) * line.wind_points, 3) for line in structure.lines}
     return Wiring(
         name=structure.hash,
         library=SYSTEM,
@@ -135,6 +140,7 @@ def of_system(structure, left_out=(), starts=()):
         checked=tuple(each for each in table[-fixed:] if _is_checked(each.name, structure)),
         free=structure.free,
         band=structure.band,
+        holders=holders_of(structure),
         sheaves=tuple(_sheaves_of(structure, own)),
     )
 
@@ -173,27 +179,58 @@ def lines_of(structure):
     structure : has `lines`, with `name`, `start`, `through`, `end`, `shape_points` and `wind_points`, `free` and `winches`.
     A line that runs over sheaves is one for each of its portions.
     """
-    number = {name: k for k, name in enumerate(structure.free)}
+    number, drums = {name: k for k, name in enumerate(structure.free)}, drums_of(structure)
     return tuple(
         Line(
             each.name,
-            tuple(
-                (told_by(structure.winches, each.line, name) if each.number == 0 else None) or input_name(name, each)
-                for name in input_names(each.line.wind_points)
-            ),
+            (*names_of_inputs(structure, each), *(f"{each.line.name}.{name}" for name in each.wind_at_names)),
             each.line.shape_points,
             each.line.wind_points,
             *(number.get(name, plan.DRIVEN) for name in (each.start, each.end)),
             each.is_through,
             each.is_portion,
+            k in drums,
         )
-        for each in all_portions(structure.lines)
+        for k, each in enumerate(all_portions(structure.lines))
     )
+
+
+def names_of_inputs(structure, portion):
+    """Names of the inputs of the system that are those of a line or a portion, by their places, but for its wind points."""
+    for name in INPUT_NAMES:
+        yield (told_by(structure.winches, portion.line, name) if portion.number == 0 else None) or input_name(name, portion)
 
 
 def told_by(winches, line, name):
     """Names of the inputs of shared winches that make an input of a line, "" if none does."""
-    return " and ".join(f"{each.name}.{name}" for each in winches if each.input == name and line.name in dict(each.ratios))
+    holding = (each for each in winches if each.input == name and line.name in dict(each.ratios))
+    return " and ".join(f"{each.name}.{name}" for each in holding if each.carrier in ("", line.name))
+
+
+def drums_of(structure):
+    """Lines that may carry a drum that turns beside sheaves, or that holds several lines: a dict of what it holds.
+
+    Pairs of a line and its ratio; lines as numbers. A line that no shared winch holds carries its own.
+    """
+    first = {each.line.name: k for k, each in enumerate(all_portions(structure.lines)) if each.number == 0}
+    by_force = [each for each in structure.winches if each.carrier]
+    found = {first[each.carrier]: [(first[line], ratio) for line, ratio in each.ratios] for each in by_force}
+    held = {line for each in structure.winches for line, _ in each.ratios}
+    if by_force or any(line.through for line in structure.lines):
+        found |= {k: [(k, 1.0)] for name, k in first.items() if name not in held}
+    return found
+
+
+def holders_of(structure):
+    """Numbers in the parameters of lines that say which drums hold them: rows (line, place, number)."""
+    found, counts = [], {}
+    for carrier, held in drums_of(structure).items():
+        for line, ratio in held:
+            i = counts[line] = counts.get(line, -1) + 1
+            found += [(line, at.HELD_BY + i, carrier + 1.0), (line, at.HELD_RATIO + i, float(ratio))]
+        if any(ratio < 0.0 for _, ratio in held):
+            found.append((carrier, at.PULLS_BACK, 1.0))
+    return tuple(found)
 
 
 def carried(structure):
@@ -216,10 +253,11 @@ def _quantities_of(structure, portion, places):
     """
     found, line = [], portion.line
     held = structure.holding(portion.name)  # by winches with the same control
+    drum = {own: f"{each.name}.{own}" for each in held if each.carrier == portion.name for own, _ in each.drum}
     for record in (Tether, *OF_THE_SYSTEM[:2], Winch, Ground):
         for item in fields(record):
             own = item.name if record in OF_THE_SYSTEM else f"{line.name}.{item.name}"
-            own = "" if record is Winch and portion.number > 0 else own
+            own = "" if record is Winch and portion.number > 0 else drum.get(item.name, own)
             default = CONTROLS[held[0].input] if held and item.name == "winch_control" else item.default
             found.append((item.name, places.get(own, -1), default))
     return found
@@ -253,6 +291,10 @@ def _held_of(structure, places):
     for k, line in enumerate(lines_of(structure)):
         for winch in structure.holding(line.name):
             own = PLACES[winch.input]
+            if winch.carrier:
+                if winch.carrier == line.name:
+                    yield first + own, places[f"{winch.name}.{winch.input}"], k, own, 1.0
+                continue
             if winch.input == "winch_length" and winch is structure.holding(line.name)[0]:
                 yield first + own, places[f"{line.name}.initial_length"], k, own, 1.0
             yield first + own, places[f"{winch.name}.{winch.input}"], k, own, float(dict(winch.ratios)[line.name])

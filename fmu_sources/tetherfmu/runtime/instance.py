@@ -36,6 +36,7 @@ class Line(NamedTuple):
     end_point: int = places.DRIVEN
     is_through: bool = False  # whether it goes on over a sheave at its end as the next line
     is_portion: bool = False  # whether it is a portion of such a line
+    may_carry_drum: bool = False  # whether it may carry a drum that turns beside sheaves, or that holds several lines
 
     @property
     def outputs_size(self):
@@ -65,6 +66,7 @@ class Instance:
             self.plan[row + places.START_POINT], self.plan[row + places.END_POINT] = line.start_point, line.end_point
             self.plan[row + places.SHAPE_POINTS] = line.shape_points
             self.plan[row + places.WIND_POINTS], self.plan[row + places.THROUGH] = line.wind_points, line.is_through
+            self.plan[row + places.DRUM] = line.may_carry_drum
         self.outputs_at = sum(at.inputs_size(line.wind_points) for line in lines) + 3 * len(free)
         self.parameters_at = self.outputs_at + sum(line.outputs_size for line in lines)
         self.values, self.state = zeros(self.parameters_at + room), zeros(0)

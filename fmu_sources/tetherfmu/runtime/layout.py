@@ -55,7 +55,12 @@ GIVEN_PORTION = IS_PORTION + 1  # its unstretched length at the start [m]; 0: as
 SHEAVE_MASS = IS_PORTION + 2  # J/r2 [kg]
 SHEAVE_FRICTION = IS_PORTION + 3  # Coulomb friction of the rope on the sheave [-]
 SHEAVE_EFFICIENCY = IS_PORTION + 4  # tension on the side that the rope comes from over that of the other side [-]
-PARAMETER_SCALARS = IS_PORTION + 5
+# of a line whose winch is controlled by force beside sheaves or shared winches, see `kernels/points/coordinates.py`
+MOST_HOLDERS = 3  # winches that may hold a line
+HELD_BY = IS_PORTION + 5  # numbers of the lines that carry the drums which hold it, from 1 on; 0 for none
+HELD_RATIO = HELD_BY + MOST_HOLDERS  # rope of it for each metre that those drums pay out [-]
+PULLS_BACK = HELD_RATIO + MOST_HOLDERS  # 1 if the drum that it carries may need a force below 0, as a ratio of it is
+PARAMETER_SCALARS = PULLS_BACK + 1
 # then one array of n numbers per property of a segment, in this order ...
 SHARE = 0  # of the unstretched length [-]
 STIFFNESS = 1  # E A [N]
@@ -134,7 +139,11 @@ TENSION_FROM = PAYOUT + 3  # at its start and at its end [N]
 TENSION_TO = PAYOUT + 4
 START_ACCELERATION = PAYOUT + 5  # of the free points where it begins and ends, at a sheave [m/s2]; else 0
 END_ACCELERATION = PAYOUT + 8
-STATE_HEADER = PAYOUT + 11
+# of the drum that a line carries, see `kernels/points/coordinates.py`, else 0: what it has paid out since the start [m]
+DRUM_PAYOUT = PAYOUT + 11
+DRUM_SPEED = PAYOUT + 12  # rate of it [m/s]
+DRUM_ACCELERATION = PAYOUT + 13  # rate of that [m/s2]
+STATE_HEADER = PAYOUT + 14
 
 NO_TENSION = -1e300  # [N]: the PEAK_SO_FAR of no internal step
 NEVER, AT_ROWS, ALWAYS = 0, 1, 2  # when `fly` computes outputs

@@ -1,6 +1,7 @@
 """The `parameters` array of the kernels, which their entry point `pack` checks and fills."""
 
 from array import array
+from itertools import accumulate
 
 from . import layout as at
 from . import status
@@ -66,6 +67,17 @@ def put_sheaves(counts, parameters, sheaves):
             place = first + at.IS_PORTION
             parameters[place : place + len(numbers)] = array("d", numbers)
         first += at.parameters_size(segments)
+
+
+def put_holders(counts, parameters, holders):
+    """Say in the parameters of all lines (modified) which drums hold those whose winch is controlled by force.
+
+    counts : segments of each line.  holders : rows (line, place from `layout.HELD_BY` on, number).
+    """
+    firsts = list(accumulate(map(at.parameters_size, counts), initial=0))
+    for line, place, number in holders:
+        if parameters[firsts[line] + at.WINCH_CONTROL] == at.WINCH_BY_FORCE:
+            parameters[firsts[line] + place] = number
 
 
 def pack_records(

@@ -32,8 +32,9 @@ STATE_SIZE = 8
 OUTPUTS_SIZE = 9
 WORK_SIZE = 10
 SHEAVES = 11  # over which lines run
-SHEAVES_WORK = 12  # place of them in `work`
-PLAN_HEADER = 13
+SHEAVES_WORK = 12  # place of them and of drums in `work`
+COORDINATES = 13  # sheaves, and drums that may turn beside them
+PLAN_HEADER = 14
 # then of each line
 SEGMENTS = 0  # given
 START_POINT = 1  # given: number of the free point at its start, or DRIVEN
@@ -49,8 +50,9 @@ WIND_POINTS = 10  # given: at which the wind along it is an input, 0 for none; i
 INPUTS_AT = 11  # its first place in `inputs`
 FREED = 12  # written by the kernels: 1 while they run, if the line has let go: it has one segment more, which holds nothing
 THROUGH = 13  # given: 1 if it runs over a sheave at its end and goes on as the next line, of which it is a portion; else 0
-PORTION_WORK = 14  # place in `work` of what a line needs in a system with sheaves
-LINE_NUMBERS = 15
+PORTION_WORK = 14  # place in `work` of what a line needs in a system with coordinates
+DRUM = 15  # given: 1 if it may carry a drum that turns beside sheaves, or that holds several lines; else 0
+LINE_NUMBERS = 16
 
 DRIVEN = -1  # a point
 ALL_LINES = -1

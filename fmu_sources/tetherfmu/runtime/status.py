@@ -41,12 +41,14 @@ KITE_AND_WINCH_SOUGHT = 26
 START_UNDER_GROUND = 27
 # of a line that lets go
 RELEASED_WITHOUT_MASS = 28
-# of lines over sheaves
-SHEAVES_WITH_DRUM = 29
-SHEAVES_WITH_STRETCH_RATE = 30
-SHEAVES_THAT_BREAK = 31
-RELEASED_OVER_SHEAVES = 32
-NO_SHARES = 33
+# of lines over sheaves, and of lines whose winch is controlled by force in a system with these or with shared winches
+SHEAVES_WITH_WINCH_START = 29
+SHEAVES_WITH_FIXED_STEP = 30
+SHEAVES_WITH_STRETCH_RATE = 31
+SHEAVES_THAT_BREAK = 32
+RELEASED_OVER_SHEAVES = 33
+NO_SHARES = 34
+SHEAVES_WITH_STOP = 35
 
 SENTENCES = {
     OK: "done",
@@ -136,13 +138,26 @@ SENTENCES = {
         "release is true, and what the line lets go of moves freely without any mass of its own: give it one (kite_mass; "
         "in a system the mass of the point)"
     ),
-    SHEAVES_WITH_DRUM: (
-        "winch_control is 2 (force) in a system with a line over sheaves, which it cannot be yet: set it to 1 (speed) or 3 "
-        "(length)"
+    SHEAVES_WITH_WINCH_START: (
+        "winch_start is 2 (equilibrium) in a system with a line over sheaves or a winch that holds lines by force; it must "
+        "be 1 (given)"
     ),
-    SHEAVES_WITH_STRETCH_RATE: "damping_law is 2 (stretch_rate) for a line over sheaves; it must be 1 (strain_rate)",
-    SHEAVES_THAT_BREAK: "breaking_force is given for a line over sheaves, which cannot break yet: it must be 0",
-    RELEASED_OVER_SHEAVES: "release is true for a line over sheaves, which cannot let go yet: it must be false",
+    SHEAVES_WITH_FIXED_STEP: (
+        "fixed_step is {fixed_step} s with force control beside lines over sheaves, or at a winch that holds several lines; "
+        "it must be 0 (adaptive)"
+    ),
+    SHEAVES_WITH_STRETCH_RATE: (
+        "damping_law is 2 (stretch_rate) for a line over sheaves, or with force control beside such lines or at a winch "
+        "that holds several; it must be 1 (strain_rate)"
+    ),
+    SHEAVES_THAT_BREAK: (
+        "breaking_force is given for a line over sheaves, or with force control beside such lines or at a winch that holds "
+        "several, which cannot break yet: it must be 0"
+    ),
+    RELEASED_OVER_SHEAVES: (
+        "release is true for a line over sheaves, or with force control beside such lines or at a winch that holds several, "
+        "which cannot let go yet: it must be false"
+    ),
     NO_SHARES: (
         "no lengths of the portions were found with which each sheave has the same tension on both sides; give them as "
         "initial_portions, or check the positions of the points, the loads and initial_length"

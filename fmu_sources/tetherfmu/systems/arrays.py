@@ -6,14 +6,14 @@ import numpy as np
 
 from tetherfmu.fmi.portions import all_portions
 from tetherfmu.fmi.system_variables import ENDS, Line
-from tetherfmu.fmi.wiring import carried, lines_of
+from tetherfmu.fmi.wiring import carried, holders_of, lines_of
 from tetherfmu.libraries import ready
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import plan_layout as places
 from tetherfmu.runtime.inputs import PLACES
 from tetherfmu.runtime.instance import Instance
 from tetherfmu.runtime.kernel_library import SYSTEM
-from tetherfmu.runtime.packing import pack_lines, put_sheaves
+from tetherfmu.runtime.packing import pack_lines, put_holders, put_sheaves
 from tetherfmu.runtime.parameters import Winch, numbers_of
 
 from .ordering import ordered
@@ -45,6 +45,7 @@ def instance_of(points, lines, environment, solver, ground, wind_points=0, winch
     )
     counts, parameters = pack_lines(made.kernels, packed)
     put_sheaves(counts, parameters, [sheave_numbers(each) for each in portions])
+    put_holders(counts, parameters, holders_of(structure))
     made.set_up(counts, parameters)
     return made
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from tetherfmu import lean
+from tetherfmu.fmi.system_variables import OF_A_DRUM
 from tetherfmu.input_files import (
     TABLE_OF_GROUND,
     ground_of,
@@ -91,6 +92,15 @@ class TableOfSheaves:
     sheave_efficiency: tuple | float = field(default=1.0, metadata={"read": numbers_of("")})
 
 
+@dataclass(frozen=True)
+class TableOfWinch(Winch):
+    """What a file says of a winch that holds several lines, beside these and its control."""
+
+    reel_out_speed: float = quantity(0.0, "m/s", "at the start; positive pays out", -at.LARGEST_INPUT, at.LARGEST_INPUT)
+    winch_force: float = quantity(0.0, "N", "at the start; positive reels in", -at.LARGEST_INPUT, at.LARGEST_INPUT)
+
+
+NUMBERS_OF_A_WINCH = ("reel_out_speed", "winch_force", *OF_A_DRUM)
 OF_A_LINE = ("from", "to", "material", *keys_of(TableOfLine), *keys_of(TableOfSheaves))
 
 
@@ -181,10 +191,9 @@ def line_of(name, table):
 def winch_of(name, table):
     """`SharedWinch` of a table of a file; ValueError names the key."""
     section = f"winches.{name}"
-    require(table, section, ("lines", "control", "reel_out_speed"), ("lines",))
+    require(table, section, ("lines", "control", *NUMBERS_OF_A_WINCH), ("lines",))
     given = {key: table[key] for key in ("lines", "control") if key in table}
-    if "reel_out_speed" in table:
-        given["reel_out_speed"] = value_of(TableOfLine, "reel_out_speed", table["reel_out_speed"], f"{section}.")
+    given |= {key: value_of(TableOfWinch, key, table[key], f"{section}.") for key in NUMBERS_OF_A_WINCH if key in table}
     try:
         return SharedWinch(name, **given)
     except ValueError as error:

@@ -11,7 +11,6 @@ from numpy.typing import ArrayLike
 from tetherfmu import arguments
 from tetherfmu.fmi.portions import all_portions
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime.enumerations import WITH_DRUM
 from tetherfmu.runtime.naming import LONGEST_NAME, meant_or_all, names_checked, shortened
 from tetherfmu.runtime.parameters import FreeKite, Tether, Winch
 
@@ -174,13 +173,6 @@ def check_system(points: Sequence[Point], lines: Sequence[Line]) -> None:
                     f"the line {line.name} goes to the point {end}, which does not exist{meant_or_all(end, known)}"
                 )
     _check_connected(known, all_portions(lines))
-    if any(line.through for line in lines):
-        drum = next((line.name for line in lines if line.winch.winch_control in WITH_DRUM), None)
-        if drum is not None:
-            raise ValueError(
-                f"the line {drum} has winch_control = force in a system with a line over sheaves, which it cannot have yet; "
-                "set it to speed or length"
-            )
 
 
 def _check_connected(names, lines):

@@ -102,6 +102,32 @@ class SheaveEnergy(NamedTuple):
     friction_loss: np.ndarray
 
 
+class WinchEnergy(NamedTuple):
+    """Energy and powers of the drum of a winch that holds several lines by force, at an instant.
+
+    Attributes
+    ----------
+    kinetic : float
+        Kinetic energy [J].
+    rope_power : float
+        What the tensions of its lines put into it [W].
+    motor_power : float
+        What the motor puts into it, - winch_force . winch_speed [W].
+    friction_loss : float
+        Heat of its friction [W], at least 0.
+    """
+
+    kinetic: float
+    rope_power: float
+    motor_power: float
+    friction_loss: float
+
+    @property
+    def power(self) -> float:
+        """Sum of the powers minus the loss [W]: the rate at which `kinetic` has to change."""
+        return self.rope_power + self.motor_power - self.friction_loss
+
+
 class SystemEnergy(NamedTuple):
     """Energies and powers of a system at an instant.
 
@@ -114,11 +140,14 @@ class SystemEnergy(NamedTuple):
         Powers of the loads on free points [W].
     sheaves : dict of str to SheaveEnergy
         Of the lines that run over sheaves, by their names. In `lines`, their `winch_power` has their `material_power`, too.
+    winches : dict of str to WinchEnergy
+        Of the winches that hold several lines by force, by their names; no part of `total` and `power`, as drums of lines.
     """
 
     lines: dict[str, Energy]
     loads: dict[str, float]
     sheaves: dict[str, SheaveEnergy]
+    winches: dict[str, WinchEnergy]
 
     @property
     def total(self) -> float:

@@ -3,6 +3,9 @@
 A winch that turns at the speed w pays out a line at ratio w; what several winches pay out of a line adds up. So with the
 matrix R of ratios (lines, winches) the reel-out speeds of lines are R w, their lengths initial_length + R p, with the
 payouts p of the winches. These follow from the lines with the shares S = (R^T R)^-1 R^T: p = S (length - initial_length).
+
+A winch that is controlled by force turns as the tensions T of its lines decide, m w' = R^T T - W - c w - F sign(w); the
+kernels have its drum with one of its lines, its carrier.
 """
 
 from __future__ import annotations
@@ -13,16 +16,19 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from tetherfmu.fmi import system_variables
+from tetherfmu.fmi.system_variables import OF_A_DRUM
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.naming import meant_or_all, names_checked
 from tetherfmu.runtime.parameters import Winch
 from tetherfmu.runtime.quantities import quantities
 
 from .records import Line, checked_name
-from .results import WinchOutputs
+from .results import WinchEnergy, WinchOutputs
+from .sheaves import check_turned
 
-BY_SPEED, BY_LENGTH = "speed", "length"
-GIVEN = {BY_SPEED: "reel_out_speed", BY_LENGTH: "winch_length"}  # its input, by what controls it
+BY_SPEED, BY_FORCE, BY_LENGTH = "speed", "force", "length"
+GIVEN = {BY_SPEED: "reel_out_speed", BY_FORCE: "winch_force", BY_LENGTH: "winch_length"}  # its input, by what controls it
+STARTS = {"reel_out_speed": BY_SPEED, "winch_force": BY_FORCE}  # inputs with a start, by what has to control the winch
 CONTROL = dict(quantities(Winch))["winch_control"].numbers
 SMALLEST_RATIO, LARGEST_RATIO = 1e-3, 1e3
 DEPENDENT = 1e-9  # a singular value of the matrix of ratios below this part of the largest is none
@@ -40,10 +46,15 @@ class SharedWinch:
     lines : dict of str to float
         Names of lines and their ratios: rope of the line for each metre that the winch pays out; negative where it reels in
         then. A line may be in several winches: what they pay out adds up. It has no winch of its own.
-    control : "speed" or "length"
-        Its input: `reel_out_speed`, or `winch_length`, the length paid out since the start [m].
+    control : "speed", "force" or "length"
+        Its input: `reel_out_speed`; `winch_force`, which the sum of tensions times ratios has to overcome [N]; or
+        `winch_length`, the length paid out since the start [m].
     reel_out_speed : float
-        At the start [m/s], with the control "speed"; positive pays out.
+        At the start [m/s], with the control "speed"; positive pays out. Others start at rest.
+    winch_force : float
+        At the start [N], with the control "force"; positive reels in.
+    winch_mass, winch_damping, winch_friction : float
+        Of its drum as those of a `Winch`, with the control "force" [kg], [N.s/m], [N].
 
     Examples
     --------
@@ -55,14 +66,15 @@ class SharedWinch:
     lines: Mapping[str, float]
     control: str = BY_SPEED
     reel_out_speed: float = 0.0
+    winch_force: float = 0.0
+    winch_mass: float = 0.0
+    winch_damping: float = 0.0
+    winch_friction: float = 0.0
 
     def __post_init__(self):
         checked_name("winch", self.name)
         if self.control not in GIVEN:
-            raise ValueError(
-                f"{self.name}.control is {self.control!r}; it must be {' or '.join(map(repr, GIVEN))}, as the winch holds "
-                "lines with ratios (a line alone can have winch_control = force)"
-            )
+            raise ValueError(f"{self.name}.control is {self.control!r}; it must be {' or '.join(map(repr, GIVEN))}")
         if not isinstance(self.lines, Mapping) or not self.lines:
             raise ValueError(f"{self.name}.lines is {self.lines!r}; it must have names of lines, each with its ratio")
         for line, ratio in self.lines.items():
@@ -72,20 +84,31 @@ class SharedWinch:
                     f"{self.name}.lines.{line} is {ratio!r}; it must be a number between {SMALLEST_RATIO:g} and "
                     f"{LARGEST_RATIO:g}, or the negative of one"
                 )
-        if not abs(self.reel_out_speed) <= at.LARGEST_INPUT:
-            raise ValueError(
-                f"{self.name}.reel_out_speed is {self.reel_out_speed!r}; it must be finite and at most "
-                f"{at.LARGEST_INPUT:g} in magnitude"
-            )
-        if self.reel_out_speed and self.control != BY_SPEED:
-            raise ValueError(
-                f"{self.name}.reel_out_speed is {self.reel_out_speed!r} and has no effect: control is {self.control!r}"
-            )
+        for name in STARTS:
+            if not abs(getattr(self, name)) <= at.LARGEST_INPUT:
+                raise ValueError(
+                    f"{self.name}.{name} is {getattr(self, name)!r}; it must be finite and at most {at.LARGEST_INPUT:g} in "
+                    "magnitude"
+                )
+        for name, control in {**STARTS, **dict.fromkeys(OF_A_DRUM, BY_FORCE)}.items():
+            if getattr(self, name) and self.control != control:
+                raise ValueError(
+                    f"{self.name}.{name} is {getattr(self, name)!r} and has no effect: control is {self.control!r}"
+                )
+        try:
+            self.drum  # noqa: B018 (that it can be)
+        except ValueError as problem:
+            raise ValueError(f"{self.name}.{problem}") from None
 
     @property
     def input(self) -> str:
         """Name of its input."""
         return GIVEN[self.control]
+
+    @property
+    def drum(self) -> Winch:
+        """`Winch` with its control and its drum."""
+        return Winch(winch_control=self.control, **{name: getattr(self, name) for name in OF_A_DRUM})
 
 
 def holding(winches, line):
@@ -108,12 +131,44 @@ def check_winches(winches: Sequence[SharedWinch], lines: Sequence[Line], taken: 
                 )
     for line in lines:
         held = holding(winches, line.name)
+        check_drums(line, [each for each in held if each.control == BY_FORCE])
         if held and (line.winch != Winch() or line.reel_out_speed != 0.0):
             raise ValueError(f"the line {line.name} is held by the winch {held[0].name}; it can have no winch of its own")
         if len({each.control for each in held}) > 1:
             names = ", ".join(f"{each.name} ({each.control})" for each in held)
             raise ValueError(f"the line {line.name} is held by winches with different controls, {names}; give them the same")
     shares_of(winches)
+
+
+def check_drums(line, held):
+    """ValueError if a line cannot be held by winches that are controlled by force, a list."""
+    if len(held) > at.MOST_HOLDERS:
+        names = ", ".join(each.name for each in held)
+        raise ValueError(f"the line {line.name} is held by {names} by force; it must be {at.MOST_HOLDERS} winches at most")
+    if held:
+        check_turned(line, f"{held[0].name} holds it by force")
+
+
+def carriers_of(winches):
+    """Of each winch that is controlled by force one of its lines, each another one: a dict of names.
+
+    They exist, as no winch pays out what others do together (`shares_of`).
+    """
+    found = {}
+
+    def seek(winch, tried):
+        for line in winch.lines:
+            if line not in tried:
+                tried.add(line)
+                if line not in found or seek(found[line], tried):
+                    found[line] = winch
+                    return True
+        return False
+
+    for winch in winches:
+        if winch.control == BY_FORCE:
+            seek(winch, set())
+    return {winch.name: line for line, winch in found.items()}
 
 
 def shares_of(winches):
@@ -138,6 +193,7 @@ def shares_of(winches):
 def as_built(winches):
     """The same as records of `fmi.system_variables`, a tuple."""
     held, _, shares = shares_of(winches)
+    carriers = carriers_of(winches)
     return tuple(
         system_variables.SharedWinch(
             each.name,
@@ -145,6 +201,9 @@ def as_built(winches):
             tuple((line, float(ratio)) for line, ratio in each.lines.items()),
             tuple((line, share) for line, share in zip(held, own.tolist(), strict=True) if share),
             float(each.reel_out_speed),
+            float(each.winch_force),
+            carriers.get(each.name, ""),
+            tuple((name, float(getattr(each, name))) for name in OF_A_DRUM if each.control == BY_FORCE),
         )
         for each, own in zip(winches, shares, strict=True)
     )
@@ -159,6 +218,7 @@ class Turned:
     def __init__(self, winches, lines):
         names = [line.name for line in lines]
         held, self._ratios, self._shares = shares_of(winches)
+        self.carriers = {name: names.index(line) for name, line in carriers_of(winches).items()}
         self.winches, self.held = winches, [names.index(name) for name in held]
         self._first_lengths = np.array([sum(each.initial_length for each in lines[k].tethers) for k in self.held])
         self._by_length = np.array([each.control == BY_LENGTH for each in winches], dtype=bool)
@@ -177,7 +237,11 @@ class Turned:
 
         rows : views (..., INPUTS) of the inputs of all lines (modified).
         """
+        for name, k in self.carriers.items():
+            rows[k][..., at.WINCH_FORCE] = told[..., self.place_of(name)]
         for k, ratios, first in zip(self.held, self._ratios, self._first_lengths, strict=True):
+            if self.winches[np.flatnonzero(ratios)[0]].name in self.carriers:
+                continue
             is_by_length = any(self._by_length[ratios != 0.0])
             terms = (ratio * told[..., j] for j, ratio in enumerate(ratios) if ratio)
             turned = sum(terms, start=first if is_by_length else 0.0)
@@ -193,7 +257,29 @@ class Turned:
         return {each.name: WinchOutputs(speeds[..., j][()], payouts[..., j][()]) for j, each in enumerate(self.winches)}
 
 
+def energies_of(winches, energies, states):
+    """`WinchEnergy` of the winches that are controlled by force, by name.
+
+    energies, states : of lines by name, those of its first portion.
+    """
+    found = {}
+    for name, carrier in carriers_of(winches).items():
+        winch = next(each for each in winches if each.name == name)
+        pull = sum(ratio * states[line][at.TENSION_AT_DRUM] for line, ratio in winch.lines.items())
+        own = energies[carrier]
+        rope_power = float(pull * states[carrier][at.DRUM_SPEED])
+        found[name] = WinchEnergy(own.drum, rope_power, own.motor_power, own.friction_loss)
+    return found
+
+
+def without_drum(energy):
+    """`Energy` of a line that a winch holds, which has no drum of its own."""
+    return replace(energy, drum=0.0, drum_power=0.0, motor_power=0.0, friction_loss=0.0)
+
+
 def with_controls(lines, winches):
     """Lines, those that winches hold with the control of these."""
     controls = {name: Winch(winch_control=CONTROL[each.control]) for each in winches for name in each.lines}
+    carriers = carriers_of(winches)
+    controls |= {carriers[each.name]: each.drum for each in winches if each.name in carriers}
     return tuple(replace(line, winch=controls.get(line.name, line.winch)) for line in lines)

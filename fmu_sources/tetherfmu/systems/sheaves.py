@@ -80,19 +80,50 @@ def sheaves_of(line):
     return {"initial_portions": tuple(given), **{name: numbers_in(line, name) for name in SHEAVE_QUANTITIES}}
 
 
-def check_with_sheaves(lines, wind_points):
-    """ValueError if a system whose lines run over sheaves has what it cannot have yet."""
+def check_with_sheaves(lines, solver, winches):
+    """ValueError if a system whose lines run over sheaves, or are held by winches by force, has what it cannot have yet."""
     name = next((line.name for line in lines if line.through), None)
+    why = f"{name} runs over sheaves"
+    if name is None:
+        name = next((each.name for each in winches if each.control == "force"), None)
+        why = f"the winch {name} holds lines by force"
     if name is None:
         return
-    if wind_points:
-        raise ValueError(f"wind_points is {wind_points!r}, and {name} runs over sheaves; it must be 0")
+    turned = [line.name for line in lines if line.winch.winch_control == at.WINCH_BY_FORCE]
+    turned += [each.name for each in winches if each.control == "force"]
+    if solver.fixed_step != 0.0 and turned:
+        raise ValueError(
+            f"fixed_step is {solver.fixed_step!r} s, {turned[0]} is controlled by force, and {why}; it must be 0 (adaptive)"
+        )
     for line in lines:
+        check_drum(line, why)
         if line.through and line.tethers[0].damping_law != at.STRAIN_RATE:
             raise ValueError(f"{line.name}.damping_law is stretch_rate; over sheaves it must be strain_rate")
         if line.through and line.tethers[0].breaking_force != 0.0:
             force = line.tethers[0].breaking_force
             raise ValueError(f"{line.name}.breaking_force is {force!r}, and {line.name} runs over sheaves; it must be 0")
+
+
+def check_turned(line, why):
+    """ValueError if a tether of a line is none that a drum turns beside sheaves, or with others; why : it is one."""
+    for tether in line.tethers:
+        if tether.damping_law != at.STRAIN_RATE:
+            raise ValueError(f"{line.name}.damping_law is stretch_rate, and {why}; it must be strain_rate")
+        if tether.breaking_force != 0.0:
+            raise ValueError(f"{line.name}.breaking_force is {tether.breaking_force!r}, and {why}; it must be 0")
+
+
+def check_drum(line, why):
+    """ValueError if the drum of a line has what it cannot have yet in a system with sheaves; why : it has these."""
+    if line.winch.winch_control != at.WINCH_BY_FORCE:
+        return
+    if line.winch.winch_start != at.WINCH_GIVEN:
+        raise ValueError(f"{line.name}.winch_start is equilibrium, and {why}; it must be given")
+    for name in ("shortest_length", "longest_length"):
+        stop = getattr(line.winch, name)
+        if line.through and stop:
+            raise ValueError(f"{line.name}.{name} is {stop!r}, and {line.name} runs over sheaves; it must be 0")
+    check_turned(line, f"its winch is controlled by force, and {why}")
 
 
 # --- results

@@ -25,7 +25,7 @@ from .arrays import Arrays, instance_of
 from .inputs import SystemInputs, Vectors, completed, put, starts
 from .records import Line, Point, check_system
 from .results import SystemEnergy, SystemFlown, SystemOutputs, points_of
-from .shared_winches import SharedWinch, check_winches
+from .shared_winches import SharedWinch, check_winches, energies_of, holding, without_drum
 from .sheaves import along, check_with_sheaves, energy_of, portions_in, whole_outputs
 
 
@@ -96,7 +96,7 @@ class TetherSystem(Running):
             arguments.record_of(type(self).__name__, record, kind)
         for line in lines:
             arguments.tethers_of("Line", line.tether)
-        check_with_sheaves(lines, wind_points)
+        check_with_sheaves(lines, solver, winches)
         self.points, self.lines, self.winches = points, lines, winches
         self._records = environment, solver, ground
         self.wind_points: int = arguments.wind_points(wind_points)
@@ -315,15 +315,19 @@ class TetherSystem(Running):
         count = range(len(self._arrays.lines))
         parts = joined(self.lines, (account(self._instance, k)[0] for k in count))
         states = joined(self.lines, (self._instance.state_of(k) for k in count))
+        first = {line.name: (energies[0], own[0]) for line, energies, own in zip(self.lines, parts, states, strict=True)}
+        winches = energies_of(self.winches, *({name: each[i] for name, each in first.items()} for i in range(2)))
         found, sheaves = {}, {}
         for line, energies, own in zip(self.lines, parts, states, strict=True):
             found[line.name], of_sheaves = energy_of(line, energies, own)
+            if holding(self.winches, line.name):
+                found[line.name] = without_drum(found[line.name])
             if of_sheaves is not None:
                 sheaves[line.name] = of_sheaves
         loads = self._arrays.loads_in(self._arrays.inputs)
         velocities = {name: point.velocity for name, point in self._present().points.items()}
         powers = {name: float(load @ velocities[name]) for name, load in zip(self._instance.free, loads, strict=True)}
-        return SystemEnergy(found, powers, sheaves)
+        return SystemEnergy(found, powers, sheaves, winches)
 
     @property
     def positions(self) -> dict[str, NDArray[np.float64]]:

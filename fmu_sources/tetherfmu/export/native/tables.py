@@ -196,6 +196,7 @@ def _maps(wiring):
     """Where inputs, outputs, motion and masses stand in the arrays of the kernels, and the plan as it is given."""
     outputs = [(reference, place) for reference, places in wiring.outputs for place in places]
     counts = {"INPUTS_FROM": wiring.inputs, "OUTPUTS_FROM": outputs, "MOTIONS": wiring.motion}
+    counts |= {"HOLDERS": wiring.holders}
     counts |= {"STARTS": wiring.starts, "CHECKS": wiring.checked, "HELD_TERMS": wiring.held, "TURNED_TERMS": wiring.turned}
     limits = ((str(each.place), *map(repr, limits_of(each.quantity))) for each in wiring.checked)
     masses = ", ".join(f"{{{a}, {b}}}" for a, b in wiring.carried)
@@ -207,6 +208,8 @@ def _maps(wiring):
         _table("START_FROM", ("place", "reference"), wiring.starts),
         _table("HELD", ("place", "reference", "line", "own"), [row[:4] for row in wiring.held]),
         c_numbers("double HELD_FACTOR", [row[4] for row in wiring.held] or [0.0]),
+        _table("HOLDER", ("line", "place"), [row[:2] for row in wiring.holders]),
+        c_numbers("double HOLDER_NUMBER", [row[2] for row in wiring.holders] or [0.0]),
         _table("TURNED", ("reference", "place", "less"), [(row[0], row[1], row[3]) for row in wiring.turned]),
         c_numbers("double TURNED_FACTOR", [row[2] for row in wiring.turned] or [0.0]),
         c_rows("struct { int reference; double lowest, highest; } CHECK", limits, empty="{0, 0.0, 0.0}"),

@@ -17,6 +17,7 @@ from collections import namedtuple
 from tetherfmu.runtime import layout as at
 
 from ..compilation import kernel, view
+from .winch import pulls_only
 
 Drum = namedtuple("Drum", "mass damping friction shortest longest force force_rate")
 Drum.__doc__ = """A drum during one communication step.
@@ -41,7 +42,7 @@ def drum_of(parameters, force, force_rate):
 def drum_with(parameters, rope, force, force_rate):
     """The same with so much mass of rope [kg]."""
     mass, friction = parameters[at.WINCH_MASS] + rope, parameters[at.WINCH_FRICTION]
-    if parameters[at.WINCH_MASS] == 0.0:
+    if pulls_only(parameters):
         force = max(force, -friction)  # of which rounding may take a little, see `transaction.check_reeling`
     return Drum(
         mass,

@@ -27,6 +27,8 @@ from .boundary import BoundaryConditions
 from .continuation import given_derivatives, is_continued
 from .end_motion import estimated_rates
 from .plan import number_in
+from .properties import property_of
+from .winch import follows_force
 
 System = namedtuple("System", "plan parameters inputs state work")
 System.__doc__ = """The flat arrays of a system, see `plan_layout.py`.
@@ -105,6 +107,18 @@ def has_sheaves(system):
 
 
 @kernel
+def coordinates_in(system):
+    """Number of sheaves, and of drums that may turn beside them; see `points/coordinates.py`."""
+    return number_in(system.plan, places.COORDINATES)
+
+
+@kernel
+def has_coordinates(system):
+    """Whether there is any."""
+    return coordinates_in(system) > 0
+
+
+@kernel
 def goes_on(system, k):
     """Whether line k goes on over a sheave at its end."""
     return number_of_line(system, k, places.THROUGH) != 0
@@ -120,6 +134,26 @@ def comes_from(system, k):
 def is_portion(system, k):
     """Whether line k is a portion of one that runs over sheaves."""
     return has_sheaves(system) and (goes_on(system, k) or comes_from(system, k))
+
+
+@kernel
+def is_turned(system, k):
+    """Whether drums that turn beside sheaves, or hold several lines, pay out line k."""
+    if not has_coordinates(system):
+        return False
+    return parameters_of(system, k)[at.HELD_BY] != 0.0 and follows_force(parameters_of(system, k))
+
+
+@kernel
+def is_rope(system, k):
+    """Whether rope may run into line k or out of it, over a sheave or off such a drum."""
+    return is_portion(system, k) or is_turned(system, k)
+
+
+@kernel
+def stiffness_of(system, k):
+    """EA [N] of the first segment of line k."""
+    return property_of(conditions_of(system, k), 0, at.STIFFNESS)
 
 
 @view

@@ -30,7 +30,7 @@ Passing = namedtuple("Passing", "sign at_p at_q")
 Passing.__doc__ = """A coordinate y at a segment: e, and its weights W_p and W_q."""
 
 Rope = namedtuple("Rope", "share rest half taut taut_damper slack slack_damper")
-Rope.__doc__ = """What all segments of a portion have, which is of one tether.
+Rope.__doc__ = """What all segments have of a portion over sheaves, which is of one tether; or one segment of another line.
 
 share, rest : in its length [-], [m].  half : mu/2 [kg/m].  taut, slack : stiffness [N/m], and dampers [N s/m].
 """
@@ -54,13 +54,13 @@ def half_density(chain, s):
 
 
 @view
-def rope_of(chain):
-    """`Rope` of a portion."""
-    rest = rest_length(chain, 0)
-    taut, taut_damper = segment.stiffness(chain, 0, segment.TAUT, rest)
-    slack, slack_damper = segment.stiffness(chain, 0, segment.SLACK, rest)
-    share = property_of(chain, 0, at.SHARE)
-    return Rope(share, rest, half_density(chain, 0), taut, taut_damper, slack, slack_damper)
+def rope_of(chain, s):
+    """`Rope` of segment s, and of a portion, all of whose segments are alike."""
+    rest = rest_length(chain, s)
+    taut, taut_damper = segment.stiffness(chain, s, segment.TAUT, rest)
+    slack, slack_damper = segment.stiffness(chain, s, segment.SLACK, rest)
+    share = property_of(chain, s, at.SHARE)
+    return Rope(share, rest, half_density(chain, s), taut, taut_damper, slack, slack_damper)
 
 
 @kernel

@@ -131,12 +131,18 @@ def winch_speed(parameters, inputs, state):
 
 
 @kernel
+def pulls_only(parameters):
+    """Whether the force of the winch can be no less than minus its friction: it has no mass, and holds what it pays out."""
+    return parameters[at.WINCH_MASS] == 0.0 and parameters[at.PULLS_BACK] == 0.0
+
+
+@kernel
 def force_rate(parameters, inputs, estimate, step, state):
     """Rate [N/s] at which the force of the winch continues in a step [s], from an estimate.
 
     A winch without mass can pull only: its force is extrapolated to no less than minus its friction.
     """
-    if parameters[at.WINCH_MASS] == 0.0:
+    if pulls_only(parameters):
         estimate = max(estimate, -(inputs[at.WINCH_FORCE] + parameters[at.WINCH_FRICTION]) / step)
     return given_derivative(state, at.WINCH_FORCE, estimate)
 

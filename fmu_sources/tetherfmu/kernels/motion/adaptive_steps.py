@@ -14,8 +14,7 @@ from ..compilation import kernel
 from ..equations.lines import (
     clear,
     conditions_of,
-    goes_on,
-    has_sheaves,
+    has_coordinates,
     lines_of,
     motion_of,
     points_of,
@@ -37,7 +36,7 @@ from ..line.step_control import (
 from ..line.taut_slack import keep_energy_of_drum
 from ..linear_algebra.vectors import get
 from ..points import system_step
-from ..points.sheave_room import is_any_running, runs_over
+from ..points.coordinates import is_any_running
 from ..points.system_drums import chain_in_step
 from ..points.system_room import (
     LARGEST,
@@ -55,7 +54,7 @@ from ..points.system_step import apply_changes, collect_changes, whole_masses
 from .breaks import begin_breaks, break_lines, can_any_break, part_to_break
 from .pieces import MOST_IDLE, accept_drum, begin_drums, drum_error, error_of_drum, part_to_event, project_drums, turn_drums
 from .rope_directions import turn_ropes
-from .running_ropes import accept_ropes, begin_ropes, error_of_rope, part_to_rope_event
+from .running_ropes import accept_ropes, begin_ropes, error_of_ropes, part_to_rope_event
 
 
 @kernel
@@ -70,8 +69,6 @@ def larger_error(a, b):
 def error_of_line(system, k, time, h):
     """Error of the step of h [s] to a time [s] of the communication step in line k, over what is allowed [-]."""
     error = error_of_drum(system, k, h) if has_drum(system, k) else 0.0
-    if is_any_running(system) and goes_on(system, k) and runs_over(system, k):
-        error = error_of_rope(system, k, h)
     if error < inf:
         w, chain, (_, v) = integrator_of(system, k), chain_in_step(system, k, time), motion_of(system, k)
         of_line, largest = error_of_step(conditions_of(system, k), chain, h, v, drum_error(system, k), w)
@@ -89,7 +86,7 @@ def error_of_lines(system, time, h):
     (`taut_slack.keep_energy`).
     """
     clear(points_of(system).change)
-    error, changed = 0.0, 0
+    error, changed = error_of_ropes(system, h) if has_coordinates(system) else 0.0, 0
     for k in range(lines_of(system)):
         if moves(system, k):
             w = integrator_of(system, k)
@@ -115,7 +112,7 @@ def attempt(system, time, h):
 
 @kernel
 def accept(system, time, h, is_last):
-    """Let lines, drums and sheaves (modified) have the results of the step of h [s] from a time [s] on.
+    """Let lines, drums and coordinates (modified) have the results of the step of h [s] from a time [s] on.
 
     is_last : of the communication step.
     """
@@ -129,7 +126,7 @@ def accept(system, time, h, is_last):
     for k in range(lines_of(system)):
         if has_drum(system, k):
             accept_drum(system, k)
-    if has_sheaves(system):
+    if has_coordinates(system):
         accept_ropes(system, time, h)
 
 
@@ -161,7 +158,7 @@ def integrate(system, duration):
     budget = at.WORK_BUDGET // work_of(system)
     tried, rejected_before = 0, False
     begin_drums(system)
-    if has_sheaves(system):
+    if has_coordinates(system):
         begin_ropes(system)
     may_break = begin_breaks(system)
     is_new = True  # whether a piece begins
@@ -177,7 +174,7 @@ def integrate(system, duration):
         if is_new:
             if not turn_drums(system, time, duration):
                 return NO_LENGTH
-            if has_sheaves(system):
+            if has_coordinates(system):
                 turn_ropes(system, time)
             is_new, piece, weight = False, beyond - time if beyond > time else inf, 1.0
         h_now, is_last = even_step(duration - time, h)
@@ -190,7 +187,7 @@ def integrate(system, duration):
             memory[at.REJECTIONS] += 1.0
             continue
         before_event = part_to_event(system, time, h_now, weight)
-        if has_sheaves(system):
+        if has_coordinates(system):
             before_event = min(before_event, part_to_rope_event(system, time, h_now, weight))
         if may_break:
             before_event = min(before_event, part_to_break(system, time, h_now, weight))

@@ -1,4 +1,4 @@
-"""Ropes over sheaves within a communication step of the adaptive solver: over which rope runs, and what ends a piece.
+"""Ropes over sheaves and off drums within a communication step of the adaptive solver: which run, and what ends a piece.
 
 A sheave without losses runs always. One with friction is held while the tensions on both sides are within the cone
 1/E <= T_1/T_2 <= E, and begins to run where they leave it; it comes to rest where its speed gets 0. A portion that is as
@@ -11,37 +11,47 @@ from ..compilation import kernel
 from ..equations import winch
 from ..equations.lines import (
     add_at,
-    comes_from,
-    goes_on,
+    free_points,
     is_at_point,
-    is_portion,
+    is_rope,
+    is_turned,
     lines_of,
     motion_of,
     point_at,
     points_of,
     put_reeling,
     segments_of,
-    sheaves_of,
 )
 from ..equations.rope_at_sheave import IN, OUT
 from ..line.drum_events import OVERLOAD
 from ..linear_algebra import small_matrix
 from ..linear_algebra.vectors import NEUTRAL, get, scale
 from ..points import sheave_room as at_sheave
-from ..points.sheave_pulls import column_at_point, has_friction, loss_at_stage, number_of
+from ..points.coordinates import (
+    coordinate_at,
+    count_of,
+    first_portion,
+    is_drum,
+    last_portion,
+    own_numbers,
+    runs,
+    weight_of,
+)
+from ..points.running_drums import friction_of_drum
+from ..points.sheave_pulls import column_of, loss_at_stage
 from ..points.sheave_room import (
     PULLED,
     array_at,
     is_running,
+    longest_of,
     numbers_at,
-    runs_over,
     shared_of,
     shortest_of,
     winch_of,
 )
 from ..points.sheaves import hold_row, take_tensions
 from ..points.system_room import integrator_of
-from .rope_states import evaluate, hold
+from .rope_states import evaluate, has_friction, hold
 
 AT_STOP = 1e-9  # of the shortest length: a portion that is longer by less is as short as it may be
 MOST_STARTS = 2  # of a sheave while it is sought over which of them rope runs
@@ -54,70 +64,92 @@ def is_short(system, k):
 
 
 @kernel
-def may_run(system, k, sign):
-    """Whether rope may run forwards (sign 1) or backwards (-1) over the sheave at the end of line k."""
-    return not is_short(system, k if sign > 0.0 else k + 1)
+def is_long(system, k):
+    """Whether line k is as long as its drum may pay it out."""
+    return is_turned(system, k) and numbers_at(system, k)[at_sheave.LENGTH_NOW] >= (1.0 - AT_STOP) * longest_of(system, k)
 
 
 @kernel
-def has_to_stop(system, k):
-    """Whether rope runs over the sheave at the end of line k from a portion that is as short as it may be."""
-    speed = numbers_at(system, k)[at_sheave.SPEED]
-    return speed != 0.0 and not may_run(system, k, 1.0 if speed > 0.0 else -1.0)
+def growth_of(system, c, k):
+    """By how much a coordinate makes portion k longer for each metre that passes [-]."""
+    return weight_of(system, c, k, IN) - weight_of(system, c, k, OUT)
 
 
 @kernel
-def urge(system, k, sign):
-    """Force [N] with which the sheave at the end of line k, which is held, is pulled forwards (1) or backwards (-1)."""
-    numbers, loss = numbers_at(system, k), loss_at_stage(system, k)
+def may_run(system, c, sign):
+    """Whether a coordinate may run forwards (sign 1) or backwards (-1): no portion that changes is at a stop."""
+    stops = 0
+    for k in range(first_portion(system, c), last_portion(system, c) + 1):
+        growth = sign * growth_of(system, c, k)
+        stops += (growth < 0.0 and is_short(system, k)) or (growth > 0.0 and is_long(system, k))
+    return stops == 0
+
+
+@kernel
+def has_to_stop(system, c):
+    """Whether a coordinate runs on a portion that is as short as it may be."""
+    speed = own_numbers(system, c)[at_sheave.SPEED]
+    return speed != 0.0 and not may_run(system, c, 1.0 if speed > 0.0 else -1.0)
+
+
+@kernel
+def urge(system, c, sign):
+    """Force [N] with which a coordinate that is held is pulled forwards (sign 1) or backwards (-1)."""
+    numbers = own_numbers(system, c)
     behind, ahead = numbers[at_sheave.TENSION_BEHIND], numbers[at_sheave.TENSION_AHEAD]
+    if is_drum(system, c):
+        return sign * (ahead - behind) - friction_of_drum(system, c)
+    loss = loss_at_stage(system, c)
     if sign > 0.0:
         return ahead - behind - (loss - 1.0) * max(behind, 0.0)
     return behind - ahead - (loss - 1.0) * max(ahead, 0.0)
 
 
 @kernel
-def overload(system, k):
-    """Force [N] beyond its friction with which the sheave at the end of line k begins to run."""
-    numbers = numbers_at(system, k)
+def overload(system, c):
+    """Force [N] beyond its friction with which a coordinate begins to run."""
+    numbers = own_numbers(system, c)
+    if is_drum(system, c):
+        return OVERLOAD * numbers[at_sheave.BEHIND]
     return OVERLOAD * (abs(numbers[at_sheave.TENSION_BEHIND]) + abs(numbers[at_sheave.TENSION_AHEAD]))
 
 
 @kernel
-def set_running(system, k, sign):
-    """Let rope run over the sheave at the end of line k (modified) in a direction, 0 for any."""
-    numbers = numbers_at(system, k)
+def set_running(system, c, sign):
+    """Let a coordinate (modified) run in a direction, 0 for any."""
+    numbers = own_numbers(system, c)
     numbers[at_sheave.RUNS], numbers[at_sheave.SIGN] = 1.0, sign
 
 
 @kernel
 def begin_directions(system):
-    """Over which sheaves rope runs as far as their speeds say (modified); how many more it may begin to run over."""
+    """Which coordinates run as far as their speeds say (modified); how many more may begin to."""
     undecided = 0
-    for k in range(lines_of(system)):
-        if goes_on(system, k):
-            speed = numbers_at(system, k)[at_sheave.SPEED]
-            is_open = may_run(system, k, 1.0) and may_run(system, k, -1.0)
-            if not has_friction(system, k) and (is_open or speed != 0.0):
-                set_running(system, k, 0.0)
-            elif speed != 0.0:
-                set_running(system, k, 1.0 if speed > 0.0 else -1.0)
-            else:
-                hold(system, k)
-                undecided += 1
+    for j in range(count_of(system)):
+        c = coordinate_at(system, j)
+        speed = own_numbers(system, c)[at_sheave.SPEED]
+        is_open = may_run(system, c, 1.0) and may_run(system, c, -1.0)
+        if not has_friction(system, c) and (is_open or speed != 0.0):
+            set_running(system, c, 0.0)
+        elif speed != 0.0:
+            set_running(system, c, 1.0 if speed > 0.0 else -1.0)
+        else:
+            hold(system, c)
+            undecided += 1
     return undecided
 
 
 @kernel
 def hold_what_turns_round(system):
-    """Hold the sheave that would turn round at once, the fastest one of them (modified); whether there is one."""
+    """Hold the coordinate that would turn round at once, the fastest one of them (modified); whether there is one."""
     found, most = -1, 0.0
-    for k in range(lines_of(system)):
-        if goes_on(system, k) and runs_over(system, k):
-            numbers = numbers_at(system, k)
+    for j in range(count_of(system)):
+        c = coordinate_at(system, j)
+        if runs(system, c):
+            numbers = own_numbers(system, c)
             back = -numbers[at_sheave.SIGN] * numbers[at_sheave.GAIN]
             if numbers[at_sheave.SPEED] == 0.0 and back > most:
-                found, most = k, back
+                found, most = c, back
     if found >= 0:
         hold(system, found)
     return found >= 0
@@ -125,86 +157,94 @@ def hold_what_turns_round(system):
 
 @kernel
 def start_what_is_pulled(system):
-    """Let rope run over the sheave that is pulled most beyond its friction (modified); whether there is one.
+    """Let the coordinate run that is pulled most beyond its friction (modified); whether there is one.
 
     Each is started no more than twice, in whatever direction.
     """
     found, most, way = -1, 0.0, 0.0
-    for k in range(lines_of(system)):
-        if goes_on(system, k) and not runs_over(system, k) and numbers_at(system, k)[at_sheave.STARTED] < MOST_STARTS:
-            margin = overload(system, k)
+    for j in range(count_of(system)):
+        c = coordinate_at(system, j)
+        if not runs(system, c) and own_numbers(system, c)[at_sheave.STARTED] < MOST_STARTS:
+            margin = overload(system, c)
             for sign in (1.0, -1.0):
-                pulled = urge(system, k, sign)
-                if may_run(system, k, sign) and pulled > most * margin:
-                    found, most, way = k, pulled / margin, sign
+                pulled = urge(system, c, sign)
+                if may_run(system, c, sign) and pulled > most * margin:
+                    found, most, way = c, pulled / margin, sign
     if found >= 0:
         set_running(system, found, way)
-        numbers_at(system, found)[at_sheave.STARTED] += 1.0
+        own_numbers(system, found)[at_sheave.STARTED] += 1.0
     return found >= 0
 
 
 @kernel
 def stop_ropes(system, time):
-    """Stop all sheaves that have to (modified), with the jumps of velocities of nodes and points (modified) that this is."""
+    """Stop all coordinates that have to (modified), with the jumps of velocities of nodes and points (modified)."""
     stops = 0
-    for k in range(lines_of(system)):
-        if goes_on(system, k):
-            stops += has_to_stop(system, k)
+    for j in range(count_of(system)):
+        stops += has_to_stop(system, coordinate_at(system, j))
     if stops == 0:
         return
     evaluate(system, time, time, False)
-    count, (matrix, _, right, _, _) = sheaves_of(system), shared_of(system)
+    count, (matrix, _, right, _, _) = count_of(system), shared_of(system)
     small_matrix.set_to_zero(count, matrix)
-    for k in range(lines_of(system)):
-        if goes_on(system, k):
-            take_tensions(system, k, matrix, right)
-            right[number_of(system, k)] = 0.0
-            if not runs_over(system, k) or has_to_stop(system, k):
-                hold_row(system, k, matrix, right)
-                right[number_of(system, k)] = -numbers_at(system, k)[at_sheave.SPEED]
+    for j in range(count):
+        c = coordinate_at(system, j)
+        take_tensions(system, c, time, matrix, right)
+        right[j] = 0.0
+        if not runs(system, c) or has_to_stop(system, c):
+            hold_row(system, c, matrix, right)
+            right[j] = -own_numbers(system, c)[at_sheave.SPEED]
     if not small_matrix.solve(count, matrix, right):
         return
     for k in range(lines_of(system)):
-        if is_portion(system, k):
+        if is_rope(system, k):
             jump_inner(system, k, right)
-    for k in range(lines_of(system)):
-        if goes_on(system, k):
-            numbers, change = numbers_at(system, k), right[number_of(system, k)]
-            if is_at_point(system, k, 1):
-                jump_point(system, k, change)
-            if has_to_stop(system, k):
-                hold(system, k)
-                numbers[at_sheave.SPEED] = 0.0
-            else:
-                numbers[at_sheave.SPEED] += change
+    for j in range(count):
+        c, change = coordinate_at(system, j), right[j]
+        numbers = own_numbers(system, c)
+        jump_points(system, c, change)
+        if has_to_stop(system, c):
+            hold(system, c)
+            numbers[at_sheave.SPEED] = 0.0
+        else:
+            numbers[at_sheave.SPEED] += change
+
+
+@kernel
+def change_at(system, k, side, changes):
+    """What changes of the speeds of the coordinates are at an end of portion k [m/s]."""
+    total = 0.0
+    for j in range(count_of(system)):
+        total += weight_of(system, coordinate_at(system, j), k, side) * changes[j]
+    return total
 
 
 @kernel
 def jump_inner(system, k, changes):
-    """Let the inner nodes of portion k (modified) take the changes of the speeds of its sheaves [m/s]."""
+    """Let the inner nodes of portion k (modified) take the changes of the speeds of its coordinates [m/s]."""
     w, (_, v) = integrator_of(system, k), motion_of(system, k)
     for side in (IN, OUT):
-        if comes_from(system, k) if side == IN else goes_on(system, k):
-            change, col = changes[number_of(system, k - 1 if side == IN else k)], array_at(system, k, PULLED, side)
-            for i in range(1, segments_of(system, k)):
-                add_at(v, i, scale(change / w.stage_mass[i], get(col, i)))
+        change, col = change_at(system, k, side, changes), array_at(system, k, PULLED, side)
+        for i in range(1, segments_of(system, k)):
+            add_at(v, i, scale(change / w.stage_mass[i], get(col, i)))
 
 
 @kernel
-def jump_point(system, k, change):
-    """Let the free point at the end of line k (modified, in all its lines) take a change of the speed of that sheave."""
-    point = point_at(system, k, 1)
-    jump = scale(change / points_of(system).stage_mass[point], column_at_point(system, k))
-    for other in range(lines_of(system)):
-        for end in range(2):
-            if is_at_point(system, other, end) and point_at(system, other, end) == point:
-                _, v = motion_of(system, other)
-                add_at(v, segments_of(system, other) * end, jump)
+def jump_points(system, c, change):
+    """Let the free points at a coordinate (modified, in all their lines) take a change of its speed [m/s]."""
+    for point in range(free_points(system)):
+        if is_drum(system, c) or point_at(system, c, 1) == point:
+            jump = scale(change / points_of(system).stage_mass[point], column_of(system, c, point))
+            for other in range(lines_of(system)):
+                for end in range(2):
+                    if is_at_point(system, other, end) and point_at(system, other, end) == point:
+                        _, v = motion_of(system, other)
+                        add_at(v, segments_of(system, other) * end, jump)
 
 
 @kernel
 def take_reeling(system, k, time):
-    """Let the length of portion k (modified) change by itself as far as no sheave beside it runs, from a time [s] on."""
+    """Let the length of portion k (modified) change by itself as far as no coordinate runs there, from a time [s] on."""
     numbers, length = numbers_at(system, k), numbers_at(system, k)[at_sheave.LENGTH_NOW]
     if is_running(system, k):
         numbers[at_sheave.HAS_RUN] = 1.0
@@ -217,15 +257,15 @@ def take_reeling(system, k, time):
 
 @kernel
 def turn_ropes(system, time):
-    """Find over which sheaves (modified) rope runs from a time [s] on."""
+    """Find which coordinates (modified) run from a time [s] on."""
     begin_directions(system)
     stop_ropes(system, time)
     if begin_directions(system) > 0:
-        for k in range(lines_of(system)):
-            numbers_at(system, k)[at_sheave.STARTED] = 0.0
+        for j in range(count_of(system)):
+            own_numbers(system, coordinate_at(system, j))[at_sheave.STARTED] = 0.0
         evaluate(system, time, time, False)
         while hold_what_turns_round(system) or start_what_is_pulled(system):
             evaluate(system, time, time, False)
     for k in range(lines_of(system)):
-        if is_portion(system, k):
+        if is_rope(system, k):
             take_reeling(system, k, time)

@@ -13,10 +13,13 @@ from ..equations.lines import (
     goes_on,
     is_at_point,
     is_portion,
+    is_rope,
+    is_turned,
     lines_of,
     motion_of,
     segments_of,
     state_of,
+    stiffness_of,
 )
 from ..equations.notes import note
 from ..equations.rope_at_drum import tension_of
@@ -25,11 +28,13 @@ from ..line import contact, rosenbrock
 from ..linear_algebra.both_ends import interleave
 from ..linear_algebra.vectors import dot, get, put_at
 from ..points import sheave_room as at_sheave
-from ..points.sheave_pulls import acceleration_at_sheave, end_acceleration, has_friction, stiffness_of, take_pulls
+from ..points.coordinates import carries_drum, coordinate_at, count_of, is_any_running, is_drum, own_numbers
+from ..points.running_drums import friction_of_drum
+from ..points.sheave_pulls import acceleration_at_sheave, end_acceleration, has_losses, take_pulls
 from ..points.sheave_room import (
     PULLED,
     array_at,
-    is_any_running,
+    drum_numbers_at,
     numbers_at,
     portion_in_step,
 )
@@ -49,22 +54,21 @@ def nodes_of(system, k, is_after):
 @view
 def chain_now(system, k, time):
     """The `Chain` of line k in `evaluate`."""
-    if is_portion(system, k):
+    if is_rope(system, k):
         return portion_in_step(system, k)
     return chain_during(conditions_of(system, k), time)
 
 
 @kernel
 def evaluate(system, start, time, is_after):
-    """Tensions at all sheaves, and u' of those over which rope runs (modified), at a time [s]; scratch space is modified.
+    """Tensions at all coordinates, and u' of those that run (modified), at a time [s]; scratch space is modified.
 
     is_after : of a step that is tried and began at `start` [s]; else of the states, and start is that time.
     """
     if not is_after or not is_any_running(system):
-        for k in range(lines_of(system)):
-            if goes_on(system, k):
-                numbers = numbers_at(system, k)
-                numbers[at_sheave.PASSED], numbers[at_sheave.STAGE_SPEED] = 0.0, numbers[at_sheave.SPEED]
+        for j in range(count_of(system)):
+            numbers = own_numbers(system, coordinate_at(system, j))
+            numbers[at_sheave.PASSED], numbers[at_sheave.STAGE_SPEED] = 0.0, numbers[at_sheave.SPEED]
         take_lengths(system, start, time)
     for k in range(lines_of(system)):
         n, conditions, w, (x, v) = (
@@ -84,7 +88,7 @@ def evaluate(system, start, time, is_after):
         rosenbrock.stage_force(conditions, chain, time, w)
     stage_masses(system)
     for k in range(lines_of(system)):
-        if is_portion(system, k):
+        if is_rope(system, k):
             take_pulls(system, k, time)
     solve_gains(system, time)
 
@@ -96,7 +100,7 @@ def end_tension(system, k, end, time):
     total, col = numbers[at_sheave.PULL + end], get(array_at(system, k, PULLED, end), n * end)
     if end == IN and goes_on(system, k):
         total += numbers[at_sheave.YIELD + 1] * numbers[at_sheave.GAIN]
-    if end == OUT and comes_from(system, k):
+    if end == OUT and (comes_from(system, k) or is_turned(system, k)):
         total += numbers[at_sheave.YIELD + 1] * numbers[at_sheave.INTO_GAIN]
     if is_at_point(system, k, end):
         total += dot(col, end_acceleration(system, k, end, time))
@@ -105,11 +109,18 @@ def end_tension(system, k, end, time):
 
 @kernel
 def write_tensions(system, time):
-    """Tensions at both ends of all portions into their states (modified), after `evaluate`; none at a sheave is noted."""
+    """Tensions at both ends of all portions into their states (modified), after `evaluate`; none at a sheave is noted.
+
+    And where lines leave drums.
+    """
     for k in range(lines_of(system)):
+        if is_turned(system, k):
+            state_of(system, k)[at.TENSION_AT_DRUM] = numbers_at(system, k)[at_sheave.TENSION_IN]
         if is_portion(system, k):
             state = state_of(system, k)
-            if not comes_from(system, k):
+            if is_turned(system, k):
+                state[at.TENSION_FROM] = numbers_at(system, k)[at_sheave.TENSION_IN]
+            elif not comes_from(system, k):
                 state[at.TENSION_FROM] = end_tension(system, k, IN, time)
             else:
                 state[at.TENSION_FROM] = numbers_at(system, k - 1)[at_sheave.TENSION_AHEAD]
@@ -128,30 +139,39 @@ def write_tensions(system, time):
 
 
 @kernel
-def hold(system, k):
-    """Hold the sheave at the end of line k (modified)."""
-    numbers = numbers_at(system, k)
+def has_friction(system, c):
+    """Whether friction may hold a coordinate."""
+    return friction_of_drum(system, c) > 0.0 if is_drum(system, c) else has_losses(system, c)
+
+
+@kernel
+def hold(system, c):
+    """Hold a coordinate (modified)."""
+    numbers = own_numbers(system, c)
     numbers[at_sheave.RUNS] = numbers[at_sheave.SIGN] = numbers[at_sheave.GAIN] = 0.0
 
 
 @kernel
 def begin_end(system):
-    """Let sheaves that rest (modified) be held, so that they gain no speed, but for those without friction."""
-    for k in range(lines_of(system)):
-        if goes_on(system, k):
-            numbers = numbers_at(system, k)
-            if numbers[at_sheave.SPEED] == 0.0 and has_friction(system, k):
-                hold(system, k)
+    """Let coordinates that rest (modified) be held, so that they gain no speed, but for those without friction."""
+    for j in range(count_of(system)):
+        c = coordinate_at(system, j)
+        if own_numbers(system, c)[at_sheave.SPEED] == 0.0 and has_friction(system, c):
+            hold(system, c)
 
 
 @kernel
 def end_ropes(system, time):
-    """Let the states (modified) have what sheaves and portions have at the end of a communication step, a time [s]."""
+    """Let the states (modified) have what coordinates and portions have at the end of a communication step, a time [s]."""
     begin_end(system)
     evaluate(system, time, time, False)
     write_tensions(system, time)
     for k in range(lines_of(system)):
-        if is_portion(system, k):
+        if carries_drum(system, k):
+            drum, state = drum_numbers_at(system, k), state_of(system, k)
+            state[at.DRUM_PAYOUT] += drum[at_sheave.PAID]
+            state[at.DRUM_SPEED], state[at.DRUM_ACCELERATION] = drum[at_sheave.SPEED], drum[at_sheave.GAIN]
+        if is_rope(system, k):
             numbers, state = numbers_at(system, k), state_of(system, k)
             leaving = gain = 0.0
             if goes_on(system, k):

@@ -13,102 +13,141 @@ from ..equations.lines import (
     comes_from,
     conditions_of,
     goes_on,
-    is_portion,
+    is_rope,
+    is_turned,
     lines_of,
     motion_of,
     state_of,
 )
+from ..equations.rope_at_sheave import IN, OUT
 from ..line.drum_events import SLOW, part_of_piece
 from ..line.rodas4p import GAMMA
 from ..line.step_control import allowed_errors
 from ..points import sheave_room as at_sheave
-from ..points.sheave_pulls import number_sheaves
+from ..points.coordinates import (
+    carries_drum,
+    coordinate_at,
+    count_of,
+    count_running,
+    first_portion,
+    last_portion,
+    line_of,
+    number_coordinates,
+    own_numbers,
+    runs,
+    weight_of,
+)
 from ..points.sheave_room import (
+    drum_numbers_at,
+    longest_of,
     numbers_at,
-    runs_over,
     shortest_of,
+    through,
     winch_of,
 )
-from .rope_directions import may_run, overload, urge
+from .rope_directions import growth_of, may_run, overload, urge
 from .rope_states import evaluate
 
 LOCATED = 1e-10  # of it: how far a piece may end beyond
-SHORT_BEHIND, SHORT_AHEAD, RESTS, FORWARDS, BACKWARDS, NO_EVENT = range(6)  # events that end a piece
+STOPS_FORWARDS, STOPS_BACKWARDS, RESTS, FORWARDS, BACKWARDS, NO_EVENT = range(6)  # events that end a piece
 
 
 @kernel
 def begin_ropes(system):
-    """Let all sheaves and portions (modified) begin a communication step with their states."""
-    number_sheaves(system)
+    """Let all coordinates and portions (modified) begin a communication step with their states."""
+    number_coordinates(system)
     for k in range(lines_of(system)):
-        if is_portion(system, k):
+        if is_rope(system, k):
             numbers, state, reeling = numbers_at(system, k), state_of(system, k), conditions_of(system, k).reeling
             numbers[at_sheave.LENGTH_NOW] = reeling[0]
             for i in range(5):
                 numbers[at_sheave.WINCH + i] = reeling[i]
-            numbers[at_sheave.SPEED] = state[at.SHEAVE_SPEED] if goes_on(system, k) else 0.0
-            numbers[at_sheave.PAID] = numbers[at_sheave.HAS_RUN] = numbers[at_sheave.RUNS] = 0.0
-            numbers[at_sheave.GAIN] = state[at.SHEAVE_ACCELERATION]
-            numbers[at_sheave.SIGN] = 0.0
+            numbers[at_sheave.HAS_RUN] = 0.0
+            begin_coordinate(numbers, state[at.SHEAVE_SPEED] if goes_on(system, k) else 0.0, state[at.SHEAVE_ACCELERATION])
+        if carries_drum(system, k):
+            state = state_of(system, k)
+            begin_coordinate(drum_numbers_at(system, k), state[at.DRUM_SPEED], state[at.DRUM_ACCELERATION])
 
 
 @kernel
-def error_of_rope(system, k, h):
-    """Error of the sheave at the end of line k in a step of h [s] over what is allowed [-], as of a node that moves so."""
-    numbers, worst = numbers_at(system, k), 0.0
-    for j in (k, k + 1):
-        _, v = motion_of(system, j)
-        position_scale, velocity_scale = allowed_errors(conditions_of(system, j), v)
-        fastest = max(abs(numbers[at_sheave.SPEED]), abs(numbers[at_sheave.STAGE_SPEED]))
-        velocity_scale = max(velocity_scale, conditions_of(system, j).parameters[at.RELATIVE_TOLERANCE] * fastest)
-        worst = max(worst, abs(GAMMA * h * numbers[at_sheave.SOLUTION]) / position_scale)
-        worst = max(worst, abs(numbers[at_sheave.INCREMENT]) / velocity_scale)
+def begin_coordinate(numbers, speed, gain):
+    """Let a coordinate with these numbers (modified) begin a communication step with a speed [m/s] and u' [m/s2]."""
+    numbers[at_sheave.SPEED], numbers[at_sheave.GAIN] = speed, gain
+    numbers[at_sheave.PAID] = numbers[at_sheave.RUNS] = numbers[at_sheave.SIGN] = 0.0
+
+
+@kernel
+def error_of_rope(system, c, h):
+    """Error of a coordinate in a step of h [s] over what is allowed [-], as of a node that moves with the rope there."""
+    numbers, worst = own_numbers(system, c), 0.0
+    for k in range(first_portion(system, c), last_portion(system, c) + 1):
+        weight = abs(weight_of(system, c, k, IN)) + weight_of(system, c, k, OUT)
+        if weight != 0.0:
+            _, v = motion_of(system, k)
+            position_scale, velocity_scale = allowed_errors(conditions_of(system, k), v)
+            fastest = weight * max(abs(numbers[at_sheave.SPEED]), abs(numbers[at_sheave.STAGE_SPEED]))
+            velocity_scale = max(velocity_scale, conditions_of(system, k).parameters[at.RELATIVE_TOLERANCE] * fastest)
+            worst = max(worst, weight * abs(GAMMA * h * numbers[at_sheave.SOLUTION]) / position_scale)
+            worst = max(worst, weight * abs(numbers[at_sheave.INCREMENT]) / velocity_scale)
     return worst
 
 
 @kernel
-def room_of_sheave(system, k, event, is_after):
-    """Room until an event of the sheave at the end of line k, over how far below 0 is as good as 0 [-]; inf: there is none.
+def error_of_ropes(system, h):
+    """The largest one of those that run."""
+    worst = 0.0
+    for j in range(count_of(system)):
+        c = coordinate_at(system, j)
+        if runs(system, c):
+            worst = max(worst, error_of_rope(system, c, h))
+    return worst
+
+
+@kernel
+def room_to_stop(system, c, sign, is_after):
+    """Room until a coordinate that runs forwards (sign 1) or backwards (-1) comes to a stop, as `room_of_coordinate`."""
+    least, which = inf, at_sheave.LENGTH if is_after else at_sheave.LENGTH_NOW
+    for k in range(first_portion(system, c), last_portion(system, c) + 1):
+        growth, length = sign * growth_of(system, c, k), numbers_at(system, k)[which]
+        if growth < 0.0:
+            least = min(least, (length - shortest_of(system, k)) / (LOCATED * shortest_of(system, k)))
+        elif growth > 0.0 and is_turned(system, k):
+            least = min(least, (longest_of(system, k) - length) / (LOCATED * longest_of(system, k)))
+    return least
+
+
+@kernel
+def room_of_coordinate(system, c, event, is_after):
+    """Room until an event of a coordinate, over how far below 0 is as good as 0 [-]; inf: there is none.
 
     is_after : at a state that is evaluated after the step.
     """
-    numbers = numbers_at(system, k)
-    sign = 1.0 if event in (SHORT_BEHIND, FORWARDS) else -1.0
+    numbers = own_numbers(system, c)
+    sign = 1.0 if event in (STOPS_FORWARDS, FORWARDS) else -1.0
     speed = numbers[at_sheave.STAGE_SPEED if is_after else at_sheave.SPEED]
-    if event in (SHORT_BEHIND, SHORT_AHEAD):
-        j = k if event == SHORT_BEHIND else k + 1
-        if not runs_over(system, k) or (is_after and speed * sign <= 0.0):
+    if event in (STOPS_FORWARDS, STOPS_BACKWARDS):
+        if not runs(system, c) or (is_after and speed * sign <= 0.0):
             return inf
-        length = numbers_at(system, j)[at_sheave.LENGTH if is_after else at_sheave.LENGTH_NOW]
-        return (length - shortest_of(system, j)) / (LOCATED * shortest_of(system, j))
+        return room_to_stop(system, c, sign, is_after)
     if event == RESTS:
-        if not runs_over(system, k) or numbers[at_sheave.SIGN] == 0.0:
+        if not runs(system, c) or numbers[at_sheave.SIGN] == 0.0:
             return inf
-        return speed * numbers[at_sheave.SIGN] / (SLOW * numbers[at_sheave.LENGTH_NOW])
-    margin = overload(system, k)
-    if runs_over(system, k) or not may_run(system, k, sign) or margin == 0.0:
+        return speed * numbers[at_sheave.SIGN] / (SLOW * numbers_at(system, line_of(system, c))[at_sheave.LENGTH_NOW])
+    margin = overload(system, c)
+    if runs(system, c) or not may_run(system, c, sign) or margin == 0.0:
         return inf
-    return -urge(system, k, sign) / margin
+    return -urge(system, c, sign) / margin
 
 
 @kernel
-def any_held(system):
-    """Whether any sheave is held."""
-    count = 0
-    for k in range(lines_of(system)):
-        count += goes_on(system, k) and not runs_over(system, k)
-    return count > 0
-
-
-@kernel
-def find_event(system, k):
-    """The event of the sheave at the end of line k that has happened by most after a step, into RIGHT (modified).
+def find_event(system, c):
+    """The event of a coordinate that has happened by most after a step, into RIGHT (modified).
 
     And its room, into RATE; whether there is one.
     """
-    numbers, least, found = numbers_at(system, k), -1.0, NO_EVENT
+    numbers, least, found = own_numbers(system, c), -1.0, NO_EVENT
     for event in range(NO_EVENT):
-        room = room_of_sheave(system, k, event, True)
+        room = room_of_coordinate(system, c, event, True)
         if room < least:
             least, found = room, event
     numbers[at_sheave.RIGHT], numbers[at_sheave.RATE] = float(found), least
@@ -117,69 +156,58 @@ def find_event(system, k):
 
 @kernel
 def part_to_rope_event(system, time, h, weight):
-    """As `pieces.part_to_event`, of sheaves."""
-    least, happened, held = inf, 0, any_held(system)
+    """As `pieces.part_to_event`, of coordinates."""
+    least, happened, held = inf, 0, count_running(system) < count_of(system)
     if held:
         evaluate(system, time, time + h, True)
-    for k in range(lines_of(system)):
-        happened += goes_on(system, k) and find_event(system, k)
+    for j in range(count_of(system)):
+        happened += find_event(system, coordinate_at(system, j))
     if happened == 0:
         return inf
     if held:
         keep_results(system, True)
         evaluate(system, time, time, False)
         keep_results(system, False)
-    for k in range(lines_of(system)):
-        if goes_on(system, k):
-            event, over = int(numbers_at(system, k)[at_sheave.RIGHT]), numbers_at(system, k)[at_sheave.RATE]
-            if event != NO_EVENT:
-                least = min(least, part_of_piece(weight * room_of_sheave(system, k, event, False), over))
+    for j in range(count_of(system)):
+        c = coordinate_at(system, j)
+        event, over = int(own_numbers(system, c)[at_sheave.RIGHT]), own_numbers(system, c)[at_sheave.RATE]
+        if event != NO_EVENT:
+            least = min(least, part_of_piece(weight * room_of_coordinate(system, c, event, False), over))
     return least
 
 
 @kernel
 def keep_results(system, is_kept):
-    """Keep what sheaves have after a step that is tried, or put it back where `evaluate` has written (modified)."""
-    for k in range(lines_of(system)):
-        if goes_on(system, k):
-            numbers = numbers_at(system, k)
+    """Keep what coordinates have after a step that is tried, or put it back where `evaluate` has written (modified)."""
+    for j in range(count_of(system)):
+        numbers = own_numbers(system, coordinate_at(system, j))
+        for i, place in ((0, at_sheave.PASSED), (1, at_sheave.STAGE_SPEED)):
             if is_kept:
-                numbers[at_sheave.KEPT], numbers[at_sheave.KEPT + 1] = (
-                    numbers[at_sheave.PASSED],
-                    numbers[at_sheave.STAGE_SPEED],
-                )
+                numbers[at_sheave.KEPT + i] = numbers[place]
             else:
-                numbers[at_sheave.PASSED], numbers[at_sheave.STAGE_SPEED] = (
-                    numbers[at_sheave.KEPT],
-                    numbers[at_sheave.KEPT + 1],
-                )
+                numbers[place] = numbers[at_sheave.KEPT + i]
 
 
 @kernel
 def accept_ropes(system, time, h):
-    """Let all sheaves and portions (modified) have the results of the step of h [s] from a time [s] on."""
+    """Let all coordinates and portions (modified) have the results of the step of h [s] from a time [s] on."""
     for k in range(lines_of(system)):
-        if is_portion(system, k):
+        if is_rope(system, k):
             numbers = numbers_at(system, k)
             length = numbers[at_sheave.LENGTH_NOW]
-            if comes_from(system, k):
-                length += passed(system, k - 1)
+            if comes_from(system, k) or is_turned(system, k):
+                length += through(system, k, IN, at_sheave.PASSED)
             else:
                 paid = winch_of(system, k)
                 length += winch.length_at(paid, time + h) - winch.length_at(paid, time)
             if goes_on(system, k):
-                length -= passed(system, k)
+                length -= through(system, k, OUT, at_sheave.PASSED)
             numbers[at_sheave.LENGTH_NOW] = length
-    for k in range(lines_of(system)):
-        if goes_on(system, k) and runs_over(system, k):
-            numbers = numbers_at(system, k)
+    for j in range(count_of(system)):
+        c = coordinate_at(system, j)
+        if runs(system, c):
+            numbers = own_numbers(system, c)
             numbers[at_sheave.PAID] += numbers[at_sheave.PASSED]
             speed = numbers[at_sheave.STAGE_SPEED]
             turns_round = numbers[at_sheave.SIGN] * speed < 0.0
             numbers[at_sheave.SPEED] = 0.0 if turns_round else speed
-
-
-@kernel
-def passed(system, k):
-    """Rope that has passed the sheave at the end of line k in the step [m]."""
-    return numbers_at(system, k)[at_sheave.PASSED] if runs_over(system, k) else 0.0

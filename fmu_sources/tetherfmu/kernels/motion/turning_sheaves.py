@@ -29,7 +29,7 @@ from ..line.second_order import TO_NEXT, start_of_second, start_of_third
 from ..linear_algebra.vectors import NEUTRAL, dot, get, sub
 from ..points import sheave_room as at_sheave
 from ..points.fixed_sheaves import began_at, place_portions, put_speed
-from ..points.sheave_pulls import has_friction, mass_of
+from ..points.sheave_pulls import has_losses, mass_of
 from ..points.sheave_room import has_run, numbers_at, portion_gaining, shortest_of, winch_of
 from .rope_directions import begin_directions, has_to_stop, stop_ropes
 from .running_ropes import accept_ropes
@@ -87,7 +87,7 @@ def attempt_whole_step(system, time, h):
     """Let all ropes (modified) begin a step of backward Euler of h [s] at a time [s]; friction does not turn them round."""
     begin(system, time)
     for k in range(lines_of(system)):
-        if goes_on(system, k) and has_friction(system, k):
+        if goes_on(system, k) and has_losses(system, k):
             speed = numbers_at(system, k)[at_sheave.SPEED]
             numbers_at(system, k)[at_sheave.KEEPS] = 0.0 if speed == 0.0 else (1.0 if speed > 0.0 else -1.0)
     attempt(system, time, h)
@@ -169,7 +169,7 @@ def run_smoothly(system):
         if goes_on(system, k):
             numbers = numbers_at(system, k)
             stages = numbers[at_sheave.LONG_BEFORE], numbers[at_sheave.BEFORE], numbers[at_sheave.STAGE_SPEED]
-            if not turns_smoothly(has_friction(system, k), True, numbers[at_sheave.START_SPEED], *stages):
+            if not turns_smoothly(has_losses(system, k), True, numbers[at_sheave.START_SPEED], *stages):
                 return False
     return True
 

@@ -29,13 +29,15 @@ from ..equations.lines import (
     motion_of,
     segments_of,
     sheaves_of,
+    stiffness_of,
 )
 from ..equations.properties import property_of
 from ..equations.rope_at_sheave import IN, OUT
 from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, dot, get, put, scale, sub
 from . import sheave_room as at_sheave
+from .coordinates import number_of
 from .sheave_border import pivot_of, row_times, solve_column
-from .sheave_pulls import loss_with, number_of, stiffness_of
+from .sheave_pulls import loss_with, tension_in
 from .sheave_room import (
     ACCELERATIONS,
     BORDER,
@@ -48,7 +50,6 @@ from .sheave_room import (
     slopes_of,
 )
 from .sheave_slopes import close_row, take_row, turn_of
-from .sheaves import tension_in
 from .system_fixed_drums import put_reeling_column
 from .system_room import moves, scratch_of
 

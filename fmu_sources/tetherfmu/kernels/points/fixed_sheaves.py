@@ -23,12 +23,14 @@ from ..equations.lines import (
     parameters_of,
     segments_of,
     sheaves_of,
+    stiffness_of,
 )
 from ..line.drum_events import OVERLOAD
 from ..linear_algebra import small_matrix
 from . import sheave_room as at_sheave
+from .coordinates import number_of
 from .fixed_sheave_rows import add_all_columns, linearize_sheaves
-from .sheave_pulls import density_of, has_friction, mass_of, number_of, stiffness_of
+from .sheave_pulls import density_of, has_losses, mass_of
 from .sheave_room import has_run, numbers_at, shared_of, shortest_of, slopes_of
 from .sheave_stages import take_lengths
 from .sheaves import pass_gains
@@ -210,10 +212,10 @@ def seek(system, h):
             take_limits(system, k, h)
             numbers = numbers_at(system, k)
             speed, is_open = numbers[at_sheave.STAGE_SPEED], numbers[at_sheave.LOWEST] < numbers[at_sheave.HIGHEST]
-            if not is_open or (speed == 0.0 and has_friction(system, k)):
+            if not is_open or (speed == 0.0 and has_losses(system, k)):
                 numbers[at_sheave.WAY], numbers[at_sheave.SOUGHT] = HELD, 0.0
             else:
-                numbers[at_sheave.WAY] = BACKWARDS if has_friction(system, k) and speed < 0.0 else FORWARDS
+                numbers[at_sheave.WAY] = BACKWARDS if has_losses(system, k) and speed < 0.0 else FORWARDS
 
 
 @kernel
@@ -225,7 +227,7 @@ def way_of_held(system, k, of_tensions):
     if numbers[at_sheave.HIGHEST] > 0.0 and ahead - behind - loss * max(behind, 0.0) > margin:
         return FORWARDS
     if numbers[at_sheave.LOWEST] < 0.0 and behind - ahead - loss * max(ahead, 0.0) > margin:
-        return BACKWARDS if has_friction(system, k) else FORWARDS
+        return BACKWARDS if has_losses(system, k) else FORWARDS
     return HELD
 
 
@@ -234,7 +236,7 @@ def way_of_running(system, k, speed):
     """Which way a sheave that runs goes next with the speed [m/s] that was found; SOUGHT (modified), if that is given."""
     numbers, way = numbers_at(system, k), numbers_at(system, k)[at_sheave.WAY]
     lowest, highest = numbers[at_sheave.LOWEST], numbers[at_sheave.HIGHEST]
-    if has_friction(system, k):
+    if has_losses(system, k):
         lowest, highest = (max(lowest, 0.0), highest) if way == FORWARDS else (lowest, min(highest, 0.0))
     if lowest < speed < highest:
         return way
@@ -253,7 +255,7 @@ def next_way(system, k, h, changes):
         return way_of_running(system, k, numbers[at_sheave.STAGE_SPEED] + change)
     if way == HELD:
         return way_of_held(system, k, of_tensions)
-    sign = -1.0 if has_friction(system, k) and numbers[at_sheave.SOUGHT] < 0.0 else 1.0
+    sign = -1.0 if has_losses(system, k) and numbers[at_sheave.SOUGHT] < 0.0 else 1.0
     left = unbalanced(system, k, h, sign, change, of_tensions)
     return way if (left >= 0.0 if way == AT_HIGHEST else left <= 0.0) else sign
 

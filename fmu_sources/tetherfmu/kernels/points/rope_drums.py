@@ -30,6 +30,7 @@ from ..equations.lines import (
     points_of,
     rows_of,
     segments_of,
+    stiffness_of,
 )
 from ..equations.properties import property_of
 from ..line.rodas4p import GAMMA_I
@@ -67,12 +68,6 @@ SWEEPS = 8  # over drums at free points, whose accelerations depend on each othe
 def mass_of(system, k):
     """m of the drum of line k [kg]."""
     return parameters_of(system, k)[at.WINCH_MASS]
-
-
-@kernel
-def stiffness_of(system, k):
-    """EA [N] of the first segment of line k."""
-    return property_of(conditions_of(system, k), 0, at.STIFFNESS)
 
 
 @kernel

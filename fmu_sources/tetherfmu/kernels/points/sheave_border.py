@@ -1,16 +1,18 @@
-"""Sheaves in the matrix of a Rosenbrock step: a border of the system of all lines and free points.
+"""Sheaves and drums in the matrix of a Rosenbrock step: a border of the system of all lines and free points.
 
-With the accelerations of `sheaves.py`, M their derivatives by (v', u'), and M_0 those of the start of the step, a stage is
+With the accelerations of `sheaves.py` and `running_drums.py`, M their derivatives by (v', u'), and M_0 those of the start of
+the step, a stage is
 
     A q - sum_s c_s p_s = ...,   c = F_u + d F_L' + col_0/d
     sum_s' D_ss' p_s' - g_s q = M_0 (v', u') + M_0 sum_j c_ij (V_j, U_j)/h - f_v r - f_u r_s + gamma_i h df/dt
 
 with p = U_q/d of the rope that has passed and U_u of its speed, as q and V of a node. F_L' = -F_L in the portion before the
-sheave, F_L behind it. A line and the free points are solved as without sheaves; with Z_s = A^-1 c_s,
+sheave, F_L behind it; a drum has r F_L in each of its lines. A line and the free points are solved as without; with
+Z_s = A^-1 c_s,
 
     (D - g Z) p = ... + g y,   q = y + Z p
 
-so that each sheave costs one solution more for each matrix, and a vector for each stage.
+so that each of them costs one solution more for each matrix, and a vector for each stage.
 """
 
 from ..compilation import kernel, view
@@ -18,8 +20,8 @@ from ..equations.lines import (
     add_at,
     clear,
     conditions_of,
-    goes_on,
     is_at_point,
+    is_turned,
     lines_of,
     motion_of,
     point_at,
@@ -35,9 +37,22 @@ from ..linear_algebra import condensed, small_matrix
 from ..linear_algebra.both_ends import get_node
 from ..linear_algebra.point_blocks import solve_blocks
 from ..linear_algebra.vectors import dot, get
+from . import running_drums
 from . import sheave_room as at_sheave
 from .at_points import take_ends
-from .sheave_pulls import density_of, mass_of, number_of
+from .coordinates import (
+    coordinate_at,
+    count_of,
+    first_portion,
+    is_drum,
+    last_portion,
+    number_of,
+    own_numbers,
+    runs,
+    stages_of,
+    weight_of,
+)
+from .sheave_pulls import density_of, mass_of
 from .sheave_room import (
     BORDER,
     BY_SPEED,
@@ -48,15 +63,13 @@ from .sheave_room import (
     array_at,
     is_coordinate,
     numbers_at,
-    runs_over,
     shared_of,
     single_at,
+    through,
 )
 from .sheave_slopes import add_wrap, finish_row, take_row
-
-# --- slopes of forces
 from .sheave_stages import inertia_times
-from .system_room import integrator_of, moves, room_in_step, scratch_of, shares_of
+from .system_room import integrator_of, moves, room_in_step, scratch_of
 
 
 @kernel
@@ -75,9 +88,19 @@ def nodes_at_start(system, k):
 
 
 @kernel
+def cross(system, j, k, side, other, slope, d, matrix):
+    """Add what a slope by R_a or R_b (side) of portion k makes of the rate at its end `other` to row j of D (modified)."""
+    count, value = count_of(system), slope * pivot_of(numbers_at(system, k), side, other, d)
+    for i in range(count):
+        c = coordinate_at(system, i)
+        if runs(system, c):
+            matrix[count * j + i] += weight_of(system, c, k, other) * value
+
+
+@kernel
 def take_equation(system, k, time, d, matrix):
     """Row, df/dt and D of the sheave at the end of line k, over which rope runs (modified)."""
-    numbers, behind, count, j = numbers_at(system, k), numbers_at(system, k + 1), sheaves_of(system), number_of(system, k)
+    numbers, behind, count, j = numbers_at(system, k), numbers_at(system, k + 1), count_of(system), number_of(system, k)
     of_1, of_2 = numbers[at_sheave.OF_BEHIND], numbers[at_sheave.OF_AHEAD]
     take_row(system, k, OUT, of_1, nodes_at_start(system, k))
     take_row(system, k + 1, IN, of_2, nodes_at_start(system, k + 1))
@@ -88,14 +111,41 @@ def take_equation(system, k, time, d, matrix):
     numbers[at_sheave.BY_OWN] = -2.0 * losses * density_of(system, k) * numbers[at_sheave.SPEED]
     matrix[count * j + j] = pivot - numbers[at_sheave.BY_OWN]
     if is_coordinate(system, k, IN):
-        matrix[count * j + j - 1] = of_1 * pivot_of(numbers, OUT, IN, d)
+        cross(system, j, k, OUT, IN, of_1, d, matrix)
     if is_coordinate(system, k + 1, OUT):
-        matrix[count * j + j + 1] = of_2 * pivot_of(behind, IN, OUT, d)
+        cross(system, j, k + 1, IN, OUT, of_2, d, matrix)
 
 
 @kernel
-def put_column(system, k, side, d, column):
-    """Column of a sheave in the portion beside it, k, into an array (modified)."""
+def take_rows_at_drums(system, time, d):
+    """Rows of R_a, and their df/dt, of all lines that drums turn (modified), without the ratios."""
+    for k in range(lines_of(system)):
+        if is_turned(system, k) and is_coordinate(system, k, IN):
+            numbers = numbers_at(system, k)
+            take_row(system, k, IN, numbers[at_sheave.OF_IN], nodes_at_start(system, k))
+            numbers[at_sheave.RATE_IN] = finish_row(system, k, IN, numbers[at_sheave.OF_IN], time, d)
+
+
+@kernel
+def take_equation_of_drum(system, c, d, matrix):
+    """df/dt and D of a drum that turns (modified)."""
+    numbers, drum = own_numbers(system, c), running_drums.drum_with_lines(system, c)
+    count, j = count_of(system), number_of(system, c)
+    numbers[at_sheave.RATE], numbers[at_sheave.BY_OWN] = -drum.force_rate, -drum.damping
+    matrix[count * j + j] = drum.mass / d + drum.damping
+    for k in range(lines_of(system)):
+        weight = weight_of(system, c, k, IN)
+        if weight != 0.0:
+            of_line = numbers_at(system, k)
+            numbers[at_sheave.RATE] += weight * of_line[at_sheave.RATE_IN]
+            for other in (IN, OUT):
+                if is_coordinate(system, k, other):
+                    cross(system, j, k, IN, other, weight * of_line[at_sheave.OF_IN], d, matrix)
+
+
+@kernel
+def put_column(system, k, side, weight, d, column):
+    """Column of a coordinate in a portion on which it acts, k, into an array (modified)."""
     by_length, by_speed, border = (
         single_at(system, k, FORCE_BY_LENGTH),
         array_at(system, k, BY_SPEED, side),
@@ -103,7 +153,7 @@ def put_column(system, k, side, d, column):
     )
     sign = d if side == IN else -d
     for i in range(len(column)):
-        column[i] = by_speed[i] + sign * by_length[i] + border[i] / d
+        column[i] = weight * (by_speed[i] + sign * by_length[i] + border[i] / d)
 
 
 @view
@@ -114,7 +164,7 @@ def matrix_of(system, k, is_fixed):
 
 @kernel
 def solve_column(system, j, is_fixed):
-    """Solve all lines and points for the column of sheave number j, which stands in the arrays of the lines (modified).
+    """Solve all lines and points for the column of coordinate j, which stands in the arrays of the lines (modified).
 
     is_fixed : as for `matrix_of`.
     """
@@ -147,33 +197,48 @@ def row_times(system, k, side, a):
 
 @kernel
 def form_border(system, time, h):
-    """Columns, their solutions and the inverse of D - g Z of all running sheaves (modified); False if there is none.
+    """Columns, their solutions and the inverse of D - g Z of all coordinates that run (modified); False if there is none.
 
     The matrix of the points is factorized, and the forces of stage 0 are known.
     """
-    count, d, (matrix, inverse, _, _, _) = sheaves_of(system), GAMMA * h, shared_of(system)
+    count, d, (matrix, inverse, _, _, _) = count_of(system), GAMMA * h, shared_of(system)
     small_matrix.set_to_zero(count, matrix)
-    for k in range(lines_of(system)):
-        if goes_on(system, k):
-            j = number_of(system, k)
-            if runs_over(system, k):
-                take_equation(system, k, time, d, matrix)
-                for other in range(lines_of(system)):
-                    clear(single_at(system, other, SOLUTIONS + j))
-                put_column(system, k, OUT, d, single_at(system, k, SOLUTIONS + j))
-                put_column(system, k + 1, IN, d, single_at(system, k + 1, SOLUTIONS + j))
-                solve_column(system, j, False)
-            else:
-                matrix[count * j + j] = 1.0
-    for k in range(lines_of(system)):
-        if goes_on(system, k) and runs_over(system, k):
-            for other in range(lines_of(system)):
-                if goes_on(system, other) and runs_over(system, other):
-                    j = number_of(system, other)
-                    product = row_times(system, k, OUT, single_at(system, k, SOLUTIONS + j))
-                    product += row_times(system, k + 1, IN, single_at(system, k + 1, SOLUTIONS + j))
-                    matrix[count * number_of(system, k) + j] -= product
+    if count > sheaves_of(system):
+        take_rows_at_drums(system, time, d)
+    for j in range(count):
+        c = coordinate_at(system, j)
+        if not runs(system, c):
+            matrix[count * j + j] = 1.0
+            continue
+        if is_drum(system, c):
+            take_equation_of_drum(system, c, d, matrix)
+        else:
+            take_equation(system, c, time, d, matrix)
+        for k in range(lines_of(system)):
+            clear(single_at(system, k, SOLUTIONS + j))
+        for k in range(first_portion(system, c), last_portion(system, c) + 1):
+            for side in (IN, OUT):
+                weight = weight_of(system, c, k, side)
+                if weight != 0.0:
+                    put_column(system, k, side, weight, d, single_at(system, k, SOLUTIONS + j))
+        solve_column(system, j, False)
+    for j in range(count):
+        for i in range(count):
+            if runs(system, coordinate_at(system, j)) and runs(system, coordinate_at(system, i)):
+                matrix[count * j + i] -= row_of_coordinate(system, coordinate_at(system, j), SOLUTIONS + i)
     return small_matrix.invert(count, matrix, inverse)
+
+
+@kernel
+def row_of_coordinate(system, c, which):
+    """Row of a coordinate times one of the arrays of each portion on which it acts."""
+    total = 0.0
+    for k in range(first_portion(system, c), last_portion(system, c) + 1):
+        for side in (OUT, IN):
+            weight = weight_of(system, c, k, side)
+            if weight != 0.0:
+                total += weight * row_times(system, k, side, single_at(system, k, which))
+    return total
 
 
 @kernel
@@ -182,16 +247,15 @@ def subtract_known(system, k, h):
     q = integrator_of(system, k).q
     for side in (IN, OUT):
         if is_coordinate(system, k, side):
-            numbers = numbers_at(system, k - 1 if side == IN else k)
             by_speed, border = array_at(system, k, BY_SPEED, side), array_at(system, k, BORDER, side)
-            rest, added = numbers[at_sheave.REST], numbers[at_sheave.ADDED_UP] / h
+            rest, added = through(system, k, side, at_sheave.REST), through(system, k, side, at_sheave.ADDED_UP) / h
             for i in range(len(q)):
                 q[i] -= by_speed[i] * rest + border[i] * added
 
 
 @kernel
 def known_of_portion(system, k, side, weight, h):
-    """What portion k adds to the right-hand side of the sheave at one of its ends, with its solution without sheaves [N]."""
+    """What portion k adds to the right-hand side of a coordinate at one of its ends, with its solution without any [N]."""
     conditions, w, total = (
         conditions_of(system, k),
         integrator_of(system, k),
@@ -204,25 +268,44 @@ def known_of_portion(system, k, side, weight, h):
     numbers = numbers_at(system, k)
     for other in (IN, OUT):
         if is_coordinate(system, k, other):
-            rest = numbers_at(system, k - 1 if other == IN else k)[at_sheave.REST]
+            rest = through(system, k, other, at_sheave.REST)
             total -= weight * numbers[at_sheave.BY_RATE + 2 * side + other] * rest
     return total
 
 
 @kernel
-def solve_border(system, stage, h):
-    """p of all running sheaves at a stage, and what they do to the solutions of all lines (modified)."""
-    count, d, (_, inverse, right, solution, _) = sheaves_of(system), GAMMA * h, shared_of(system)
+def right_of_sheave(system, k, stage, h):
+    """Right-hand side of a stage of the sheave at the end of line k [N], with the solutions without coordinates."""
+    numbers = numbers_at(system, k)
+    of_1, of_2 = numbers[at_sheave.OF_BEHIND], numbers[at_sheave.OF_AHEAD]
+    total = numbers[at_sheave.RIGHT] + inertia_times(system, k, at_sheave.ADDED_UP) / h
+    total += GAMMA_I[stage] * h * numbers[at_sheave.RATE]
+    total += known_of_portion(system, k, OUT, of_1, h) + known_of_portion(system, k + 1, IN, of_2, h)
+    return total - numbers[at_sheave.BY_OWN] * numbers[at_sheave.REST]
+
+
+@kernel
+def right_of_drum(system, c, stage, h):
+    """The same of a drum."""
+    numbers = own_numbers(system, c)
+    total = numbers[at_sheave.RIGHT] + running_drums.inertia_times(system, c, at_sheave.ADDED_UP) / h
+    total += GAMMA_I[stage] * h * numbers[at_sheave.RATE]
     for k in range(lines_of(system)):
-        if goes_on(system, k):
-            j, numbers = number_of(system, k), numbers_at(system, k)
-            right[j] = 0.0
-            if runs_over(system, k):
-                of_1, of_2 = numbers[at_sheave.OF_BEHIND], numbers[at_sheave.OF_AHEAD]
-                total = numbers[at_sheave.RIGHT] + inertia_times(system, k, at_sheave.ADDED_UP) / h
-                total += GAMMA_I[stage] * h * numbers[at_sheave.RATE]
-                total += known_of_portion(system, k, OUT, of_1, h) + known_of_portion(system, k + 1, IN, of_2, h)
-                right[j] = total - numbers[at_sheave.BY_OWN] * numbers[at_sheave.REST]
+        weight = weight_of(system, c, k, IN)
+        if weight != 0.0:
+            total += weight * known_of_portion(system, k, IN, numbers_at(system, k)[at_sheave.OF_IN], h)
+    return total - numbers[at_sheave.BY_OWN] * numbers[at_sheave.REST]
+
+
+@kernel
+def solve_border(system, stage, h):
+    """p of all coordinates that run at a stage, and what they do to the solutions of all lines (modified)."""
+    count, d, (_, inverse, right, solution, _) = count_of(system), GAMMA * h, shared_of(system)
+    for j in range(count):
+        c = coordinate_at(system, j)
+        right[j] = 0.0
+        if runs(system, c):
+            right[j] = right_of_drum(system, c, stage, h) if is_drum(system, c) else right_of_sheave(system, c, stage, h)
     for i in range(count):
         solution[i] = 0.0
         for j in range(count):
@@ -235,11 +318,12 @@ def solve_border(system, stage, h):
                     column = single_at(system, k, SOLUTIONS + j)
                     for i in range(len(q)):
                         q[i] += solution[j] * column[i]
-    for k in range(lines_of(system)):
-        if goes_on(system, k) and runs_over(system, k):
-            numbers, p = numbers_at(system, k), solution[number_of(system, k)]
+    for j in range(count):
+        c = coordinate_at(system, j)
+        if runs(system, c):
+            numbers, p = own_numbers(system, c), solution[j]
             increment = p - numbers[at_sheave.REST]
-            shares_of(system, k).speeds[stage] = increment
+            stages_of(system, c)[stage] = increment
             numbers[at_sheave.SOLUTION], numbers[at_sheave.INCREMENT] = p, increment
             if stage >= STAGES - 2:
                 numbers[at_sheave.PASSED] += d * p

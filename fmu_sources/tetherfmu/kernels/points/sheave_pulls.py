@@ -1,6 +1,6 @@
 """What a portion of a rope over sheaves pulls at its ends at a stage, and what is known of a sheave: `sheaves.py`."""
 
-from math import atan2, exp
+from math import atan2, exp, sqrt
 
 from tetherfmu.runtime import layout as at
 
@@ -13,23 +13,29 @@ from ..equations.lines import (
     conditions_of,
     goes_on,
     is_at_point,
+    is_portion,
+    is_turned,
     lines_of,
     load_at,
     parameters_of,
     point_at,
     points_of,
     segments_of,
+    sheaves_of,
 )
 from ..equations.properties import property_of
 from ..equations.rope_at_sheave import IN, OUT
 from ..linear_algebra.both_ends import add_to_node, get_node
-from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, cross, dot, get, norm, put, put_at, scale, sub, vector_at
+from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, cross, dot, get, norm, put, scale, sub, vector_at
 from . import sheave_room as at_sheave
+from .coordinates import coordinate_at, count_of, is_drum, number_of, own_numbers, runs, weight_of
 from .sheave_room import (
     PULLED,
     array_at,
+    gain_of,
     numbers_at,
     portion_in_step,
+    ratio_of,
     runs_over,
 )
 from .system_room import integrator_of
@@ -39,12 +45,6 @@ from .system_room import integrator_of
 def mass_of(system, k):
     """m of the sheave at the end of line k [kg]."""
     return parameters_of(system, k)[at.SHEAVE_MASS]
-
-
-@kernel
-def stiffness_of(system, k):
-    """EA [N] of line k."""
-    return property_of(conditions_of(system, k), 0, at.STIFFNESS)
 
 
 @kernel
@@ -62,7 +62,7 @@ def wrap_of(towards_1, towards_2):
 
 
 @kernel
-def has_friction(system, k):
+def has_losses(system, k):
     """Whether the sheave at the end of line k has losses."""
     parameters = parameters_of(system, k)
     return parameters[at.SHEAVE_FRICTION] > 0.0 or parameters[at.SHEAVE_EFFICIENCY] != 1.0
@@ -80,26 +80,11 @@ def loss_with(system, k, towards_1, towards_2):
 @kernel
 def loss_at_stage(system, k):
     """The same at a stage."""
-    if not has_friction(system, k):
+    if not has_losses(system, k):
         return 1.0
     n, x_1, x_2 = segments_of(system, k), integrator_of(system, k).stage_x, integrator_of(system, k + 1).stage_x
     here = get_node(n, n, x_1)
     return loss_with(system, k, sub(get_node(n, n - 1, x_1), here), sub(get_node(segments_of(system, k + 1), 1, x_2), here))
-
-
-@kernel
-def number_sheaves(system):
-    """Number all sheaves (modified) in the order of their lines."""
-    count = 0
-    for k in range(lines_of(system)):
-        numbers_at(system, k)[at_sheave.NUMBER] = count
-        count += goes_on(system, k)
-
-
-@kernel
-def number_of(system, k):
-    """Number of the sheave at the end of line k."""
-    return int(numbers_at(system, k)[at_sheave.NUMBER])
 
 
 @kernel
@@ -111,7 +96,7 @@ def take_pulls(system, k, time):
     conditions, numbers, w = conditions_of(system, k), numbers_at(system, k), integrator_of(system, k)
     into, out = array_at(system, k, PULLED, IN), array_at(system, k, PULLED, OUT)
     chain, n, part = portion_in_step(system, k), conditions.n, 1.0
-    own = rope.rope_of(chain)
+    own, is_uniform = rope.rope_of(chain, 0), is_portion(system, k)
     x_p, v_p = get_node(n, 0, w.stage_x), get_node(n, 0, w.stage_v)
     lowest, highest = x_p[2], get_node(n, n, w.stage_x)[2]
     pull_a = rope.of_speed(own, 1.0, numbers[at_sheave.INTO])
@@ -119,6 +104,8 @@ def take_pulls(system, k, time):
     own_aa, own_ab, own_bb, below_a, below_b = 0.0, 0.0, 0.0, ZERO_VECTOR, ZERO_VECTOR
     for s in range(n):
         x_q, v_q = get_node(n, s + 1, w.stage_x), get_node(n, s + 1, w.stage_v)
+        if not is_uniform:
+            own = rope.rope_of(chain, s)
         r, height, next_part = sub(x_q, x_p), segment.mean_height(x_p, x_q), part - own.share
         c = part * chain.reeling + chain.leaving, next_part * chain.reeling + chain.leaving
         of_a, of_b = rope.pulls(own, chain, part, c, w.modes[s], r, sub(v_q, v_p), height - lowest, height - highest)
@@ -136,7 +123,7 @@ def take_pulls(system, k, time):
     put(into, n, below_a)
     put(out, n, below_b)
     gain = numbers[at_sheave.INTO_GAIN]
-    if not comes_from(system, k) and gain != 0.0:
+    if gain != 0.0 and not comes_from(system, k) and not is_turned(system, k):
         for i in range(n + 1):
             add_to_node(n, i, scale(gain, get(into, i)), w.force)
         pull_a -= own_aa * gain
@@ -159,19 +146,15 @@ def take_pulls(system, k, time):
 
 
 @kernel
-def take_force_on_point(system, k, time):
-    """Force on the free point at the end of line k at a stage, but for what sheaves that gain speed add (modified).
-
-    Of all lines, and of the load.
-    """
-    point = point_at(system, k, 1)
+def force_on_point(system, point, time):
+    """Force on a free point [N] at a stage, of all lines and of the load, but for what coordinates that gain speed add."""
     total = load_at(system, point, time)
     for other in range(lines_of(system)):
         for end in range(2):
             if is_at_point(system, other, end) and point_at(system, other, end) == point:
                 n = segments_of(system, other)
                 total = add(total, get_node(n, n * end, integrator_of(system, other).force))
-    put_at(numbers_at(system, k), at_sheave.FORCE, total)
+    return total
 
 
 @kernel
@@ -181,13 +164,48 @@ def column_at_point(system, k):
 
 
 @kernel
+def column_of_drum(system, c, point):
+    """The same of a drum and a free point; 0 where none of its lines begins there."""
+    total = ZERO_VECTOR
+    for k in range(lines_of(system)):
+        weight = weight_of(system, c, k, IN)
+        if weight != 0.0 and point_at(system, k, 0) == point:
+            total = add_scaled(total, weight, get(array_at(system, k, PULLED, IN), 0))
+    return total
+
+
+@kernel
+def column_of(system, c, point):
+    """What a coordinate does to a free point per u' [kg] at a stage."""
+    if is_drum(system, c):
+        return column_of_drum(system, c, point)
+    return column_at_point(system, c) if point_at(system, c, 1) == point else ZERO_VECTOR
+
+
+@kernel
+def add_drums(system, point, total):
+    """A force on a free point [N] at a stage with that of all drums which turn."""
+    for j in range(sheaves_of(system), count_of(system)):
+        c = coordinate_at(system, j)
+        if runs(system, c):
+            total = add_scaled(total, own_numbers(system, c)[at_sheave.GAIN], column_of_drum(system, c, point))
+    return total
+
+
+@kernel
 def acceleration_at_sheave(system, k):
-    """Acceleration of the free point at the end of line k [m/s2] at a stage, with what the sheaves there do."""
-    point, total = point_at(system, k, 1), vector_at(numbers_at(system, k), at_sheave.FORCE)
+    """Acceleration of the free point at the end of line k [m/s2] at a stage, with what the coordinates there do."""
+    return acceleration_with(system, point_at(system, k, 1), vector_at(numbers_at(system, k), at_sheave.FORCE))
+
+
+@kernel
+def acceleration_with(system, point, force):
+    """The same of a free point, from `force_on_point` [N]."""
+    total = force
     for other in range(lines_of(system)):
         if goes_on(system, other) and runs_over(system, other) and point_at(system, other, 1) == point:
             total = add_scaled(total, numbers_at(system, other)[at_sheave.GAIN], column_at_point(system, other))
-    return scale(1.0 / points_of(system).stage_mass[point], total)
+    return scale(1.0 / points_of(system).stage_mass[point], add_drums(system, point, total))
 
 
 @kernel
@@ -206,4 +224,54 @@ def end_acceleration(system, k, end, time):
                 total = add(total, get_node(n, n * side, integrator_of(system, other).force))
         if goes_on(system, other) and runs_over(system, other) and point_at(system, other, 1) == point:
             total = add_scaled(total, numbers_at(system, other)[at_sheave.GAIN], column_at_point(system, other))
-    return scale(1.0 / points_of(system).stage_mass[point], total)
+    return scale(1.0 / points_of(system).stage_mass[point], add_drums(system, point, total))
+
+
+# --- what accelerations do to pulls
+
+
+@kernel
+def pull_with(system, k, side):
+    """R_a (side IN) or R_b (OUT) of portion k at a stage with u' of all coordinates [N]: but for what free points gain."""
+    numbers, other = numbers_at(system, k), 1 - side
+    pull = numbers[at_sheave.PULL + side] + numbers[at_sheave.YIELD + 2 * side] * gain_of(system, k, side)
+    if goes_on(system, k) if other == OUT else (comes_from(system, k) or is_turned(system, k)):
+        pull += numbers[at_sheave.YIELD + 1] * gain_of(system, k, other)
+    return pull
+
+
+@kernel
+def couple(system, j, k, side, slope, matrix):
+    """Add slopes by the rates of portion k to row j of a matrix (modified); slope : by R_a (side IN) or by R_b (OUT)."""
+    count, numbers = count_of(system), numbers_at(system, k)
+    if goes_on(system, k):
+        matrix[count * j + number_of(system, k)] += slope * numbers[at_sheave.YIELD + side + OUT]
+    into = slope * numbers[at_sheave.YIELD + side + IN]
+    if comes_from(system, k):
+        matrix[count * j + number_of(system, k - 1)] += into
+    elif is_turned(system, k):
+        add_for_drums(system, j, k, into, matrix)
+
+
+@kernel
+def add_for_drums(system, j, k, slope, matrix):
+    """Add a slope by the rate of rope into line k to row j of a matrix (modified), as one by the speeds of its drums."""
+    count, lines = count_of(system), lines_of(system)
+    for i in range(sheaves_of(system), count):
+        matrix[count * j + i] += slope * ratio_of(system, k, coordinate_at(system, i) - lines)
+
+
+@kernel
+def couple_at_point(system, j, point, slope, matrix):
+    """The same of the acceleration of a free point; slope : by it [kg]."""
+    count, slope = count_of(system), scale(1.0 / points_of(system).stage_mass[point], slope)
+    for i in range(count):
+        c = coordinate_at(system, i)
+        if is_drum(system, c) or point_at(system, c, 1) == point:
+            matrix[count * j + i] += dot(slope, column_of(system, c, point))
+
+
+@kernel
+def tension_in(stiffness, pull):
+    """`rope_at_drum.tension_of` without a difference of numbers that are almost equal."""
+    return pull if pull <= 0.0 else 2.0 * pull / (1.0 + sqrt(1.0 + 2.0 * pull / stiffness))

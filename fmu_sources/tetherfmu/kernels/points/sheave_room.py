@@ -1,8 +1,9 @@
-"""Scratch space of lines that run over sheaves, and what of them moves.
+"""Scratch space of lines that run over sheaves or off drums beside them, and what of them moves.
 
 A line that runs `through` points is here several lines one behind the other, its portions, each of which knows whether it
-goes on over a sheave at its end. What belongs to a sheave stands with the portion before it. Each line of such a system has
-room in `work` for the numbers below, for the arrays of a portion, and for what a sheave does to it in a step.
+goes on over a sheave at its end. What belongs to a sheave stands with the portion before it, what belongs to a drum with
+the line that carries it. Each line of such a system has room in `work` for the numbers below, for those of a drum, for the
+arrays of a portion, and for what a coordinate (`coordinates.py`) does to it in a step. A line that drums turn is a portion.
 """
 
 from tetherfmu.runtime import layout as at
@@ -15,10 +16,11 @@ from ..equations.boundary import portion_moving
 from ..equations.lines import (
     comes_from,
     conditions_of,
+    coordinates_in,
     goes_on,
-    has_sheaves,
+    has_coordinates,
     is_portion,
-    lines_of,
+    is_turned,
     number_of_line,
     parameters_of,
     segments_of,
@@ -27,9 +29,10 @@ from ..equations.lines import (
 from ..equations.plan import number_in
 from ..equations.rope_at_sheave import IN, OUT
 from ..flat_arrays import part
+from ..line.rodas4p import STAGES
 
 (
-    # of a sheave
+    # of a sheave or a drum, of which rope that has passed is what it has paid out
     NUMBER,
     RUNS,  # 1: rope runs over it in this piece of time, 0: it is held
     SIGN,  # of the speed that friction knows; 0 without friction, and where either may be
@@ -45,12 +48,12 @@ from ..flat_arrays import part
     RIGHT,  # right-hand side of a stage [N]
     RATE,  # explicit time derivative of its equation [N/s]
     FORCE,  # on its point, if that is free, at a stage but for what sheaves that gain speed add [N]
-    BEHIND,  # e_1 and e_2 at a stage, see `sheaves.py`
+    BEHIND,  # e_1 and e_2 at a stage, see `sheaves.py`; of a drum the sum of the magnitudes of its forces [N]
     AHEAD,
     OF_BEHIND,  # slopes of its equation by -R_b of the portion before and by R_a of that behind it at the start of the step
     OF_AHEAD,
     TENSION_BEHIND,  # where the rope comes to it and leaves it in the direction of the line [N]
-    TENSION_AHEAD,
+    TENSION_AHEAD,  # of a drum: what sets against the rope but for friction, and what all lines pull [N]
     KEPT,  # PASSED and STAGE_SPEED of a step that is tried
     STARTED,  # how often rope began to run over it while it was sought over which it does
     BY_OWN,  # slope of its equation by its speed, without that of R_a and R_b [N s/m]
@@ -84,61 +87,85 @@ from ..flat_arrays import part
     BY_LENGTH,  # slopes of R_a and R_b by L [N/m]
     BY_RATE,  # by a and b [N s/m]: aa, ab, ba, bb
     CROSSED,  # sums of col_0 . v' over the nodes [N], of a and b
+    COUNT,  # of the coordinates, in the first line
+    # of a line that drums turn: tension where it leaves them [N], its slope by R_a and the rate of that [N/s], and the
+    # force on the free point there as FORCE
+    TENSION_IN,
+    OF_IN,
+    RATE_IN,
+    FORCE_IN,
     WINCH,  # coefficients of the length that a winch pays out into the first portion, see `winch.py`
     BEGAN,  # time of the communication step at which a fixed step began, at which LENGTH_NOW is the length [s]
     _,
     NUMBERS,
-) = places_of(*[1] * 14, 3, *[1] * 6, 2, *[1] * 2, *[1] * 17, *[1] * 5, 2, 3, 3, 2, 4, 2, 5, 1, 1)
+) = places_of(*[1] * 14, 3, *[1] * 6, 2, *[1] * 2, *[1] * 17, *[1] * 5, 2, 3, 3, 2, 4, 2, *[1] * 4, 3, 5, 1, 1)
+DRUM_NUMBERS = LENGTH_NOW  # those of a drum are the first ones; its stages follow
 
 BORDER, PULLED, BY_SPEED, BY_VELOCITY, ROW = range(5)  # arrays of 3 (n + 1) numbers, each of a and of b:
 # col at the start of the step and at a stage [kg], slopes of the forces by the rate [N s/m], R_v [N s/m], row of the matrix
 ARRAYS = 10
+_ARRAYS_AT = NUMBERS + DRUM_NUMBERS + STAGES  # behind the numbers of a line
 FORCE_BY_LENGTH = ARRAYS  # slopes of the forces by L [N/m]
 ACCELERATIONS = ARRAYS + 1  # of the nodes at a stage [m/s2]
 VELOCITIES = ARRAYS + 2  # of the nodes in the iteration of a fixed step [m/s]
-SOLUTIONS = ARRAYS + 3  # of the column of each sheave
+SOLUTIONS = ARRAYS + 3  # of the column of each coordinate
 
 
 @kernel
-def portion_work_size(n, sheaves):
-    """Length of what a line of n segments needs of `work` in a system with so many sheaves."""
-    size = NUMBERS + (SOLUTIONS + sheaves) * 3 * (n + 1) if sheaves > 0 else 0
+def portion_work_size(n, coordinates):
+    """Length of what a line of n segments needs of `work` in a system with so many coordinates."""
+    size = _ARRAYS_AT + (SOLUTIONS + coordinates) * 3 * (n + 1) if coordinates > 0 else 0
     return size + size % 2
 
 
 @kernel
-def shared_work_size(sheaves):
-    """Length of what all sheaves together need of `work`: matrices and vectors."""
-    size = 5 * sheaves * sheaves + 4 * sheaves
+def shared_work_size(coordinates):
+    """Length of what all coordinates together need of `work`: matrices and vectors."""
+    size = 5 * coordinates * coordinates + 5 * coordinates
     return size + size % 2
 
 
 @view
 def numbers_at(system, k):
-    """Numbers of line k in a system with sheaves, at the places above."""
+    """Numbers of line k in a system with coordinates, at the places above."""
     return part(system.work, number_of_line(system, k, places.PORTION_WORK), NUMBERS)
+
+
+@view
+def drum_numbers_at(system, k):
+    """Numbers of the drum that line k carries, at the places above, and behind them what stages make of its speed."""
+    return part(system.work, number_of_line(system, k, places.PORTION_WORK) + NUMBERS, DRUM_NUMBERS + STAGES)
 
 
 @view
 def array_at(system, k, which, side):
     """One of the arrays of portion k, of its coordinate IN or OUT."""
     size = 3 * (segments_of(system, k) + 1)
-    first = number_of_line(system, k, places.PORTION_WORK) + NUMBERS
+    first = number_of_line(system, k, places.PORTION_WORK) + _ARRAYS_AT
     return part(system.work, first + size * (2 * which + side), size)
 
 
 @view
 def single_at(system, k, which):
-    """FORCE_BY_LENGTH or ACCELERATIONS of portion k, or SOLUTIONS + j: of the column of sheave number j in line k."""
+    """FORCE_BY_LENGTH or ACCELERATIONS of portion k, or SOLUTIONS + j: of the column of coordinate j in line k."""
     size = 3 * (segments_of(system, k) + 1)
-    first = number_of_line(system, k, places.PORTION_WORK) + NUMBERS
+    first = number_of_line(system, k, places.PORTION_WORK) + _ARRAYS_AT
     return part(system.work, first + size * which, size)
 
 
 @view
 def shared_of(system):
-    """Matrix of accelerations, matrix of a step, and three vectors, all of the sheaves."""
-    count, first = sheaves_of(system), number_in(system.plan, places.SHEAVES_WORK)
+    """Matrix of accelerations, matrix of a step, and their right-hand side and solution, all of the coordinates.
+
+    The last one: the coordinates in their order, see `coordinates.number_coordinates`.
+    """
+    count, first = coordinates_in(system), number_in(system.plan, places.SHEAVES_WORK)
+    return shared_with(system, count, first)
+
+
+@view
+def shared_with(system, count, first):
+    """Two matrices and three vectors of `work` from a place on."""
     square = count * count
     vectors = first + 2 * square
     return (
@@ -151,10 +178,49 @@ def shared_of(system):
 
 
 @view
-def differences_of(system):
-    """Room for one number more of each sheave, behind `shared_of`."""
+def shared_at_rest(system):
+    """As many of the sheaves alone, for `variants/rope_shares.py`; and room for one number more of each."""
     count, first = sheaves_of(system), number_in(system.plan, places.SHEAVES_WORK)
-    return part(system.work, first + count * (2 * count + 3), count)
+    behind_them = part(system.work, first + count * (2 * count + 3), count)
+    return shared_with(system, count, first), behind_them
+
+
+@kernel
+def ratio_of(system, k, carrier):
+    """Rope of line k for each metre that the drum pays out which the line `carrier` carries [-]; 0 where it holds it not."""
+    total = 0.0
+    if is_turned(system, k):
+        parameters = parameters_of(system, k)
+        for i in range(at.MOST_HOLDERS):
+            if parameters[at.HELD_BY + i] == carrier + 1.0:
+                total += parameters[at.HELD_RATIO + i]
+    return total
+
+
+@kernel
+def from_drums(system, k, which):
+    """What the drums that turn let into line k of one of their numbers: the sum with its ratios."""
+    total, parameters = 0.0, parameters_of(system, k)
+    for i in range(at.MOST_HOLDERS):
+        holder = int(parameters[at.HELD_BY + i])
+        if holder > 0:
+            numbers = drum_numbers_at(system, holder - 1)
+            if numbers[RUNS] != 0.0:
+                total += parameters[at.HELD_RATIO + i] * numbers[which]
+    return total
+
+
+@kernel
+def is_paid_out(system, k):
+    """Whether a drum turns that pays out line k."""
+    if not is_turned(system, k):
+        return False
+    count, parameters = 0, parameters_of(system, k)
+    for i in range(at.MOST_HOLDERS):
+        holder = int(parameters[at.HELD_BY + i])
+        if holder > 0:
+            count += drum_numbers_at(system, holder - 1)[RUNS] != 0.0
+    return count > 0
 
 
 @view
@@ -163,9 +229,9 @@ def slopes_of(system):
 
     Matrices with a row for each sheave.
     """
-    count, first = sheaves_of(system), number_in(system.plan, places.SHEAVES_WORK)
+    count, first = coordinates_in(system), number_in(system.plan, places.SHEAVES_WORK)
     square = count * count
-    first += 2 * square + 4 * count
+    first += 2 * square + 5 * count
     return (
         part(system.work, first, square),
         part(system.work, first + square, square),
@@ -187,20 +253,10 @@ def runs_over(system, k):
 
 @kernel
 def is_running(system, k):
-    """Whether the length of line k is an unknown, as rope runs over a sheave at an end."""
-    if not has_sheaves(system):
+    """Whether the length of line k is an unknown, as rope runs into it or out of it."""
+    if not has_coordinates(system):
         return False
-    return (goes_on(system, k) and runs_over(system, k)) or (comes_from(system, k) and runs_over(system, k - 1))
-
-
-@kernel
-def is_any_running(system):
-    """Whether rope runs over any sheave."""
-    count = 0
-    if has_sheaves(system):
-        for k in range(lines_of(system)):
-            count += goes_on(system, k) and runs_over(system, k)
-    return count > 0
+    return is_coordinate(system, k, IN) or is_coordinate(system, k, OUT)
 
 
 @kernel
@@ -221,6 +277,8 @@ def speed_in(system, k, time):
     """a of portion k at the start of the step, a time [s] of the communication step [m/s]."""
     if comes_from(system, k):
         return numbers_at(system, k - 1)[SPEED]
+    if is_turned(system, k):
+        return from_drums(system, k, SPEED)
     return winch.rate_at(winch_of(system, k), time)
 
 
@@ -261,24 +319,35 @@ def portion_gaining(system, k, moves):
 
 @kernel
 def is_coordinate(system, k, side):
-    """Whether a or b of portion k is an unknown of the step: rope runs over the sheave there."""
+    """Whether a or b of portion k is an unknown of the step: rope runs over the sheave there, or off a drum."""
     if side == IN:
-        return comes_from(system, k) and runs_over(system, k - 1)
+        return (comes_from(system, k) and runs_over(system, k - 1)) or is_paid_out(system, k)
     return goes_on(system, k) and runs_over(system, k)
 
 
 @kernel
+def through(system, k, side, which):
+    """What the coordinates that run make of a number of theirs at an end of portion k: of a or of b."""
+    if side == OUT:
+        return numbers_at(system, k)[which] if is_coordinate(system, k, OUT) else 0.0
+    if comes_from(system, k):
+        return numbers_at(system, k - 1)[which] if runs_over(system, k - 1) else 0.0
+    return from_drums(system, k, which) if is_turned(system, k) else 0.0
+
+
+@kernel
 def change_of_portion(system, k, which):
-    """What the errors of sheaves, SOLUTION or INCREMENT, make of L' of portion k [m/s]."""
-    total = 0.0
-    if is_coordinate(system, k, IN):
-        total += numbers_at(system, k - 1)[which]
-    if is_coordinate(system, k, OUT):
-        total -= numbers_at(system, k)[which]
-    return total
+    """What the errors of coordinates, SOLUTION or INCREMENT, make of L' of portion k [m/s]."""
+    return through(system, k, IN, which) - through(system, k, OUT, which)
 
 
 @kernel
 def shortest_of(system, k):
     """Unstretched length [m] below which portion k does not get."""
     return parameters_of(system, k)[at.SHORTEST_LENGTH]
+
+
+@kernel
+def longest_of(system, k):
+    """Unstretched length [m] to which its drum pays out line k at most."""
+    return parameters_of(system, k)[at.LONGEST_LENGTH]

@@ -8,33 +8,40 @@ from ..equations.lines import (
     conditions_of,
     goes_on,
     is_at_point,
-    is_portion,
+    is_rope,
+    is_turned,
     lines_of,
     point_at,
     points_of,
     segments_of,
+    sheaves_of,
+    stiffness_of,
 )
 from ..equations.rope_at_sheave import IN, OUT
 from ..line.rodas4p import ALPHA, GAMMA, GAMMA_I, INERTIA, R_BY_GAMMA, STAGES, A, P
 from ..linear_algebra.both_ends import add_to_node, get_node
 from ..linear_algebra.vectors import add, add_scaled, dot, get, put, scale
+from . import running_drums
 from . import sheave_room as at_sheave
-from .sheave_pulls import acceleration_at_sheave, density_of, end_acceleration, mass_of, stiffness_of, take_pulls
+from .coordinates import coordinate_at, count_of, own_numbers, runs, stages_of
+from .sheave_pulls import acceleration_at_sheave, density_of, end_acceleration, mass_of, take_pulls
 from .sheave_room import (
     ACCELERATIONS,
     BORDER,
     PULLED,
     array_at,
+    from_drums,
     gain_of,
     is_coordinate,
     is_running,
     numbers_at,
     runs_over,
     single_at,
+    through,
     winch_of,
 )
 from .sheaves import solve_gains
-from .system_room import integrator_of, shares_of
+from .system_room import integrator_of
 
 
 @kernel
@@ -47,20 +54,20 @@ def added_up(start, factors, stage, speeds):
 
 @kernel
 def go_to_stage(system, stage, time, h):
-    """Rope that has passed, speeds, lengths of all running sheaves and portions (modified) at a stage; False: no length."""
-    for k in range(lines_of(system)):
-        if goes_on(system, k):
-            numbers, speeds = numbers_at(system, k), shares_of(system, k).speeds
-            speed = numbers[at_sheave.SPEED]
-            if not runs_over(system, k):
-                numbers[at_sheave.PASSED] = numbers[at_sheave.STAGE_SPEED] = numbers[at_sheave.GAIN] = 0.0
-                numbers[at_sheave.REST] = numbers[at_sheave.ADDED_UP] = 0.0
-                continue
-            numbers[at_sheave.REST] = added_up(GAMMA_I[stage] / GAMMA * speed, R_BY_GAMMA, stage, speeds)
-            numbers[at_sheave.ADDED_UP] = added_up(GAMMA_I[stage] / GAMMA * speed / GAMMA, INERTIA, stage, speeds)
-            if stage < STAGES - 1:
-                numbers[at_sheave.PASSED] = h * added_up(ALPHA[stage] * speed, P, stage, speeds)
-                numbers[at_sheave.STAGE_SPEED] = added_up(speed, A, stage, speeds)
+    """Rope that has passed, speeds, lengths of all coordinates and portions (modified) at a stage; False: no length."""
+    for j in range(count_of(system)):
+        c = coordinate_at(system, j)
+        numbers, speeds = own_numbers(system, c), stages_of(system, c)
+        speed = numbers[at_sheave.SPEED]
+        if not runs(system, c):
+            numbers[at_sheave.PASSED] = numbers[at_sheave.STAGE_SPEED] = numbers[at_sheave.GAIN] = 0.0
+            numbers[at_sheave.REST] = numbers[at_sheave.ADDED_UP] = 0.0
+            continue
+        numbers[at_sheave.REST] = added_up(GAMMA_I[stage] / GAMMA * speed, R_BY_GAMMA, stage, speeds)
+        numbers[at_sheave.ADDED_UP] = added_up(GAMMA_I[stage] / GAMMA * speed / GAMMA, INERTIA, stage, speeds)
+        if stage < STAGES - 1:
+            numbers[at_sheave.PASSED] = h * added_up(ALPHA[stage] * speed, P, stage, speeds)
+            numbers[at_sheave.STAGE_SPEED] = added_up(speed, A, stage, speeds)
     return take_lengths(system, time, time + ALPHA[stage] * h)
 
 
@@ -69,10 +76,13 @@ def take_lengths(system, start, time):
     """Lengths and a of the portions (modified) at a time [s], from a step that began at `start` [s]; False: no length."""
     lost = 0
     for k in range(lines_of(system)):
-        if is_portion(system, k):
+        if is_rope(system, k):
             numbers = numbers_at(system, k)
             length = numbers[at_sheave.LENGTH_NOW]
-            if comes_from(system, k):
+            if is_turned(system, k):
+                length += from_drums(system, k, at_sheave.PASSED)
+                numbers[at_sheave.INTO] = from_drums(system, k, at_sheave.STAGE_SPEED)
+            elif comes_from(system, k):
                 before = numbers_at(system, k - 1)
                 length += before[at_sheave.PASSED]
                 numbers[at_sheave.INTO] = before[at_sheave.STAGE_SPEED]
@@ -90,7 +100,7 @@ def take_lengths(system, start, time):
 
 @kernel
 def accelerate(system, stage, time):
-    """u' of all sheaves at a stage at a time [s], and the right-hand sides with it (modified)."""
+    """u' of all coordinates at a stage at a time [s], and the right-hand sides with it (modified)."""
     for k in range(lines_of(system)):
         if is_running(system, k):
             own = take_pulls(system, k, time)
@@ -110,6 +120,9 @@ def accelerate(system, stage, time):
     for k in range(lines_of(system)):
         if goes_on(system, k) and runs_over(system, k):
             take_right(system, k)
+    for j in range(sheaves_of(system), count_of(system)):
+        if runs(system, coordinate_at(system, j)):
+            running_drums.take_right(system, coordinate_at(system, j))
     if stage > 0:
         for k in range(lines_of(system)):
             if is_running(system, k):
@@ -118,7 +131,9 @@ def accelerate(system, stage, time):
 
 @kernel
 def take_slopes(system):
-    """Slopes of the equations of all running sheaves by R_a and - R_b at the start of the step, and e there (modified)."""
+    """Slopes of the equations of all coordinates by R_a and - R_b at the start of the step, and e there (modified)."""
+    for j in range(sheaves_of(system), count_of(system)):
+        running_drums.take_slopes(system, coordinate_at(system, j))
     for k in range(lines_of(system)):
         if goes_on(system, k) and runs_over(system, k):
             numbers = numbers_at(system, k)
@@ -161,16 +176,16 @@ def find_end_accelerations(system, k, time):
 
 @kernel
 def inertia_times(system, k, which):
-    """Sum over the running sheaves of the inertia of the sheave at the end of line k at the start of the step [N], [kg m/s].
+    """Sum over the running coordinates of the inertia at the sheave at the end of line k at the start of the step.
 
-    which : what of a sheave it is multiplied by, GAIN or ADDED_UP.
+    which : what of a coordinate it is multiplied by, GAIN [N] or ADDED_UP [kg m/s].
     """
     numbers, behind = numbers_at(system, k), numbers_at(system, k + 1)
     of_1, of_2 = numbers[at_sheave.OF_BEHIND], numbers[at_sheave.OF_AHEAD]
     own = of_2 * behind[at_sheave.INERTIA] + of_1 * numbers[at_sheave.INERTIA + 2] + mass_of(system, k)
     total = own * numbers[which]
     if is_coordinate(system, k, IN):
-        total += of_1 * numbers[at_sheave.INERTIA + 1] * numbers_at(system, k - 1)[which]
+        total += of_1 * numbers[at_sheave.INERTIA + 1] * through(system, k, IN, which)
     if is_coordinate(system, k + 1, OUT):
         total += of_2 * behind[at_sheave.INERTIA + 1] * behind[which]
     return total
@@ -193,7 +208,7 @@ def take_right(system, k):
 
 @kernel
 def push_nodes(system, k):
-    """Let the forces of portion k (modified) have what u' of its sheaves does: col u', and - col_0 u' of M_0, by masses."""
+    """Let the forces of portion k (modified) have what u' at its ends does: col u', and - col_0 u' of M_0, by masses."""
     conditions, w, points = conditions_of(system, k), integrator_of(system, k), points_of(system)
     n = conditions.n
     at_ends = is_at_point(system, k, 0), is_at_point(system, k, 1)

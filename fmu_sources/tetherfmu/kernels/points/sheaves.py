@@ -12,38 +12,38 @@ col u')/mass: a small system of equations for all u', solved by Newton's method 
 has all of its lines, and all sheaves there. See `sheave_border.py` for how this stands in the matrix of a step.
 """
 
-from math import sqrt
-
 from ..compilation import kernel
 from ..equations.lines import (
     comes_from,
-    goes_on,
     is_at_point,
+    is_turned,
     lines_of,
     point_at,
-    points_of,
     segments_of,
-    sheaves_of,
+    stiffness_of,
 )
 from ..equations.rope_at_sheave import IN, OUT
 from ..linear_algebra import small_matrix
-from ..linear_algebra.vectors import add, dot, get, scale
+from ..linear_algebra.vectors import add, dot, get, put_at, scale
+from . import running_drums
 from . import sheave_room as at_sheave
+from .coordinates import coordinate_at, count_of, is_drum, number_of, own_numbers, runs
 from .sheave_pulls import (
     acceleration_at_sheave,
-    column_at_point,
+    couple,
+    couple_at_point,
     density_of,
+    force_on_point,
     loss_at_stage,
     mass_of,
-    number_of,
-    stiffness_of,
-    take_force_on_point,
+    pull_with,
+    tension_in,
 )
 from .sheave_room import (
     PULLED,
     array_at,
+    from_drums,
     numbers_at,
-    runs_over,
     shared_of,
 )
 
@@ -52,23 +52,23 @@ TINY = 1e-200  # what keeps a quotient from 0/0
 
 
 @kernel
-def take_tensions(system, k, matrix, right):
-    """T_1, T_2 and f of the sheave at the end of line k with the present u', and its row of the matrix (all modified).
+def take_tensions(system, c, time, matrix, right):
+    """Tensions and f of a coordinate with the present u', and its row of the matrix (all modified).
 
     The row: slopes of f by all u' [kg]; `right` gets -f [N].
     """
-    numbers, behind, count, j = numbers_at(system, k), numbers_at(system, k + 1), sheaves_of(system), number_of(system, k)
-    pull_2, pull_1 = behind[at_sheave.PULL], numbers[at_sheave.PULL + 1]
-    own_2, own_1, at_end = behind[at_sheave.YIELD], numbers[at_sheave.YIELD + 2], is_at_point(system, k, 1)
+    if is_drum(system, c):
+        running_drums.take_tensions(system, c, time, matrix, right)
+    else:
+        take_tensions_at_sheave(system, c, matrix, right)
+
+
+@kernel
+def take_tensions_at_sheave(system, k, matrix, right):
+    """The same of the sheave at the end of line k: T_1 and T_2."""
+    numbers, j, at_end = numbers_at(system, k), number_of(system, k), is_at_point(system, k, 1)
+    pull_1, pull_2, gain = pull_with(system, k, OUT), pull_with(system, k + 1, IN), numbers[at_sheave.GAIN]
     col_2, col_1 = get(array_at(system, k + 1, PULLED, IN), 0), get(array_at(system, k, PULLED, OUT), segments_of(system, k))
-    gain = numbers[at_sheave.GAIN]
-    pull_2 += own_2 * gain
-    pull_1 += own_1 * gain
-    if comes_from(system, k):
-        pull_1 += numbers[at_sheave.YIELD + 1] * numbers[at_sheave.INTO_GAIN]
-    if goes_on(system, k + 1):
-        pull_2 += behind[at_sheave.YIELD + 1] * behind[at_sheave.GAIN]
-    point = point_at(system, k, 1)
     if at_end:
         moved = acceleration_at_sheave(system, k)
         pull_2 += dot(col_2, moved)
@@ -82,23 +82,17 @@ def take_tensions(system, k, matrix, right):
     right[j] = -(e_2 * (tension_2 - moving) - e_1 * (tension_1 - moving) - mass_of(system, k) * gain)
     by_2 = e_2 / (1.0 + max(tension_2, 0.0) / stiffness_2)
     by_1 = e_1 / (1.0 + max(tension_1, 0.0) / stiffness_1)
-    matrix[count * j + j] += by_2 * own_2 + by_1 * own_1 - mass_of(system, k)
-    if comes_from(system, k):
-        matrix[count * j + j - 1] += by_1 * numbers[at_sheave.YIELD + 1]
-    if goes_on(system, k + 1):
-        matrix[count * j + j + 1] += by_2 * behind[at_sheave.YIELD + 1]
+    couple(system, j, k, OUT, by_1, matrix)
+    couple(system, j, k + 1, IN, by_2, matrix)
+    matrix[count_of(system) * j + j] -= mass_of(system, k)
     if at_end:
-        share = 1.0 / points_of(system).stage_mass[point]
-        both = scale(share, add(scale(by_2, col_2), scale(by_1, col_1)))
-        for other in range(lines_of(system)):
-            if goes_on(system, other) and point_at(system, other, 1) == point:
-                matrix[count * j + number_of(system, other)] += dot(both, column_at_point(system, other))
+        couple_at_point(system, j, point_at(system, k, 1), add(scale(by_2, col_2), scale(by_1, col_1)), matrix)
 
 
 @kernel
-def hold_row(system, k, matrix, right):
-    """Let the equation of the sheave at the end of line k say that it gains no speed (modified)."""
-    count, j = sheaves_of(system), number_of(system, k)
+def hold_row(system, c, matrix, right):
+    """Let the equation of a coordinate say that it gains no speed (modified)."""
+    count, j = count_of(system), number_of(system, c)
     for i in range(count):
         matrix[count * j + i] = 0.0
     matrix[count * j + j] = 1.0
@@ -115,51 +109,57 @@ def take_signs(system, k):
 
 
 @kernel
-def tension_in(stiffness, pull):
-    """`rope_at_drum.tension_of` without a difference of numbers that are almost equal."""
-    return pull if pull <= 0.0 else 2.0 * pull / (1.0 + sqrt(1.0 + 2.0 * pull / stiffness))
-
-
-@kernel
-def size_at(system, k):
-    """Size of the forces at the sheave at the end of line k [N]."""
-    numbers = numbers_at(system, k)
+def size_at(system, c):
+    """Size of the forces at a coordinate [N]."""
+    numbers = own_numbers(system, c)
+    if is_drum(system, c):
+        return numbers[at_sheave.BEHIND] + TINY
     return abs(numbers[at_sheave.TENSION_BEHIND]) + abs(numbers[at_sheave.TENSION_AHEAD]) + TINY
 
 
 @kernel
+def begin_gains(system, time):
+    """What of coordinates stays while their u' are sought (modified): signs of friction, forces on free points."""
+    for j in range(count_of(system)):
+        c = coordinate_at(system, j)
+        if is_drum(system, c):
+            running_drums.take_forces_on_points(system, c, time)
+        else:
+            take_signs(system, c)
+            if is_at_point(system, c, 1):
+                put_at(numbers_at(system, c), at_sheave.FORCE, force_on_point(system, point_at(system, c, 1), time))
+        if not runs(system, c):
+            own_numbers(system, c)[at_sheave.GAIN] = 0.0
+
+
+@kernel
 def solve_gains(system, time):
-    """u' of all sheaves over which rope runs, and the tensions at all sheaves of which pulls are known (modified)."""
-    count, (matrix, _, right, _, _) = sheaves_of(system), shared_of(system)
-    for k in range(lines_of(system)):
-        if goes_on(system, k):
-            take_signs(system, k)
-            if is_at_point(system, k, 1):
-                take_force_on_point(system, k, time)
-            if not runs_over(system, k):
-                numbers_at(system, k)[at_sheave.GAIN] = 0.0
+    """u' of all coordinates that run, and the tensions at all of which pulls are known (modified)."""
+    count, (matrix, _, right, _, _) = count_of(system), shared_of(system)
+    begin_gains(system, time)
     for _ in range(MOST_CORRECTIONS):
         small_matrix.set_to_zero(count, matrix)
         pass_gains(system)
         left = 0.0
-        for k in range(lines_of(system)):
-            if goes_on(system, k):
-                take_tensions(system, k, matrix, right)
-                if runs_over(system, k):
-                    left = max(left, abs(right[number_of(system, k)]) / size_at(system, k))
-                else:
-                    hold_row(system, k, matrix, right)
+        for j in range(count):
+            c = coordinate_at(system, j)
+            take_tensions(system, c, time, matrix, right)
+            if runs(system, c):
+                left = max(left, abs(right[j]) / size_at(system, c))
+            else:
+                hold_row(system, c, matrix, right)
         if left <= BALANCED or not small_matrix.solve(count, matrix, right):
             break
-        for k in range(lines_of(system)):
-            if goes_on(system, k):
-                numbers_at(system, k)[at_sheave.GAIN] += right[number_of(system, k)]
+        for j in range(count):
+            own_numbers(system, coordinate_at(system, j))[at_sheave.GAIN] += right[j]
     pass_gains(system)
 
 
 @kernel
 def pass_gains(system):
-    """Let portions behind sheaves have u' as the rate of their a (modified)."""
+    """Let portions behind sheaves and at drums have u' as the rate of their a (modified)."""
     for k in range(lines_of(system)):
-        if goes_on(system, k):
-            numbers_at(system, k + 1)[at_sheave.INTO_GAIN] = numbers_at(system, k)[at_sheave.GAIN]
+        if comes_from(system, k):
+            numbers_at(system, k)[at_sheave.INTO_GAIN] = numbers_at(system, k - 1)[at_sheave.GAIN]
+        elif is_turned(system, k):
+            numbers_at(system, k)[at_sheave.INTO_GAIN] = from_drums(system, k, at_sheave.GAIN)

@@ -16,8 +16,10 @@ from ..equations.drum import HELD, drum_with
 from ..equations.lines import (
     CONDITIONS,
     conditions_of,
+    has_coordinates,
     has_sheaves,
-    is_portion,
+    is_rope,
+    is_turned,
     lines_of,
     motion_of,
     parameters_of,
@@ -181,8 +183,8 @@ def put_length(system, k, length, speed):
 
 @kernel
 def has_drum(system, k):
-    """Whether the winch of line k is controlled by force."""
-    return winch.follows_force(parameters_of(system, k))
+    """Whether the winch of line k is controlled by force, and no coordinate (`coordinates.py`)."""
+    return winch.follows_force(parameters_of(system, k)) and not has_coordinates(system)
 
 
 @kernel
@@ -206,8 +208,8 @@ def has_free_nodes(system, k):
 
 @kernel
 def moves(system, k):
-    """Whether line k takes part in a step: a node moves freely, or the drum of a winch, or rope may run over a sheave."""
-    return has_free_nodes(system, k) or has_drum(system, k) or is_portion(system, k)
+    """Whether line k takes part in a step: a node moves freely, or the drum of a winch, or rope may run in or out."""
+    return has_free_nodes(system, k) or has_drum(system, k) or is_rope(system, k)
 
 
 @kernel
@@ -231,7 +233,7 @@ def any_line(holds):
 
 does_any_move, any_drum = any_line(moves), any_line(has_drum)
 is_any_turning, is_any_reeling = any_line(turns), any_line(reels)
-is_any_turning_with_rope = any_line(turns_with_rope)
+is_any_turning_with_rope, is_any_turned = any_line(turns_with_rope), any_line(is_turned)
 
 
 @kernel

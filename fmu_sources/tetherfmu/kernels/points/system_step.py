@@ -41,7 +41,8 @@ from ..linear_algebra.point_blocks import factorize_blocks, solve_blocks
 from ..linear_algebra.vectors import add_scaled, get, put, scale, sub
 from . import rope_drums, sheave_border, sheave_slopes, sheave_stages, system_drums
 from .at_points import place_matrix, take_ends
-from .sheave_room import is_any_running, is_running, portion_gaining
+from .coordinates import is_any_running
+from .sheave_room import is_running, portion_gaining
 from .system_drums import chain_at_start, chain_in_step
 from .system_room import (
     STAGE_ACCELERATION,

@@ -13,7 +13,7 @@ from ..equations import torn
 from ..equations.lines import (
     inputs_of,
     is_at_point,
-    is_portion,
+    is_rope,
     lines_of,
     motion_of,
     number_of_line,
@@ -104,7 +104,7 @@ def let_go(system, before):
     for k in range(lines_of(system)):
         state = state_of(system, k)
         if inputs_of(system, k)[at.RELEASE] != 0.0 and not torn.has_let_go(state):
-            if is_portion(system, k):
+            if is_rope(system, k):
                 system.plan[places.STATUS_LINE] = k
                 return RELEASED_OVER_SHEAVES
             if not can_let_go(system, k):

@@ -55,7 +55,8 @@ def balance(n, parameters, state, v, inputs, has_waves, energies, work):
     tension = energies[ENERGIES]
     if has_waves and sees_reeling(parameters) and state[at.LAST_STEP] > 0.0:
         tension = state[at.TENSION_AT_DRUM]
-    balance_drum(parameters, state[at.REELING], tension, inputs[at.WINCH_FORCE], energies)
+    speed = state[at.REELING] if parameters[at.HELD_BY] == 0.0 else state[at.DRUM_SPEED]
+    balance_drum(parameters, speed, tension, inputs[at.WINCH_FORCE], energies)
     energies[MATERIAL] = chain.growth * (energies[ELASTIC] + energies[MATERIAL])
     if chain.flows:
         balance_flow(chain, state, x, v, vector_at(inputs, at.KITE_LOAD), mass, part(blocks[0], 0, 3 * (n + 1)), energies)

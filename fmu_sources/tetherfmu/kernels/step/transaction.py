@@ -140,7 +140,7 @@ def check_step(n, parameters, given):
             length *= 1.0 + at.ROUNDED_STOP
         return check_length(n, parameters, length)
     least = min(given.force, given.force + given.step * given.force_rate)
-    if parameters[at.WINCH_MASS] == 0.0 and least < -parameters[at.WINCH_FRICTION] - ROUNDING:
+    if winch.pulls_only(parameters) and least < -parameters[at.WINCH_FRICTION] - ROUNDING:
         return WINCH_PUSHES
     return OK
 

@@ -14,6 +14,7 @@ from ..equations.boundary import conditions_of_chain, place_ends
 from ..equations.drum import direction_of
 from ..equations.lines import (
     conditions_of,
+    has_coordinates,
     has_sheaves,
     lines_of,
     motion_of,
@@ -103,7 +104,8 @@ def advance(system, step, before):
         breaks.break_at_ends(system, step)
         return OK
     status = move(system, given_steps(parameters_of(system, 0)), step)
-    if status == STEP_BUDGET_SPENT and move_coarsely(system, step, before) == OK:
+    is_abandoned = status == STEP_BUDGET_SPENT and not system_room.is_any_turned(system)
+    if is_abandoned and move_coarsely(system, step, before) == OK:
         return OK
     return status
 
@@ -114,7 +116,7 @@ def end_drums(system, step):
 
     At the end of a communication step [s], of which all lines have their states.
     """
-    if has_sheaves(system):
+    if has_coordinates(system):
         rope_states.end_ropes(system, step)
     for k in range(lines_of(system)):
         if system_room.has_drum(system, k) and feels_rope(parameters_of(system, k)):

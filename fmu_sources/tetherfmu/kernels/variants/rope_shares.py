@@ -32,7 +32,7 @@ from ..equations.rope_at_drum import tension_of
 from ..linear_algebra import small_matrix
 from ..linear_algebra.vectors import ZERO_VECTOR, norm, sub, vector_at
 from ..points import sheave_room as at_sheave
-from ..points.sheave_room import numbers_at, shared_of, shortest_of
+from ..points.sheave_room import numbers_at, shared_at_rest, shortest_of
 from ..rest import dynamic_chain, resting_points
 from ..rest.resting_line import given_position, is_sought, start_state
 
@@ -113,7 +113,7 @@ def end_tensions_at_rest(n, parameters, state):
         half = rope.half_density(chain, 0) * rest_length(chain, 0) * chain.gravity
         at_end = vector_at(state, at.KITE_TENSION_VECTOR)
         return norm(held) - half * held[2] / norm(held), norm(at_end) + half * at_end[2] / norm(at_end)
-    own = rope.rope_of(chain)
+    own = rope.rope_of(chain, 0)
     for s in range(n):
         x_p, x_q = vector_at(state, x + 3 * s), vector_at(state, x + 3 * s + 3)
         r, height, still = sub(x_q, x_p), segment.mean_height(x_p, x_q), (0.0, 0.0)
@@ -293,7 +293,7 @@ def find_shares(system):
     sought = share_ropes(system)
     if sought == 0:
         return resting_points.find(system, False)
-    shared, differences = shared_of(system), at_sheave.differences_of(system)
+    shared, differences = shared_at_rest(system)
     status = balance_ropes(system, False, shared, differences)
     if status == OK:
         return OK

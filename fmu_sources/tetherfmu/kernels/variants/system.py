@@ -11,8 +11,10 @@ from tetherfmu.runtime.status import (
     KITE_AND_WINCH_SOUGHT,
     OK,
     SHEAVES_THAT_BREAK,
-    SHEAVES_WITH_DRUM,
+    SHEAVES_WITH_FIXED_STEP,
+    SHEAVES_WITH_STOP,
     SHEAVES_WITH_STRETCH_RATE,
+    SHEAVES_WITH_WINCH_START,
 )
 
 from ..arrays import copy, inputs_size, outputs_size, parameters_size, state_size
@@ -23,9 +25,12 @@ from ..equations.lines import (
     conditions_of,
     free_points,
     goes_on,
+    has_coordinates,
     has_sheaves,
     inputs_of,
     is_portion,
+    is_rope,
+    is_turned,
     lines_of,
     load_on,
     motion_of,
@@ -66,9 +71,10 @@ def line_work_size(n):
 @kernel
 def complete_plan(plan):
     """Write all numbers of a plan (modified) that follow from those that are given, see `plan_layout.py`."""
-    parameters, inputs, state, outputs, work, sheaves = 0, 0, 0, 0, 0, 0
+    parameters, inputs, state, outputs, work, sheaves, drums = 0, 0, 0, 0, 0, 0, 0
     for k in range(plan[places.LINES]):
         sheaves += plan[places.PLAN_HEADER + places.LINE_NUMBERS * k + places.THROUGH]
+        drums += plan[places.PLAN_HEADER + places.LINE_NUMBERS * k + places.DRUM]
     for k in range(plan[places.LINES]):
         row = places.PLAN_HEADER + places.LINE_NUMBERS * k
         n, winds = plan[row + places.SEGMENTS], plan[row + places.WIND_POINTS]
@@ -84,10 +90,10 @@ def complete_plan(plan):
         outputs += outputs_size(plan[row + places.SHAPE_POINTS], plan[row + places.THROUGH] + before > 0)
         work += line_work_size(n + 1)  # with the segment that it has more once it has let go
         plan[row + places.PORTION_WORK] = work
-        work += sheave_room.portion_work_size(n + 1, sheaves)
+        work += sheave_room.portion_work_size(n + 1, sheaves + drums)
     plan[places.STATUS_LINE] = places.ALL_LINES
-    plan[places.SHEAVES], plan[places.SHEAVES_WORK] = sheaves, work
-    work += sheave_room.shared_work_size(sheaves)
+    plan[places.SHEAVES], plan[places.COORDINATES], plan[places.SHEAVES_WORK] = sheaves, sheaves + drums, work
+    work += sheave_room.shared_work_size(sheaves + drums)
     plan[places.POINTS_WORK] = work
     work += resting_forces.search_size(plan[places.FREE_POINTS], plan[places.BAND])
     plan[places.OUTPUTS_WORK] = work
@@ -199,6 +205,8 @@ def start_line(system, k):
         status = settle(n, parameters, inputs, state, work)
     if status == OK and is_portion(system, k):
         rope_shares.take_tensions_at_rest(system, k)
+    if status == OK and number_of_line(system, k, places.DRUM) != 0 and is_turned(system, k):
+        state[at.DRUM_SPEED] = state[at.REELING]
     return transaction.commit_start(n, parameters, inputs, status, state)
 
 
@@ -214,16 +222,20 @@ def check_sought(system):
 
 @kernel
 def check_ropes(system):
-    """OK, or about a line why a system with lines over sheaves cannot be: a drum, its law, breaking."""
+    """OK, or about a line why a system with coordinates cannot be: fixed steps, its law, breaking, its start, its stop."""
     for k in range(lines_of(system)):
         parameters = parameters_of(system, k)
         system.plan[places.STATUS_LINE] = k
-        if follows_force(parameters):
-            return SHEAVES_WITH_DRUM
-        if is_portion(system, k) and not sees_reeling(parameters):
+        if is_turned(system, k) and parameters[at.FIXED_STEP] != 0.0:
+            return SHEAVES_WITH_FIXED_STEP
+        if is_rope(system, k) and not sees_reeling(parameters):
             return SHEAVES_WITH_STRETCH_RATE
-        if is_portion(system, k) and parameters[at.CAN_BREAK] != 0.0:
+        if is_rope(system, k) and parameters[at.CAN_BREAK] != 0.0:
             return SHEAVES_THAT_BREAK
+        if is_sought(parameters):
+            return SHEAVES_WITH_WINCH_START
+        if goes_on(system, k) and follows_force(parameters) and parameters[at.LONGEST_LENGTH] != at.NO_STOP:
+            return SHEAVES_WITH_STOP
     return OK
 
 
@@ -239,10 +251,10 @@ def initialize(system):
     status = check_loads(system)
     if status == OK:
         status = check_sought(system)
-    if status == OK and has_sheaves(system):
+    if status == OK and has_coordinates(system):
         status = check_ropes(system)
-        if status == OK:
-            status = rope_shares.find_shares(system)
+    if status == OK and has_sheaves(system):
+        status = rope_shares.find_shares(system)
     elif status == OK:
         status = resting_points.find(system, False)
     for k in range(lines_of(system)):
@@ -325,7 +337,8 @@ def commit(system, step, before):
             system.plan[places.STATUS_LINE] = k
             n, parameters, state = segments_of(system, k), parameters_of(system, k), state_of(system, k)
             old = state_of(with_states(system, before), k)
-            note_imbalance(n, parameters, old, state)
+            if not is_turned(system, k):
+                note_imbalance(n, parameters, old, state)
             status = transaction.commit(n, parameters, OK, old, state)
     return status
 

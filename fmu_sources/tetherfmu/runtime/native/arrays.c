@@ -161,6 +161,15 @@ static void put_sheave(const Arrays *arrays, int line)
     parameters[AT_SHEAVE_EFFICIENCY] = SHEAVE[line].efficiency < 0 ? 1.0 : values[SHEAVE[line].efficiency];
 }
 
+/* Say in the parameters of the lines whose winches are controlled by force which drums hold them. */
+static void put_holders(const Arrays *arrays)
+{
+    for (int i = 0; i < HOLDERS; i++) {
+        double *parameters = parameters_of(arrays, HOLDER[i].line);
+        if (parameters[AT_WINCH_CONTROL] == AT_WINCH_BY_FORCE) parameters[HOLDER[i].place] = HOLDER_NUMBER[i];
+    }
+}
+
 /* Whether all parameters are allowed, alone and together, so that the kernels have them; if not, `problem` (of LONGEST_TEXT
 bytes) says what is wrong. */
 bool pack_parameters(const Arrays *arrays, double importer_tolerance, char *problem)
@@ -181,6 +190,7 @@ bool pack_parameters(const Arrays *arrays, double importer_tolerance, char *prob
         parameters_of(arrays, k)[AT_WIND_POINTS] = (double)of_line(arrays, k, PLAN_WIND_POINTS);
         parameters_of(arrays, k)[AT_WIND_PROFILE] = AT_AT_NODES;
     }
+    put_holders(arrays);
     return true;
 }
 

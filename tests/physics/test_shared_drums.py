@@ -1,0 +1,330 @@
+"""Winches that hold several lines by force, and force control beside sheaves, against formulas.
+
+atwood     loads m_i on heavy rope straight down from a drum with ratios r_i: (m + sum r_i^2 (m_i + mu l_i)) u' =
+           sum r_i (m_i + mu l_i) g - W with l_i = L + r_i p, as rope is as fast as the drum where it leaves it; on each line
+           T_i = (m_i + mu l_i)(g - r_i u')
+two falls  a block M on a rope from a drum over a sheave on the block to a fixed point: by the balance of energy
+           (m + mu l/2 + M/4) u' = M g/2 + mu g l/2 + mu u^2/4 - W with l = L + p
+one line   a winch that holds one line with ratio 1 is the line's own winch
+held       a drum that friction holds is a winch at rest, bit for bit, and slips when the pull exceeds it
+stops      a drum reels in no further than segments may get shorter, and pays out no further than longest_length
+frame      an observer who moves uniformly sees the same tensions
+energy     what the powers do not explain falls with the square of the communication step, of the lines and of each drum
+"""
+
+import numpy as np
+import pytest
+
+from tetherfmu import Line, Point, SharedWinch, Solver, Tether, TetherSystem, Winch
+
+G = 9.81  # [m/s2]
+HEAVY = {"diameter": 0.01, "mass_per_length": 1.0, "axial_stiffness": 1e7, "axial_damping": 1e4}
+LIGHT = {"diameter": 0.01, "mass_per_length": 0.2, "axial_stiffness": 1e5, "axial_damping": 100.0}
+TIGHT = Solver(relative_tolerance=1e-6)
+# at the start lines have the tension of rest, of which moving drums and wind know nothing
+pytestmark = pytest.mark.filterwarnings("ignore:.*presses its ends apart", "ignore:.*at the start")
+
+
+def rope(length, segments=6, **of_rope):
+    return Tether(segments=segments, initial_length=length, **{"drag_coefficient": 0.0, **HEAVY, **of_rope})
+
+
+def moved(rate, payout, speed, h):
+    """Payout [m] and speed [m/s] after a step of the classical Runge-Kutta method; rate : u' of both."""
+    k = []
+    for part in (0.0, 0.5, 0.5, 1.0):
+        p, u = (payout, speed) if not k else (payout + part * h * k[-1][0], speed + part * h * k[-1][1])
+        k.append((u, rate(p, u)))
+    return tuple(y + h / 6.0 * (a + 2.0 * b + 2.0 * c + d) for y, a, b, c, d in zip((payout, speed), *k, strict=True))
+
+
+# --- formulas
+
+
+@pytest.mark.parametrize(
+    ("ratios", "mass", "force"),
+    [((1.0, -1.0), 20.0, 0.0), ((0.5, 1.5), 20.0, 300.0), ((-1.0, 0.5), 0.0, -30.0), ((-2.0, 1.0), 5.0, 0.0)],
+)
+def test_atwood(ratios, mass, force):
+    """Payout within 1e-4 m in 1.2 s, tensions within 0.02 N: what is left are waves along the rope, which is not rigid."""
+    loads, length = np.array([20.0, 30.0]), 10.0
+    ends = [
+        Point(name, (0.0, 0.0, -length * (1.0 + (m + 5.0) * G / 1e7)), mass=m) for name, m in zip("ab", loads, strict=True)
+    ]
+    lines = [Line(f"to_{name}", "top", name, rope(length)) for name in "ab"]
+    drum = SharedWinch("drum", dict(zip(("to_a", "to_b"), ratios, strict=True)), "force", winch_force=force, winch_mass=mass)
+    system = TetherSystem([Point("top", (0.0, 0.0, 0.0)), *ends], lines, solver=TIGHT, winches=[drum])
+    system.initialize()
+    r, payout, speed = np.array(ratios), 0.0, 0.0
+
+    def rate(p, _):
+        hanging = loads + length + r * p
+        return (r @ hanging * G - force) / (mass + r**2 @ hanging)
+
+    for _ in range(60):
+        found = system.step(0.02)
+        payout, speed = moved(rate, payout, speed, 0.02)
+        assert found.winches["drum"].payout == pytest.approx(payout, abs=1e-4)
+    assert found.winches["drum"].winch_speed == pytest.approx(speed, abs=2e-4)
+    gained, tensions = rate(payout, speed), [found.lines[line.name].ground_tension for line in lines]
+    assert tensions == pytest.approx((loads + length + r * payout) * (G - r * gained), abs=0.02)
+    assert r @ tensions == pytest.approx(force + mass * gained, abs=0.02)
+    assert abs(payout) > 0.5
+
+
+@pytest.mark.parametrize("is_shared", [False, True])
+def test_two_falls(is_shared):
+    """Length within 5e-4 m in 1.2 s, as above; the block moves with half of the speed of the drum."""
+    mass, block, length, force = 10.0, 50.0, 20.0, 200.0
+    points = [
+        Point("top", (0.0, 0.0, 0.0)),
+        Point("block", (0.0, 0.0, -0.5 * length), mass=block),
+        Point("end", (0.0, 0.0, 0.0)),
+    ]
+    own, drum = {"winch_mass": mass}, "drum" if is_shared else "falls"
+    winch = Winch() if is_shared else Winch(winch_control="force", **own)
+    line = Line("falls", "top", "end", rope(length, 5), winch=winch, through=["block"], initial_portions=[10.0, 10.0])
+    winches = [SharedWinch("drum", {"falls": 1.0}, "force", **own)] if is_shared else []
+    system = TetherSystem(points, [line], solver=TIGHT, winches=winches)
+    system.initialize(winch_forces={drum: force})
+    payout, speed = 0.0, 0.0
+
+    def rate(p, u):
+        whole = length + p
+        return (0.5 * (block + whole) * G + 0.25 * u * u - force) / (mass + 0.5 * whole + 0.25 * block)
+
+    for _ in range(60):
+        found = system.step(0.02)
+        payout, speed = moved(rate, payout, speed, 0.02)
+        assert found.lines["falls"].tether_length - length == pytest.approx(payout, abs=5e-4)
+    assert found.lines["falls"].winch_speed == pytest.approx(speed, abs=2e-4)
+    assert found.points["block"].velocity[2] == pytest.approx(-0.5 * speed, abs=2e-4)
+    assert found.portions["falls"].payout[0] == pytest.approx(0.5 * payout, abs=5e-4)
+    assert found.lines["falls"].ground_tension == pytest.approx(force + mass * rate(payout, speed), abs=0.02)
+
+
+@pytest.mark.parametrize(("friction", "within"), [(0.0, 1e-6), (50.0, 1e-9)])
+@pytest.mark.parametrize("start", ["top", "body"])
+def test_one_line_is_the_lines_own_winch(friction, within, start):
+    """To the tolerance of 1e-6; with friction, where both take the same steps, nearly to rounding."""
+    of_drum = {"winch_mass": 20.0, "winch_friction": friction, "winch_damping": 3.0}
+    bottom = Point("load", (0.0, 0.0, -10.0004), mass=30.0)
+    first = Point("top", (0.0, 0.0, 0.0)) if start == "top" else Point("body", (0.0, 0.0, 0.0), mass=60.0)
+    found = []
+    for is_shared in (False, True):
+        winch = Winch() if is_shared else Winch(winch_control="force", **of_drum)
+        winches = [SharedWinch("drum", {"line": 1.0}, "force", **of_drum)] if is_shared else []
+        system = TetherSystem(
+            [first, bottom], [Line("line", start, "load", rope(10.0, 5), winch=winch)], solver=TIGHT, winches=winches
+        )
+        loads = {} if start == "top" else {"body": (5.0, 0.0, 1000.0)}
+        system.initialize(loads=loads)
+        rows = []
+        for k in range(60):
+            outputs = system.step(0.02, winch_forces={"drum" if is_shared else "line": 300.0 + 150.0 * np.sin(k / 6.0)})
+            rows.append((outputs.lines["line"].tether_length, outputs.points["load"].position[2]))
+        found.append(np.array(rows))
+    assert np.ptp(found[0][:, 0]) > 0.3
+    assert found[0] == pytest.approx(found[1], abs=within)
+
+
+# --- friction and stops
+
+
+def between(winches=(), **of_lines):
+    """A mass that hangs on two lines from two points, with a load [N] along x at the start."""
+    points = [Point("a", (-6.0, 0.0, 0.0)), Point("mass", (0.0, 0.0, -6.0), mass=40.0), Point("b", (6.0, 0.0, 0.0))]
+    own = {"segments": 4, **LIGHT}
+    lines = [Line(name, name[-1], "mass", rope(8.47, **own), **of_lines) for name in ("from_a", "from_b")]
+    system = TetherSystem(points, lines, winches=winches)
+    system.initialize()
+    return system
+
+
+def test_a_held_drum_is_a_winch_at_rest():
+    """Bit for bit, also beside a sheave."""
+    held = between([SharedWinch("drum", {"from_a": 1.0, "from_b": -1.0}, "force", winch_friction=1e3)])
+    still = between()
+    for k in range(40):
+        load = {"loads": {"mass": (30.0 * np.sin(0.2 * k), 10.0, 0.0)}}
+        one, other = (system.step(0.02, **load) for system in (held, still))
+        assert all(np.array_equal(held.positions[name], still.positions[name]) for name in still.positions)
+        assert np.array_equal(one.points["a"].force, other.points["a"].force)
+        assert one.winches["drum"] == (0.0, 0.0)
+
+
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_the_onset(way):
+    """The drum begins to turn in the communication step in which its lines pull more than its friction, and that way."""
+    system = between([SharedWinch("drum", {"from_a": 1.0, "from_b": -1.0}, "force", winch_mass=2.0, winch_friction=100.0)])
+    pulls = [0.0, 0.0]
+    for k in range(400):
+        outputs = system.step(0.02, loads={"mass": (way * 0.5 * k, 0.0, 0.0)})
+        if outputs.winches["drum"].payout != 0.0:
+            break
+        pulls.append(way * (outputs.lines["from_a"].ground_tension - outputs.lines["from_b"].ground_tension))
+    assert pulls[-1] < 100.0 < pulls[-1] + 2.0 * (pulls[-1] - pulls[-2])
+    assert way * outputs.winches["drum"].winch_speed > 0.0
+
+
+def test_it_comes_to_rest():
+    """Friction brings it to rest, and holds it while the pull is within."""
+    system = between([SharedWinch("drum", {"from_a": 1.0, "from_b": -1.0}, "force", winch_mass=20.0, winch_friction=60.0)])
+    found = [system.step(0.02, loads={"mass": (250.0 if k < 20 else 0.0, 0.0, 0.0)}).winches["drum"] for k in range(200)]
+    payouts = np.array([each.payout for each in found if each.winch_speed == 0.0 and each.payout != 0.0])
+    assert len(payouts) > 20
+    assert np.sum(np.diff(payouts) == 0.0) > 20
+
+
+@pytest.mark.filterwarnings("ignore:.*stretched by", "ignore:.*slack")  # where it is stopped
+def test_it_stops_where_segments_get_too_short():
+    """At 4 segments of 1 cm; reeled in by 1.3 times the weight."""
+    points = [Point("top", (0.0, 0.0, 0.0)), Point("load", (0.0, 0.0, -1.0), mass=30.0)]
+    lines = [Line(name, "top", "load", rope(1.0, 4, **LIGHT)) for name in "ab"]
+    system = TetherSystem(
+        points, lines, winches=[SharedWinch("drum", {"a": 1.0, "b": 1.0}, "force", winch_mass=5.0, winch_damping=200.0)]
+    )
+    system.initialize()
+    for _ in range(200):
+        outputs = system.step(0.02, winch_forces={"drum": 1.3 * 30.0 * G})
+        assert outputs.lines["a"].tether_length >= 0.04 * (1.0 - 1e-8)
+    assert outputs.lines["a"].tether_length == pytest.approx(0.04, rel=1e-8)
+    assert outputs.winches["drum"].winch_speed == 0.0
+    outputs = system.step(0.02, winch_forces={"drum": 0.5 * 30.0 * G})  # it pays out again
+    for _ in range(20):
+        outputs = system.step(0.02)
+    assert outputs.winches["drum"].payout > -0.95
+
+
+def test_longest_length_beside_a_sheave():
+    """The drum of a line that runs over none stops there, while another line runs over a sheave."""
+    points = [Point("top", (0.0, 0.0, 0.0)), Point("load", (0.0, 0.0, -10.0), mass=40.0)]
+    points += [Point("s", (3.0, 0.0, 0.0)), Point("other", (3.0, 0.0, -5.0), mass=10.0)]
+    winch = Winch(winch_control="force", winch_mass=10.0, winch_damping=100.0, longest_length=10.3)
+    lines = [Line("line", "top", "load", rope(10.0, **LIGHT), winch=winch)]
+    lines += [Line("over", "load", "other", rope(15.4, **LIGHT), through=["s"], initial_portions=[10.4, 5.0])]
+    system = TetherSystem(points, lines)
+    system.initialize(winch_forces={"line": 100.0})
+    for _ in range(200):
+        outputs = system.step(0.02)
+        assert outputs.lines["line"].tether_length <= 10.3 * (1.0 + 1e-8)
+    assert outputs.lines["line"].tether_length == pytest.approx(10.3, rel=1e-8)
+    assert outputs.lines["line"].winch_speed == 0.0
+
+
+# --- two drums on the same lines
+
+
+def steered(velocity=(0.0, 0.0, 0.0), pod=None, solver=TIGHT):
+    """A kite mass on a line, and another line, from a pod where two drums hold both of them."""
+    points = [Point("pod", (0.0, 0.0, 0.0), velocity, pod), Point("kite", (0.0, 0.0, 19.0), velocity, 30.0)]
+    points.append(Point("far", (-8.0, 0.0, 22.0), velocity))
+    own = {"segments": 5, "drag_coefficient": 0.5, **LIGHT}
+    lines = [Line("a", "pod", "kite", rope(18.9, **own)), Line("b", "pod", "far", rope(23.3, **own))]
+    steering = SharedWinch(
+        "steering", {"a": 1.0, "b": -1.0}, "force", winch_mass=5.0, winch_friction=15.0, winch_damping=5.0
+    )
+    power = SharedWinch("power", {"a": 1.0, "b": 0.5}, "force", winch_mass=8.0, winch_friction=15.0)
+    return TetherSystem(points, lines, solver=solver, winches=[steering, power])
+
+
+def told(k):
+    return {
+        "loads": {"kite": (100.0 * np.sin(k / 7.0), 0.0, 600.0)},
+        "winch_forces": {"steering": 20.0 + 80.0 * np.sin(k / 9.0), "power": 300.0 + 100.0 * np.cos(k / 11.0)},
+    }
+
+
+def test_moving_frame():
+    """Rounding over 2 s."""
+    found = []
+    for velocity in (np.zeros(3), np.array([7.0, -3.0, 1.0])):
+        system, rows = steered(velocity), []
+        system.initialize(np.array([6.0, 0.0, 0.0]) + velocity, **told(0))
+        for k in range(100):
+            places = {"pod": 0.02 * k * velocity, "far": np.array([-8.0, 0.0, 22.0]) + 0.02 * k * velocity}
+            outputs = system.step(0.02, positions=places, velocities=dict.fromkeys(places, velocity), **told(k))
+            rows.append([*(outputs.lines[name].ground_tension for name in "ab"), *np.ravel(list(outputs.winches.values()))])
+        found.append(np.array(rows))
+    assert np.abs(found[0][:, 2:]).max() > 0.5
+    assert found[0] == pytest.approx(found[1], abs=1e-7)
+
+
+@pytest.mark.parametrize("pod", [None, 40.0])
+def test_energy(pod):
+    """A quarter of the step leaves less than a tenth of the residual, of the system and of the drum `power`."""
+    residuals = []
+    for step in (0.02, 0.01, 0.005):
+        system = steered(pod=pod, solver=Solver(relative_tolerance=1e-7))
+        system.initialize(
+            (6.0, 0.0, 0.0), loads={"kite": (0.0, 0.0, 600.0)}, winch_forces={"steering": 60.0, "power": 300.0}
+        )
+        before = first = system.energy()
+        work, turned = 0.0, 0.0
+        for _ in range(round(1.0 / step)):
+            system.step(step)
+            now = system.energy()
+            work += 0.5 * step * (before.power + now.power)
+            turned += 0.5 * step * (before.winches["power"].power + now.winches["power"].power)
+            before = now
+        residuals.append(
+            [now.total - first.total - work, now.winches["power"].kinetic - first.winches["power"].kinetic - turned]
+        )
+    residuals = np.abs(residuals)
+    assert np.all(residuals[0] / residuals[2] > 10.0)
+    assert np.all(residuals[2] < 0.1)
+
+
+def test_a_state_is_restored():
+    """Bit for bit, with drums that turn and one that friction holds at times."""
+    system = steered()
+    system.initialize(**told(0))
+    for k in range(20):
+        system.step(0.02, **told(k))
+    state = system.get_state()
+    ends = []
+    for _ in range(2):
+        system.set_state(state)
+        for k in range(20, 40):
+            system.step(0.02, **told(k))
+        ends.append(system.get_state())
+    assert np.array_equal(*ends)
+
+
+def test_without_mass_the_lines_pull_with_the_force():
+    """At every instant the sum of tensions times ratios; the force is continued linearly within a step."""
+    system = between([SharedWinch("drum", {"from_a": 1.0, "from_b": 0.5}, "force", winch_force=500.0)])
+    for k in range(1, 40):
+        outputs = system.step(0.02, winch_forces={"drum": 500.0 - 2.0 * k})
+        pull = outputs.lines["from_a"].ground_tension + 0.5 * outputs.lines["from_b"].ground_tension
+        assert pull == pytest.approx(500.0 - 2.0 * k - (2.0 if k > 1 else 0.0), abs=1e-6)
+
+
+# --- all together
+
+
+def test_drums_beside_sheaves_at_one_free_point():
+    """A block on two falls and on a line of its own, each from a drum: the residual of the energy falls as above."""
+    points = [Point("top", (0.0, 0.0, 0.0)), Point("block", (0.5, 0.0, -10.0), mass=50.0), Point("end", (1.0, 0.0, 0.0))]
+    points.append(Point("side", (8.0, 0.0, -4.0)))
+    of_rope = {"drag_coefficient": 0.3, **LIGHT, "segments": 4}
+    drum = Winch(winch_control="force", winch_mass=10.0, winch_friction=8.0)
+    fall = {"through": ["block"], "sheave_friction": 0.05, "sheave_mass": 1.0}
+    lines = [Line("falls", "top", "end", rope(20.1, **of_rope), winch=drum, **fall)]
+    lines.append(Line("guy", "side", "block", rope(9.7, **of_rope), winch=drum))
+    residuals = []
+    for step in (0.02, 0.01, 0.005):
+        system = TetherSystem(points, lines, solver=Solver(relative_tolerance=1e-7))
+        system.initialize(winch_forces={"falls": 180.0, "guy": 150.0})
+        before = first = system.energy()
+        work = 0.0
+        for _ in range(round(0.6 / step)):
+            outputs = system.step(step, winch_forces={"falls": 230.0, "guy": 80.0})
+            now = system.energy()
+            work += 0.5 * step * (before.power + now.power)
+            before = now
+        residuals.append(abs(now.total - first.total - work))
+    assert abs(outputs.lines["falls"].winch_speed) > 0.1
+    assert abs(outputs.lines["guy"].winch_speed) > 0.1
+    assert residuals[0] / residuals[2] > 8.0
+    assert residuals[2] < 0.2
