@@ -279,10 +279,8 @@ def _parameters_of_sheaves(line):
     """Parameters of the portions and the sheaves of a line that runs over some."""
     portions = portions_of(line) if line.through else ()
     for k, portion in enumerate(portions):
-        meaning = (
-            f"unstretched length at the start of portion {k + 1}, from {portion.start} to {portion.end}, in proportion to "
-        )
-        meaning += "those of the others; 0 of any: each sheave starts with the same tension on both sides"
+        meaning = f"unstretched length at the start of portion {k + 1}, from {portion.start} to {portion.end}, "
+        meaning += "in proportion to those of the others; 0 of any: each sheave starts with the same tension on both sides"
         declared, start = Quantity("m", meaning, 0.0, 1e5), line.sheaves["initial_portions"][k]
         yield Variable(f"{line.name}.initial_portions[{k + 1}]", PARAMETER, "Real", declared, 0, start, group="geometry")
     for name, declared in SHEAVE_QUANTITIES.items():
