@@ -17,7 +17,7 @@ PAGE, KEYS = ((DOCS / folder / "systems.md").read_text(encoding="utf-8") for fol
 
 def test_the_examples_of_the_page_run(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    (first, *_), (crane, winches, letting_go, atwood) = (
+    (first, *_), (crane, winches, drum, letting_go, atwood) = (
         re.findall(rf"```{kind}\n(.*?)```", PAGE, re.DOTALL) for kind in ("toml", "python")
     )
     Path("crane.toml").write_text(first, encoding="utf-8")
@@ -27,6 +27,9 @@ def test_the_examples_of_the_page_run(tmp_path, monkeypatch):
     exec(winches, names)
     assert np.isclose(names["outputs"].lines["b"].tether_length, 19.0)  # 2 s at -0.5 m/s
     assert names["outputs"].lines["a"].winch_speed != 0.0
+    exec(drum, names)
+    force = (20.0 + 0.5 * 30.0) * 9.81 - 300.0 - 20.0  # without the weight of the ropes
+    assert np.isclose(names["outputs"].winches["drum"].winch_speed, force / (40.0 + 20.0 + 0.25 * 30.0), rtol=0.1)
     exec(atwood, names)
     assert np.isclose(names["outputs"].portions["rope"].payout[0], 0.5 * 98.1 / 55.5, rtol=0.1)  # of 10 kg more on one side
     exec(letting_go, names)

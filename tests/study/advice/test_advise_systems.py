@@ -130,8 +130,8 @@ def test_fixed_steps_stay_those_of_the_file(place, capsys):
 
 
 def test_what_no_number_of_segments_can_fly_is_refused(capsys):
-    """Points that are 1 km apart for a rope of 20 m: no equilibrium is finite there."""
-    settings = ["--set", "lines.rope_left.segments=1", "--set", "points.winch_left.position=[-1e9, 0, 30]"]
+    """A winch that reels in more rope than there is."""
+    settings = ["--set", "lines.rope_left.reel_out_speed=-100"]
     assert main(["advise", "hoist", "--fast", *settings]) == 2
     (line,) = capsys.readouterr().err.splitlines()
     assert "this system cannot be flown" in line
