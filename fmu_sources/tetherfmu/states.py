@@ -13,14 +13,8 @@ from tetherfmu.runtime.refusals import STATE_IMPOSSIBLE
 from tetherfmu.runtime.status import OK
 from tetherfmu.runtime.variants import EVERY_VARIANT
 
-_SCALARS = (
-    "initial_length",
-    "slack_stiffness_ratio",
-    "slack_damping_ratio",
-    "damping_law",
-    "ground_is_free",
-    "kite_is_free",
-)
+_SCALARS = ("initial_length", "slack_stiffness_ratio", "slack_damping_ratio", "damping_law")
+_SCALARS += ("ground_is_free", "kite_is_free")
 _PROPERTIES = {  # of the segments, in words
     at.SHARE: "share of the length in a segment",
     at.STIFFNESS: "axial_stiffness [N]",

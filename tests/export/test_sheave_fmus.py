@@ -2,17 +2,21 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 from fmpy import read_model_description
 
 from isolation import in_shared_process
-from runtime.host import STEP, Host, blob_of, restore
+from runtime.host import STEP, Host
 from tetherfmu import Solver, TetherSystem
+from tetherfmu.export import systems
+from tetherfmu.export.build_options import BuildOptions
 
-from .flavours import assert_checks_pass, build_all, every_flavour, go_astray_and_back
+from .flavours import FLAVOURS, assert_checks_pass, build_all, every_flavour, go_astray_and_back
 
 FILES = Path(__file__).parents[2] / "examples" / "systems"
 NAMES = {"TwoFallHoist": ("two_fall_hoist", "hoist"), "Atwood": ("atwood", "rope")}
+WIND_POINTS = 3
 OF_PORTIONS = {"length": "portion_length", "tension_from": "portion_tension_from", "tension_to": "portion_tension_to"}
 OF_SHEAVES = {"payout": "sheave_payout", "speed": "sheave_speed"}
 
@@ -20,7 +24,14 @@ OF_SHEAVES = {"payout": "sheave_payout", "speed": "sheave_speed"}
 @pytest.fixture(scope="session")
 def folder(built_once):
     """Folder with an FMU of each file and each flavour, in a folder of its own."""
-    return built_once("sheaves", lambda folder: build_all(folder, *(FILES / f"{file}.toml" for file, _ in NAMES.values())))
+
+    def build(folder):
+        build_all(folder, *(FILES / f"{file}.toml" for file, _ in NAMES.values()))
+        for native in FLAVOURS:
+            options = BuildOptions(shape_points=None, wind_points=WIND_POINTS)
+            systems.build(FILES / "two_fall_hoist.toml", folder / f"wind_{native}", options, native=native or None)
+
+    return built_once("sheaves", build)
 
 
 @every_flavour
@@ -66,9 +77,7 @@ def test_fixed_steps_have_the_numbers_of_the_python_api(folder, native, method):
     host.start(fixed_step=0.005, fixed_step_method=solver.fixed_step_method)
     for k in range(20):
         if k == 10:
-            blob = blob_of(host)
-            host.step(STEP, **{"hoist.reel_out_speed": 1.0})
-            restore(host, blob)
+            go_astray_and_back(host, **{"hoist.reel_out_speed": 1.0})
         host.step(STEP, **{"hoist.reel_out_speed": -0.01 * k})
         wanted = system.step(STEP, reel_out_speeds={"hoist": -0.01 * k})
         found = {f"hoist.sheave_payout[{i + 1}]": value for i, value in enumerate(wanted.portions["hoist"].payout.tolist())}
@@ -76,6 +85,26 @@ def test_fixed_steps_have_the_numbers_of_the_python_api(folder, native, method):
         assert {each: host.get(each) for each in found} == found
         assert host.get("solver_iteration_limit") == wanted.lines["hoist"].solver_iteration_limit > 0
     assert wanted.portions["hoist"].payout[0] != 0.0
+
+
+@every_flavour
+@in_shared_process
+def test_wind_points_are_those_of_the_portions(folder, native):
+    """Bit for bit the Python API, which has the wind along both portions."""
+    given = TetherSystem.from_file(FILES / "two_fall_hoist.toml")
+    system = TetherSystem(given.points, given.lines, solver=given._records[1], wind_points=WIND_POINTS)
+    wind = np.outer(np.linspace(4.0, 12.0, 2 * WIND_POINTS), (1.0, 0.3, 0.0))
+    system.initialize(wind_at={"hoist": wind})
+    names = [f"hoist.wind_at[{k},{i}]" for k in range(1, 2 * WIND_POINTS + 1) for i in (1, 2, 3)]
+    host = Host(folder / f"wind_{native}" / "TwoFallHoist.fmu").start(**dict(zip(names, wind.ravel(), strict=True)))
+    for k in range(5):
+        more = (1.0 + 0.1 * k) * wind
+        host.step(STEP, **dict(zip(names, more.ravel(), strict=True)))
+        block = system.step(STEP, wind_at={"hoist": more}).points["block"].position
+        assert [host.get(f"block.position[{i}]") for i in (1, 2, 3)] == block.tolist()
+    known = {each.name for each in read_model_description(folder / f"wind_{native}" / "TwoFallHoist.fmu").modelVariables}
+    assert names[-1] in known or "hoist.wind_at" in known
+    assert f"hoist.wind_at[{2 * WIND_POINTS + 1},1]" not in known
 
 
 @every_flavour

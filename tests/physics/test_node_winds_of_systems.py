@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tetherfmu import Environment, Line, Point, StepRefused, Tether, TetherDynamic, TetherSystem
+from tetherfmu import Environment, Line, Point, Solver, StepRefused, Tether, TetherDynamic, TetherSystem
 
 N, STEP, LENGTH = 5, 0.02, 101.0
 KITE = (60.0, 0.0, 80.0)
@@ -79,3 +79,34 @@ def test_what_cannot_be_is_refused_and_changes_nothing():
     np.testing.assert_array_equal(both.step(STEP).lines["a"].kite_force, twin.step(STEP).lines["a"].kite_force)
     with pytest.raises(ValueError, match="with wind points; give wind_at"):
         system(wind_points=4).initialize({"a": winds(0)})
+
+
+def over_sheave(wind_points, solver=None):
+    """A rope over a heavy pulley between two driven points."""
+    points = [Point("a", (-8.0, 0.0, 0.0)), Point("pulley", mass=60.0), Point("b", (8.0, 0.0, 1.0))]
+    tether = Tether(segments=4, initial_length=24.0, diameter=0.02, axial_stiffness=1e5, axial_damping=500.0)
+    lines = [Line("rope", "a", "b", tether, through=["pulley"], initial_portions=[12.0, 12.0])]
+    return TetherSystem(points, lines, solver=solver or Solver(), wind_points=wind_points)
+
+
+@pytest.mark.parametrize("fixed_step", [0.0, 0.005])
+def test_wind_points_of_a_line_over_sheaves(fixed_step):
+    """Equal winds at all points are a uniform wind, bit for bit; wind on one portion only pushes that one."""
+    solver, wind = Solver(fixed_step=fixed_step), np.array((0.0, 9.0, 0.0))
+    uniform, given, one_side = over_sheave(0, solver), over_sheave(3, solver), over_sheave(3, solver)
+    uniform.initialize(wind)
+    given.initialize(wind_at={"rope": np.tile(wind, (6, 1))})
+    half = np.vstack([np.zeros((3, 3)), np.tile(wind, (3, 1))])
+    one_side.initialize(wind_at={"rope": half})
+    for k in range(20):
+        more = 1.0 + 0.05 * k
+        expected = uniform.step(STEP, wind_velocity=more * wind)
+        found = given.step(STEP, wind_at={"rope": np.tile(more * wind, (6, 1))})
+        np.testing.assert_array_equal(found.lines["rope"].shape, expected.lines["rope"].shape)
+        assert found.portions["rope"].payout == expected.portions["rope"].payout
+        half[3:] = more * wind
+        pushed = one_side.step(STEP, wind_at={"rope": half})
+    straight = 0.5 * (pushed.lines["rope"].shape[0] + pushed.lines["rope"].shape[4])
+    assert abs(pushed.lines["rope"].shape[2, 1] - straight[1]) < 0.2 * pushed.lines["rope"].shape[6, 1]
+    with pytest.raises(ValueError, match=r"rope\.wind_at has the shape \(3, 3\)"):
+        given.step(STEP, wind_at={"rope": np.zeros((3, 3))})

@@ -135,9 +135,8 @@ def test_a_winch_pays_out_the_whole_line(control):
     assert outputs.portions["hoist"].length.sum() == pytest.approx(outputs.lines["hoist"].tether_length, abs=1e-12)
 
 
-@pytest.mark.filterwarnings(
-    "ignore:.*presses its ends apart", "ignore:.*the tension at a sheave", "ignore:.*hangs"
-)  # it jumps
+# it jumps
+@pytest.mark.filterwarnings("ignore:.*presses its ends apart", "ignore:.*the tension at a sheave", "ignore:.*hangs")
 def test_a_portion_stops_before_it_vanishes():
     """Five segments of 1 cm are left, and the sheave is held while the rope draws it on."""
     system = block_system()
@@ -217,7 +216,6 @@ WRONG = {
         {"solver": Solver(fixed_step=0.01)},
         "fixed_step is 0.01 s, r is controlled by force, and r runs over sheaves",
     ),
-    "wind points": ({}, {"wind_points": 5}, "wind_points is 5, and r runs over sheaves"),
     "a law": ({"tether": Tether(initial_length=16.0, damping_law="stretch_rate")}, {}, "damping_law is stretch_rate"),
     "breaking": ({"tether": Tether(initial_length=16.0, breaking_force=1e4)}, {}, "breaking_force is 10000.0, and r runs"),
     "no point": ({"through": ["x"]}, {}, "point x, which does not exist"),

@@ -20,6 +20,7 @@ from math import cos, hypot, pi, sin
 from typing import NamedTuple
 from warnings import catch_warnings
 
+from tetherfmu.fmi.portions import portions_of
 from tetherfmu.results import PlausibilityWarning
 from tetherfmu.runtime.inputs import KITE_AT_START, ZERO, components, wind_at_names
 from tetherfmu.runtime.parameters import DEFAULT_TOLERANCE, Environment, FreeKite, Solver, Winch
@@ -220,16 +221,21 @@ def _around(time, share=1.0):
     return {"reel_out_speed": reel_out, "wind_velocity": wind}
 
 
-def with_wind_at(inputs, wind_points, lines=()):
+def with_wind_at(inputs, wind_points, lines=None):
     """Inputs with the wind at points, which grows along the tether, in the place of `wind_velocity`.
 
-    lines : names of those of a system, each with these points.
+    lines : of a system, dict of their names to their numbers of these points.
     """
     if not wind_points:
         return inputs
-    shares = [_WIND_AT_GROUND + 2.0 * (1.0 - _WIND_AT_GROUND) * k / (wind_points - 1) for k in range(wind_points)]
-    wind = rounded(tuple(tuple(share * each for each in inputs["wind_velocity"]) for share in shares))
-    return {**inputs, "wind_velocity": ZERO, "wind_at": dict.fromkeys(lines, wind) if lines else wind}
+    own = {name: _winds_along(inputs["wind_velocity"], count) for name, count in (lines or {"": wind_points}).items()}
+    return {**inputs, "wind_velocity": ZERO, "wind_at": own if lines else own[""]}
+
+
+def _winds_along(wind, count):
+    """Wind at so many points [m/s], with `wind` in the middle."""
+    shares = [_WIND_AT_GROUND + 2.0 * (1.0 - _WIND_AT_GROUND) * k / (count - 1) for k in range(count)]
+    return rounded(tuple(tuple(share * each for each in wind) for share in shares))
 
 
 # --- the winch inside a tether
@@ -307,20 +313,15 @@ _AMPLITUDE = 0.01  # of the driven points, in the mean length of the lines [-]
 _PAID_OUT = 2e-4  # of the length of a line, in a second [1/s]
 _LIFT = 0.01  # of the force of a winch that holds several lines [-]
 # arguments of `TetherSystem.step`, and the inputs of points and lines that they are
-KINDS = {
-    "positions": "position",
-    "velocities": "velocity",
-    "reel_out_speeds": "reel_out_speed",
-    "winch_lengths": "winch_length",
-    "winch_forces": "winch_force",
-    "wind_at": "wind_at",
-}
+KINDS = {"positions": "position", "velocities": "velocity", "reel_out_speeds": "reel_out_speed"}
+KINDS |= {"winch_lengths": "winch_length", "winch_forces": "winch_force", "wind_at": "wind_at"}
 _TENSIONS = {"tension_from": "ground_tension", "tension_to": "kite_tension", "tether_length": "tether_length"}
 
 
 def of_system(system, wind_points=0):
     """The `EvidenceSet` of a system. system : `systems.files.SystemFile`.  wind_points : of each line."""
-    driven, lines = [point.name for point in system.points if point.is_driven], [line.name for line in system.lines]
+    driven = [point.name for point in system.points if point.is_driven]
+    lines = {line.name: len(portions_of(line)) * wind_points for line in system.lines}
 
     def model(tolerance):
         solver = replace(system.solver, relative_tolerance=tolerance)
@@ -330,18 +331,16 @@ def of_system(system, wind_points=0):
     moves = [name for what in ("position", "velocity") for each in driven for name in components(f"{each}.{what}", 3)]
     turns = [f"{line.name}.reel_out_speed" for line in lines_alone(system)]
     turns += [f"{winch.name}.{winch.input}" for winch in system.winches]
-    winds = [f"{line}.{name}" for line in lines for name in wind_at_names(wind_points)]
+    winds = [f"{line}.{name}" for line, count in lines.items() for name in wind_at_names(count)]
     forces = {each.name: f"{each.name}.{'force' if each.is_driven else 'position'}" for each in system.points}
+    of_points = (name for vector in forces.values() for name in components(vector, 3))
     at = partial(inputs_of_system, system=system)
     return EvidenceSet(
         kind="",
         model=model,
         scene=[with_wind_at(rounded(at(k * STEP)), wind_points, lines) for k in range(_SYSTEM_STEPS + 1)],
         inputs=(*moves, *turns, *components("wind_velocity", 3), *winds),
-        outputs=(
-            *(name for vector in forces.values() for name in components(vector, 3)),
-            *(f"{line}.{what}" for line in lines for what in _TENSIONS),
-        ),
+        outputs=(*of_points, *(f"{line}.{what}" for line in lines for what in _TENSIONS)),
         given=_named,
         found=partial(_found_in_system, forces),
         tolerance=_SYSTEM_TOLERANCE,

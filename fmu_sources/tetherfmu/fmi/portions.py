@@ -2,6 +2,8 @@
 
 from typing import Any, NamedTuple
 
+from ..runtime.inputs import wind_at_names
+
 
 class Portion(NamedTuple):
     """A portion of a line, or all of a line that runs over no sheave.
@@ -23,6 +25,12 @@ class Portion(NamedTuple):
     def tethers(self):
         """Tethers in series of the whole line, where the record has them."""
         return self.line.tethers
+
+    @property
+    def wind_at_names(self):
+        """Names of the wind at its points, without that of the line, which has those of its portions one after the other."""
+        own = self.line.wind_points
+        return wind_at_names((self.number + 1) * own)[3 * self.number * own :]
 
     @property
     def ends(self):

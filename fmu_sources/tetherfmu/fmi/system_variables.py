@@ -98,7 +98,7 @@ class Point:
 class Line:
     """A line of a system: its name, the names of its points, start values of its quantities by name, points of its shape.
 
-    wind_points : at which the wind is an input; 0 for none.  through : names of the points over whose sheaves it runs.
+    wind_points : at which the wind is an input, of each portion; 0 for none.  through : names of points at its sheaves.
     sheaves : of such a line, dict of start values of `SHEAVE_QUANTITIES`, one for each sheave, and `initial_portions` [m].
     """
 
@@ -242,8 +242,9 @@ def _inputs(structure):
         for variable in _vector(each.name, INPUT, Quantity(each.unit, each.meaning), each.group, each.start):
             yield without_effect(variable, structure.has_wind_points, each.name)
     for line in structure.lines:
-        points = f"points on {line.name} at equal unstretched length, {line.start} first"
-        for name, meaning in elements(f"{line.name}.{inputs.WIND_AT.name}", points, POINTS, line.wind_points):
+        points, count = f"points on {line.name} at equal unstretched length, {line.start} first", len(portions_of(line))
+        points += f", {line.wind_points} on each portion" if count > 1 else ""
+        for name, meaning in elements(f"{line.name}.{inputs.WIND_AT.name}", points, POINTS, count * line.wind_points):
             quantity = Quantity(inputs.WIND_AT.unit, f"wind at {meaning}")
             yield Variable(name, INPUT, "Real", quantity, 0, 0.0, group=inputs.WIND_AT.group)
 

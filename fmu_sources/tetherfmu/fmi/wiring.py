@@ -19,7 +19,7 @@ from ..runtime.outputs import COUNTERS
 from ..runtime.parameters import Ground, Tether, Winch
 from ..runtime.quantities import doubts_in
 from ..runtime.sheaves import SHEAVE_QUANTITIES
-from ..runtime.variables import INPUT, PARAMETER, input_names, line_of_tether, parameters_at, references, wind_points_in
+from ..runtime.variables import INPUT, INPUT_NAMES, PARAMETER, line_of_tether, parameters_at, references, wind_points_in
 from ..runtime.variants import BY_NAME, Variant, library_of
 from .portions import all_portions, portions_of
 from .selection import shown, with_starts
@@ -115,7 +115,7 @@ def of_system(structure, left_out=(), starts=()):
         sizes |= {f"{line.name}.{name}": (count,) for name, *_, count in outputs_of_portions(line)}
         sizes |= {f"{line.name}.{name}": (len(line.through),) for name in SHEAVE_QUANTITIES}
         sizes[f"{line.name}.initial_portions"] = (len(line.through) + 1,)
-    sizes |= {f"{line.name}.{WIND_AT.name}": (line.wind_points, 3) for line in structure.lines}
+    sizes |= {f"{line.name}.{WIND_AT.name}": (len(portions_of(line)) * line.wind_points, 3) for line in structure.lines}
     return Wiring(
         name=structure.hash,
         library=SYSTEM,
@@ -183,10 +183,7 @@ def lines_of(structure):
     return tuple(
         Line(
             each.name,
-            tuple(
-                (told_by(structure.winches, each.line, name) if each.number == 0 else None) or input_name(name, each)
-                for name in input_names(each.line.wind_points)
-            ),
+            (*names_of_inputs(structure, each), *(f"{each.line.name}.{name}" for name in each.wind_at_names)),
             each.line.shape_points,
             each.line.wind_points,
             *(number.get(name, plan.DRIVEN) for name in (each.start, each.end)),
@@ -196,6 +193,12 @@ def lines_of(structure):
         )
         for k, each in enumerate(all_portions(structure.lines))
     )
+
+
+def names_of_inputs(structure, portion):
+    """Names of the inputs of the system that are those of a line or a portion, by their places, but for its wind points."""
+    for name in INPUT_NAMES:
+        yield (told_by(structure.winches, portion.line, name) if portion.number == 0 else None) or input_name(name, portion)
 
 
 def told_by(winches, line, name):
@@ -321,10 +324,8 @@ def _outputs_of(structure, places):
         for end, point in each.ends:
             for i, name in enumerate(components(f"{point}.force", 3)):
                 found.setdefault(name, []).append(first + outputs.PLACES[f"{end}_force"] + i)
-        for (
-            name,
-            own,
-        ) in OF_A_LINE.items():  # those of a line over sheaves are in its first portion, but for its last tension
+        # those of a line over sheaves are in its first portion, but for its last tension
+        for name, own in OF_A_LINE.items():
             if each.number == 0 or (name == "kite_tension" and not each.is_through):
                 found[f"{line.name}.{own}"] = [first + outputs.PLACES[name]]
         for k in range(line.shape_points):

@@ -109,10 +109,9 @@ def _compile(folders, platforms, browser):
     run(module, [*first, ",".join(platforms), *variants], root)
     if browser is None:
         later = [each for each in LIBRARIES if not has_all(place(root, each), each, platforms)]
-        names = ", ".join(
-            [*("systems of tethers" if each == kernel_library.SYSTEM else each for each in later), "tetherfmu web"]
-        )
-        print(f"not yet compiled, each will be when it is first used: {names}", file=sys.stderr, flush=True)
+        names = ("systems of tethers" if each == kernel_library.SYSTEM else each for each in later)
+        listed = ", ".join([*names, "tetherfmu web"])
+        print(f"not yet compiled, each will be when it is first used: {listed}", file=sys.stderr, flush=True)
 
 
 def run(module, arguments, root):
@@ -126,13 +125,8 @@ def run(module, arguments, root):
         tempfile.TemporaryDirectory(dir=root, prefix="partial-") as unfinished,  # also what is so when Ctrl-C ends the child
         tempfile.TemporaryFile("w+") as problems,
     ):
-        environment = {
-            **os.environ,
-            **FOR_NUMBA,
-            "PYTHONPATH": os.pathsep.join(path),
-            **dict.fromkeys(TEMPORARY, unfinished),
-        }
-        _follow(command, environment, problems, began)
+        own = {"PYTHONPATH": os.pathsep.join(path), **dict.fromkeys(TEMPORARY, unfinished)}
+        _follow(command, os.environ | FOR_NUMBA | own, problems, began)
 
 
 def _follow(command, environment, problems, began):

@@ -106,14 +106,10 @@ def read(content):
     first = [_global(each) for each in _items(sections[6])]
     listed = [(each.name(), each.byte(), each.whole()) for each in _items(sections[7])]
     functions = [_function(each, signatures[kind]) for each, kind in zip(_items(sections[10]), kinds, strict=True)]
-    return File(
-        imports,
-        functions,
-        {name: number for name, kind, number in listed if kind == FUNCTION},
-        {name: first[number] for name, kind, number in listed if kind == GLOBAL},
-        first,
-        [_data(each) for each in _items(sections[11])] if 11 in sections else [],
-    )
+    exports = {name: number for name, kind, number in listed if kind == FUNCTION}
+    constants = {name: first[number] for name, kind, number in listed if kind == GLOBAL}
+    data = [_data(each) for each in _items(sections[11])] if 11 in sections else []
+    return File(imports, functions, exports, constants, first, data)
 
 
 def _items(section):

@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 
 from tetherfmu.arguments import node_vectors
 from tetherfmu.compiled_flight import put_node_winds
+from tetherfmu.fmi.portions import portions_of
 from tetherfmu.fmi.system_variables import GIVEN, RELEASE
 from tetherfmu.given_inputs import check_effect
 from tetherfmu.results import StepRefused
@@ -39,7 +40,7 @@ class SystemInputs(TypedDict, total=False):
     releases : dict of str to bool
         True lets lines, by name, go at their last ends, at the beginning of the step and for good.
     wind_at : dict of str to (wind_points, 3) array
-        Wind [m/s] at the wind points of lines, by name.
+        Wind [m/s] at the wind points of lines, by name; over sheaves at those of the portions, one after the other.
     """
 
     reel_out_speeds: Vectors
@@ -64,7 +65,8 @@ def starts(lines, shared, free, wind_points):
         alone = [line for line in lines if name == RELEASE or not holding(shared, line.name)]
         turned = (*alone, *(winch for winch in shared if winch.input == name))
         winches[each] = {one.name: getattr(one, name, 0.0) for one in turned}
-    winds = {"wind_at": {line.name: np.zeros((wind_points, 3)) for line in lines}} if wind_points else {}
+    points = {line.name: (len(portions_of(line)) * wind_points, 3) for line in lines}
+    winds = {"wind_at": {name: np.zeros(shape) for name, shape in points.items()}} if wind_points else {}
     return {"wind_velocity": (0.0, 0.0, 0.0), "loads": dict.fromkeys(free, (0.0, 0.0, 0.0)), **winches, **winds}
 
 
@@ -132,8 +134,11 @@ def put(given, arrays, points, lines, inputs=None, at_start=False):
         _check_known("wind_at of a line", name, whole_lines)
         if not points:
             raise ValueError("this TetherSystem has no wind points for wind_at: make it with wind_points=11")
-        winds = _numbers(f"{name}.wind_at", value, (points, 3), steps)
-        rows[names.index(name)][..., at.INPUTS :] = winds.reshape(*winds.shape[:-2], 3 * points)
+        own = range(names.index(name), names.index(name) + sum(line.line.name == name for line in lines))
+        winds = _numbers(f"{name}.wind_at", value, (len(own) * points, 3), steps)
+        for j, k in enumerate(own):
+            of_portion = winds[..., j * points : (j + 1) * points, :]
+            rows[k][..., at.INPUTS :] = of_portion.reshape(*winds.shape[:-2], 3 * points)
     if "wind_velocity" in given:
         _put_wind(given["wind_velocity"], arrays, rows, names, at_start)
     return told

@@ -80,7 +80,7 @@ def sheaves_of(line):
     return {"initial_portions": tuple(given), **{name: numbers_in(line, name) for name in SHEAVE_QUANTITIES}}
 
 
-def check_with_sheaves(lines, solver, wind_points, winches):
+def check_with_sheaves(lines, solver, winches):
     """ValueError if a system whose lines run over sheaves, or are held by winches by force, has what it cannot have yet."""
     name = next((line.name for line in lines if line.through), None)
     why = f"{name} runs over sheaves"
@@ -95,8 +95,6 @@ def check_with_sheaves(lines, solver, wind_points, winches):
         raise ValueError(
             f"fixed_step is {solver.fixed_step!r} s, {turned[0]} is controlled by force, and {why}; it must be 0 (adaptive)"
         )
-    if wind_points and any(line.through for line in lines):
-        raise ValueError(f"wind_points is {wind_points!r}, and {why}; it must be 0")
     for line in lines:
         check_drum(line, why)
         if line.through and line.tethers[0].damping_law != at.STRAIN_RATE:

@@ -161,16 +161,10 @@ def scene_of(path):
 
 def scene_of_log(path, table):
     """The flight of a log, which the page makes smooth itself; of the scene it takes the tether.  path : of the CSV file."""
-    tether = record(Tether, table["tether"], "tether")
-    return {
-        "duration": value_of(files.Scene, "duration", table["duration"], ""),
-        "kind": "log",
-        "flight": {},
-        "parameters": {key: getattr(tether, key) for key in table["tether"]},
-        "wind": {},
-        "file": path.name,
-        "log": path.read_text(encoding="utf-8"),
-    }
+    tether, duration = record(Tether, table["tether"], "tether"), value_of(files.Scene, "duration", table["duration"], "")
+    parameters_of_log = {key: getattr(tether, key) for key in table["tether"]}
+    flown = {"duration": duration, "kind": "log", "flight": {}, "parameters": parameters_of_log, "wind": {}}
+    return flown | {"file": path.name, "log": path.read_text(encoding="utf-8")}
 
 
 def of_scenes():

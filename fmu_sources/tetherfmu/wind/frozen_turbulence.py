@@ -24,12 +24,10 @@ from tetherfmu.runtime.quantities import check, quantity
 from .wind_boxes import LARGEST_SPACING, LARGEST_SPEED, MOST_POINTS, WrongBox, open_box
 
 PERIODIC, REFUSED = 1, 2  # `outside`
-
+OUTSIDE = {"periodic": "the box, repeated in all directions", "refused": "nothing, a step there is refused"}
 EDGE = 1e-9  # of a spacing: rounding at the faces of a box
 BOTH = np.array((0, 1))[:, None, None]  # from the point before a place to those before and behind it
 AXES = ("along the wind", "across the wind", "upwards")
-
-
 SPAN = 10_000  # points whose wind is read from a box at once
 
 
@@ -50,12 +48,7 @@ class MeanWind(NamedTuple):
 class Reading:
     """How a box is read: what is beyond it, and the grid of a Mann box, whose files do not say it."""
 
-    outside: int = quantity(
-        PERIODIC,
-        "",
-        "what is beyond the box",
-        choices={"periodic": "the box, repeated in all directions", "refused": "nothing, a step there is refused"},
-    )
+    outside: int = quantity(PERIODIC, "", "what is beyond the box", choices=OUTSIDE)
     points_along: int = quantity(0, "", "of a Mann box: number of points along the wind, 0 for other files", 0, MOST_POINTS)
     points_across: int = quantity(0, "", "of a Mann box: number of points across the wind", 0, MOST_POINTS)
     points_upwards: int = quantity(0, "", "of a Mann box: number of points upwards", 0, MOST_POINTS)

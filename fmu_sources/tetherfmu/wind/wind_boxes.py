@@ -109,17 +109,10 @@ def turbsim_box(file):
     plane = 3 * (ny * nz + towers)  # numbers; the components of a point are neighbours
     check_size(file, size, HEADER.size + described + 2 * nt * plane)
     numbers = mapped(file, "<i2", HEADER.size + described, nt * plane)
-    return Box(
-        file=file,
-        components=tuple(numbers[component:] for component in range(3)),
-        strides=(plane, 3, 3 * ny),
-        points=(nt, ny, nz),
-        first=(0.0, -0.5 * (ny - 1) * dy, bottom),
-        spacing=(-speed * dt, dy, dz),
-        offset=tuple(offset),
-        scale=tuple(scale),
-        mean=(speed, hub),
-    )
+    components, strides = tuple(numbers[component:] for component in range(3)), (plane, 3, 3 * ny)
+    first, spacing = (0.0, -0.5 * (ny - 1) * dy, bottom), (-speed * dt, dy, dz)
+    stored = {"offset": tuple(offset), "scale": tuple(scale), "mean": (speed, hub)}
+    return Box(file, components, strides, (nt, ny, nz), first, spacing, **stored)
 
 
 def mann_box(file, points, spacing):
@@ -129,9 +122,8 @@ def mann_box(file, points, spacing):
     across and up.
     """
     if not any(points):
-        raise WrongBox(
-            f"{file} does not say how many points it has, along, across and upwards, nor their spacing; give both"
-        )
+        missing = "how many points it has, along, across and upwards, nor their spacing"
+        raise WrongBox(f"{file} does not say {missing}; give both")
     check_points(file, points)
     for axis, value in zip(("along", "across", "upwards"), spacing, strict=True):
         check_number(file, f"spacing {axis}", value, 1e-6, LARGEST_SPACING)

@@ -26,14 +26,9 @@ def sources(name, library, tables, room, fmi, headers):
     fmi : 2 or 3.  headers : folder with those of FMI.
     """
     parts = [NOT_IN_C.get(part, part) for part in (*PARTS, f"fmi{fmi}") if NOT_IN_C.get(part, part)]
-    texts = {
-        FILE: filled(
-            FILE, name=name, fmi=fmi, segments=MAX_SEGMENTS, parts="\n".join(f'#include "{part}.c"' for part in parts)
-        ),
-        "CMakeLists.txt": filled("CMakeLists.txt", name=name),
-        "names.h": names(name),
-        "tables.h": f"{tables}{room}",
-    }
+    included = "\n".join(f'#include "{part}.c"' for part in parts)
+    texts = {FILE: filled(FILE, name=name, fmi=fmi, segments=MAX_SEGMENTS, parts=included)}
+    texts |= {"CMakeLists.txt": filled("CMakeLists.txt", name=name), "names.h": names(name), "tables.h": f"{tables}{room}"}
     if fmi == 3:
         texts["buildDescription.xml"] = build_description(name)
     found = {file: text.encode("utf-8") for file, text in texts.items()}

@@ -1,7 +1,7 @@
 """The trade of speed for accuracy in a scene: every configuration against a converged reference."""
 
 from concurrent.futures import as_completed
-from itertools import chain, product, starmap
+from itertools import product, starmap
 from typing import NamedTuple
 
 import numpy as np
@@ -55,17 +55,11 @@ def ladder(scene):
 
     At short steps the tolerance does not matter: the solver takes one step in each.
     """
-    choices = (
-        product(
-            (variant,),
-            SEGMENTS if BY_NAME[variant].has_nodes else (0,),
-            TOLERANCES if BY_NAME[variant].has_waves else (0.0,),
-            steps(scene),
-        )
-        for variant in ADVISED
-        if BY_NAME[variant].has_waves or not scene.kite_is_free
-    )
-    configs = starmap(Config, chain(*choices))
+    configs = []
+    for variant in (BY_NAME[name] for name in ADVISED):
+        if variant.has_waves or not scene.kite_is_free:
+            segments, tolerances = SEGMENTS if variant.has_nodes else (0,), TOLERANCES if variant.has_waves else (0.0,)
+            configs += starmap(Config, product((variant.name,), segments, tolerances, steps(scene)))
     return [each for each in configs if each.step > SHORT_STEP or each.tolerance <= TOLERANCES[-1]]
 
 

@@ -17,15 +17,9 @@ from .written import Imported, number, row
 
 TITLE = re.compile(r"^\s*-{3,}\s*(.*?)[\s-]*$")
 HAS_IT = re.compile(r"^\s*-{3,}\s*LINE (TYPES|DICTIONARY)", re.IGNORECASE | re.MULTILINE)
-SECTIONS = {  # what the title of a section begins with
-    "LINE TYPE": "types",
-    "LINE DICTIONARY": "types",
-    "POINT": "points",
-    "CONNECTION": "points",
-    "LINE": "lines",
-    "OPTION": "options",
-    "SOLVER OPTION": "options",
-}
+# what the title of a section begins with
+SECTIONS = {"LINE TYPE": "types", "LINE DICTIONARY": "types", "POINT": "points", "CONNECTION": "points", "LINE": "lines"}
+SECTIONS |= {"OPTION": "options", "SOLVER OPTION": "options"}
 OF_A_TYPE = ("Name", "Diam", "Mass/m", "EA", "BA/-zeta", "EI", "Cd")  # columns that are needed, as the next two
 OF_A_POINT = ("ID", "Attachment", "X", "Y", "Z")
 OF_A_LINE = ("ID", "LineType", "AttachA", "AttachB", "UnstrLen", "NumSegs")
@@ -81,9 +75,8 @@ def sections(text):
             if heads:
                 old = OF_VERSION_1 & {each.lower() for each in line.split()}
                 if old:
-                    raise ValueError(
-                        f"row {count}: columns {', '.join(sorted(old))} are of MoorDyn v1; write the file for v2"
-                    )
+                    heads = ", ".join(sorted(old))
+                    raise ValueError(f"row {count}: columns {heads} are of MoorDyn v1; write the file for v2")
                 heads = 0
             elif words and not words[0].startswith("("):
                 found[section].append((count, words))

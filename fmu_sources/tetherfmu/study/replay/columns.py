@@ -17,17 +17,8 @@ from tetherfmu.study.scenes.files import NOT_OF_A_SCENE, RECORDS, SceneError
 MAPS = {path.stem: path for path in sorted(Path(__file__).parent.glob("*.toml"))}  # that this package has
 BY_YEAR = {2019: "kitepower_2019", 2023: "kitepower_2023", 2025: "kitepower_2025"}  # of the first row of a log
 KITEPOWER = "kitepower"  # stands for them
-AXES = {  # of a column: its axis, and its sign along it
-    "east": (0, 1.0),
-    "x": (0, 1.0),
-    "west": (0, -1.0),
-    "north": (1, 1.0),
-    "y": (1, 1.0),
-    "south": (1, -1.0),
-    "up": (2, 1.0),
-    "z": (2, 1.0),
-    "down": (2, -1.0),
-}
+AXES = {"east": (0, 1.0), "x": (0, 1.0), "west": (0, -1.0)}  # of a column: its axis, and its sign along it
+AXES |= {"north": (1, 1.0), "y": (1, 1.0), "south": (1, -1.0), "up": (2, 1.0), "z": (2, 1.0), "down": (2, -1.0)}
 GEODETIC = ("latitude", "longitude", "altitude")
 POINTS, SPEEDS = ("kite_position", "origin"), ("kite_velocity", "wind_velocity")
 SCALARS = {"tether_length": "m", "reel_out_speed": "m/s", "ground_tension": "N", "airspeed": "m/s"}  # and their units
@@ -225,10 +216,8 @@ class Columns:
         records = {}
         for key, value in changes.items():
             section, _, name = key.partition(".")
-            if section not in (*OWN, *OF_SCENES):
-                raise MapError(
-                    f"{key} is no constant of a map{meant_or_all(section, (*OWN, *OF_SCENES), 'sections are {}')}"
-                )
+            if section not in (known := (*OWN, *OF_SCENES)):
+                raise MapError(f"{key} is no constant of a map{meant_or_all(section, known, 'sections are {}')}")
             records.setdefault(section, {})[name] = value
         try:
             return replace(self, **read_records(records, self))
@@ -328,7 +317,7 @@ def number(table, section, unit, more=None):
     require(table, section, ("column", "unit") if unit else ("column",))
     if "column" not in table:
         raise ValueError(f"the key {section}.column is missing")
-    return among(table, section, "column", unit, more=more) if unit else among(table, section, "column", None)
+    return among(table, section, "column", unit, more=more)
 
 
 def among(table, section, key, unit, named="unit", more=None, factor=1.0):
@@ -363,10 +352,8 @@ def vector(table, section):
         require(table, section, (*GEODETIC, "angle", "unit"), GEODETIC)
         angle = factor_of(table, section, "deg", "angle", ANGLES)
         height = factor_of(table, section, unit)
-        columns = (
-            Column(text_of(table, section, key), each) for key, each in zip(GEODETIC, (angle, angle, height), strict=True)
-        )
-        return Source(tuple(columns), GEODETIC_POINT)
+        factors_of = zip(GEODETIC, (angle, angle, height), strict=True)
+        return Source(tuple(Column(text_of(table, section, key), each) for key, each in factors_of), GEODETIC_POINT)
     angles = None
     if any(key in table for key in csv_files.ANGLES):
         require(table, section, table, csv_files.ANGLES)

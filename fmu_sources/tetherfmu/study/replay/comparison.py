@@ -48,12 +48,8 @@ def errors(found, start, lead):
     rows = []
     for label in (None, *(name for name in LABELS if name in found and found[name].nunique() > 1)):
         for keys, part in found.groupby(["tether", label] if label else ["tether"], sort=False):
-            row = {
-                "part": f"{label} {keys[1] or NONE}" if label else ALL,
-                "tether": keys[0],
-                "time [s]": round(len(part) * EVERY, 1),
-            }
-            rows.append(row | judged(part))
+            row = {"part": f"{label} {keys[1] or NONE}" if label else ALL, "tether": keys[0]}
+            rows.append(row | {"time [s]": round(len(part) * EVERY, 1)} | judged(part))
     return pd.DataFrame(rows).dropna(axis=1, how="all")
 
 

@@ -279,12 +279,8 @@ def shapes_figure(made, name):
     for axes, title in zip(all_axes, ("from the side", "from above"), strict=True):
         axes.set_title(title, fontsize=10)
     add_scale(figure, below, made.flight.times[rows])
-    figure.suptitle(
-        f"{name}: the {words(variant)} tether at {len(rows)} times",
-        fontsize=11,
-        y=1.0 - 0.1 / figure.get_figheight(),
-        va="top",
-    )
+    title, top = f"{name}: the {words(variant)} tether at {len(rows)} times", 1.0 - 0.1 / figure.get_figheight()
+    figure.suptitle(title, fontsize=11, y=top, va="top")
     return figure
 
 

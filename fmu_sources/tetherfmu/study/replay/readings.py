@@ -6,21 +6,12 @@ import pandas as pd
 from tetherfmu.runtime.inputs import components
 
 POSITION, VELOCITY, WIND = (components(name, 3) for name in ("kite_position", "kite_velocity", "wind_velocity"))
-LARGEST = {  # what is larger in magnitude is no reading of a kite
-    **dict.fromkeys(POSITION, 2e4),  # [m]
-    **dict.fromkeys(VELOCITY, 150.0),  # [m/s]
-    **dict.fromkeys(WIND, 80.0),
-    "tether_length": 2e4,
-    "reel_out_speed": 50.0,
-    "ground_tension": 1e7,
-    "airspeed": 150.0,
-}
-FLOOR = {  # a reading that is farther than this from the median of its neighbours may be a spike; and what 1 s adds to it
-    **dict.fromkeys(POSITION, (5.0, 15.0)),
-    **dict.fromkeys(VELOCITY, (7.0, 20.0)),
-    "tether_length": (2.0, 5.0),
-    "reel_out_speed": (3.0, 3.0),
-}
+# what is larger in magnitude is no reading of a kite [m], [m/s], [N]
+LARGEST = dict.fromkeys(POSITION, 2e4) | dict.fromkeys(VELOCITY, 150.0) | dict.fromkeys(WIND, 80.0)
+LARGEST |= {"tether_length": 2e4, "reel_out_speed": 50.0, "ground_tension": 1e7, "airspeed": 150.0}
+# a reading that is farther than this from the median of its neighbours may be a spike; and what 1 s adds to it
+FLOOR = dict.fromkeys(POSITION, (5.0, 15.0)) | dict.fromkeys(VELOCITY, (7.0, 20.0))
+FLOOR |= {"tether_length": (2.0, 5.0), "reel_out_speed": (3.0, 3.0)}
 SPIKE = 8.0  # times the typical distance from the median of the neighbours, from which on it is one
 NEARBY = 1.1  # s, in which neighbours lie
 NEIGHBOURS = 5, 111  # rows: fewest and most neighbours
@@ -64,9 +55,8 @@ def leave_out_zeros(table, report):
     away = pd.Series(np.where(zero, np.nan, np.linalg.norm(position, axis=1)))
     nearest = np.fmin(away.ffill().to_numpy(), away.bfill().to_numpy())
     none = zero & (nearest > AWAY)
-    report.count(
-        "left out of kite_position", int(none.sum()), len(none), f"which are 0, {AWAY:g} m or more from the next one"
-    )
+    why = f"which are 0, {AWAY:g} m or more from the next one"
+    report.count("left out of kite_position", int(none.sum()), len(none), why)
     position[none] = np.nan
     table[[*POSITION]] = position
 
@@ -90,10 +80,8 @@ def leave_out_held(table, names, longest_gap, report):
     for i, j in zip(first, last, strict=True):
         held[i + 1 : j + 1] = time[j] - time[i] <= longest_gap
     if held.mean() > HELD and not is_coarse(values):
-        name = names[0].partition("[")[0]
-        report.count(
-            f"left out of {name}", int(held.sum()), len(held), "which repeat the reading above, as a slower sensor does"
-        )
+        name, why = names[0].partition("[")[0], "which repeat the reading above, as a slower sensor does"
+        report.count(f"left out of {name}", int(held.sum()), len(held), why)
         values[held] = np.nan
         table[[*names]] = values
 
@@ -126,9 +114,8 @@ def leave_out(values, which, name, time, report, why):
     """Put NaN for some readings, and a line that says when the first one was."""
     if which.any():
         k = int(np.argmax(which))
-        report.say(
-            f"left out of {name}: {which.sum()} of {len(which)} rows, from {time[k]:.1f} s on ({values[k]:.4g}): {why}"
-        )
+        first = f"from {time[k]:.1f} s on ({values[k]:.4g})"
+        report.say(f"left out of {name}: {which.sum()} of {len(which)} rows, {first}: {why}")
         values[which] = np.nan
 
 
@@ -209,9 +196,6 @@ def judge_steps(table, names, speeds, allowed, report):
     jumps = np.flatnonzero(way > allowed[0] + allowed[1] * time + FAR_FROM_USUAL * np.median(way)) if len(way) else []
     if len(jumps):
         k = jumps[0]
-        name, why = (
-            names[0].partition("[")[0],
-            f", which {speeds[0].partition('[')[0]} does not explain" * (speeds[0] in table),
-        )
-        at = table["time"].iloc[k]
+        name, speed = (each[0].partition("[")[0] for each in (names, speeds))
+        why, at = f", which {speed} does not explain" * (speeds[0] in table), table["time"].iloc[k]
         report.doubt(f"{name} jumps {len(jumps)} times, first by {way[k]:.3g} m at {at:.1f} s{why}")

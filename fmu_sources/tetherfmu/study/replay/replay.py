@@ -137,12 +137,8 @@ def text(made, table):
     lines = [str(flight.log.report), ""]
     if made.fit:
         lines += [str(made.fit), made.tested]
-    lines += [
-        f"driven by the {made.lead} from {flight.start:.1f} to {flight.end:.1f} s:",
-        "",
-        markdown(comparison.rounded(table)),
-        "",
-    ]
+    driven = f"driven by the {made.lead} from {flight.start:.1f} to {flight.end:.1f} s:"
+    lines += [driven, "", markdown(comparison.rounded(table)), ""]
     return "\n".join([*lines, *(f"doubt: {each}" for each in made.doubts)])
 
 
@@ -195,11 +191,9 @@ def run(options):
 
 def build_fmu(place):
     """Build the FMU of the scene in a folder, and print where it is; returns 1 if none meets what the scene asks for."""
-    path = scene.build(place)
-    if path is None:
-        return FAILED
-    print(path)
-    return 0
+    if path := scene.build(place):
+        print(path)
+    return 0 if path else FAILED
 
 
 def write(made, place, name, html=False):

@@ -19,11 +19,8 @@ from .runs import words
 
 FILE, SERIES = "scene.toml", "flight.csv"
 FROM_SERIES = ("segments", "initial_length")  # of a tether: what the table [tether] goes without
-TAUT = (
-    ("kite_force", "ground_force"),
-    0.05,
-    "The tether is taut for most of the time: its forces count.",
-)  # what is wanted of it, allowed error
+# what is wanted of it, allowed error, and why
+TAUT = ("kite_force", "ground_force"), 0.05, "The tether is taut for most of the time: its forces count."
 HANGING = "The tether is slack for most of the time: its forces change from moment to moment, so its shape counts."
 SLACK = ("shape",), 0.03, HANGING
 MOST = 0.5  # of the time in which the tether is slack, above which its shape counts

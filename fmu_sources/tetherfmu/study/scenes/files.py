@@ -29,6 +29,7 @@ from .winds import BoxedWind, Wind, read_wind
 OUTPUTS = ("kite_force", "kite_direction", "ground_force", "ground_direction", "peak_force", "power", "shape")
 EVERY = 0.1  # `every` of a scene [s], about
 NOT_OF_A_SCENE = ("segments", "control")
+ENDS = ("kite_position", "kite_velocity", "ground_position", "ground_velocity")  # inputs, in the order of `Motion`
 WINCH = "winch_"  # begins the names of most quantities of a `Winch`
 REQUIRED = {
     "": ("duration", "flight", "tether", "wanted"),
@@ -178,14 +179,8 @@ class Scene:
         speed = (self.flight.motion(time + step).reeled - motion.reeled) / step if exact else motion.reel_out_speed
         if self.has_force or (self.flight.has_length and not exact):
             speed = np.full_like(speed, speed[:1])  # with which the winch starts, and no more
-        given = {
-            "kite_position": motion.kite,
-            "kite_velocity": motion.kite_velocity,
-            "ground_position": motion.ground,
-            "ground_velocity": motion.ground_velocity,
-            "reel_out_speed": speed[:, np.newaxis],
-            "wind_velocity": self.wind(time + 0.5 * step * exact),
-        }
+        given = dict(zip(ENDS, motion[: len(ENDS)], strict=True))
+        given |= {"reel_out_speed": speed[:, np.newaxis], "wind_velocity": self.wind(time + 0.5 * step * exact)}
         if self.has_force:
             given["winch_force"] = self.force_of_winch(time + 0.5 * step * exact)[:, np.newaxis]
         if self.flight.has_length and not exact:
@@ -298,10 +293,8 @@ def winch_of(table, flight):
     names = {each.removeprefix(WINCH): each for each, _ in quantities(Winch)}
     winch = Winch(**{names[key]: value for key, value in vars(table).items() if key in names})
     if winch != Winch() and not (flight.has_force or table.force):
-        raise ValueError(
-            "winch is given without a force; a drum needs winch.force, or a series with a column winch_force or "
-            "ground_tension"
-        )
+        needs = "winch.force, or a series with a column winch_force or ground_tension"
+        raise ValueError(f"winch is given without a force; a drum needs {needs}")
     return winch
 
 
