@@ -83,9 +83,8 @@ def draw(flown, alone, path):
     figure = plt.figure(figsize=(10.0, 4.8))
     space = figure.add_axes((0.0, 0.05, 0.48, 0.85), projection="3d")
     turn = round(2.0 * np.pi * RADIUS / SPEED / STEP)
-    rows = np.linspace(
-        len(alone.positions) - turn, len(alone.positions), 5, endpoint=False
-    )  # where the arms do not coincide
+    # where the arms do not coincide
+    rows = np.linspace(len(alone.positions) - turn, len(alone.positions), 5, endpoint=False)
     for row in rows.astype(int):
         space.plot(*alone.positions[row].T, color=GREY, linewidth=0.8)
         for name, colour in {"main": BLACK, "arm_left": BLUE, "arm_right": VERMILLION}.items():

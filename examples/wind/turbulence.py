@@ -39,11 +39,8 @@ START = DISTANCE * np.array((np.cos(ELEVATION), 0.0, np.sin(ELEVATION)))
 PARKED = {"initial_length": 0.999 * DISTANCE, "initial_kite_position": START, "kite_mass": 19.6}
 CIRCLE = {"distance": DISTANCE, "elevation": np.radians(30.0), "azimuth": 0.0, "half_width": np.radians(15.0), "rate": 0.3}
 TAUT = {"initial_length": 0.997 * DISTANCE, "initial_shape": 2}  # on the circle; turning with the kite from the start
-TURNING, QUICKNESS, INWARDS = (
-    0.0613,
-    1.5,
-    2.0,
-)  # c1 of the kite [rad/m]; of the steering: [1/s], heading over angle aside [-]
+# c1 of the kite [rad/m]; of the steering: [1/s], heading over angle aside [-]
+TURNING, QUICKNESS, INWARDS = 0.0613, 1.5, 2.0
 
 
 class Flight(NamedTuple):

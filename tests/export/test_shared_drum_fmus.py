@@ -5,63 +5,12 @@ from fmpy import read_model_description
 
 from isolation import in_shared_process
 from runtime.host import STEP, Host, blob_of, restore
+from shared_drums import SHARED, TEXT
 from tetherfmu import TetherSystem
 from tetherfmu.check.__main__ import main as check
 from tetherfmu.export import systems
 
 FLAVOURS = {0: "2.0", 2: "2.0", 3: "3.0"}
-OWN_DRUM = """winch_control = "force"
-winch_mass = 3
-winch_friction = 40
-"""
-TEXT = f"""
-name = "Drums"
-
-[points]
-top = {{position = [0, 0, 0]}}
-load = {{position = [0, 0, -19], mass = 30}}
-far = {{position = [-8, 0, -10]}}
-block = {{position = [6, 0, -16], mass = 10}}
-end = {{position = [9, 0, -2]}}
-
-[lines.a]
-from = "top"
-to = "load"
-initial_length = 19
-diameter = "5 mm"
-segments = 4
-
-[lines.b]
-from = "top"
-to = "far"
-initial_length = 12.82
-diameter = "5 mm"
-segments = 4
-
-[lines.c]
-from = "load"
-to = "end"
-through = ["block"]
-initial_length = 22.6
-diameter = "5 mm"
-segments = 3
-sheave_friction = 0.05
-{OWN_DRUM}
-[winches.steering]
-lines = {{a = 1, b = -1}}
-control = "force"
-winch_mass = "5 kg"
-winch_friction = 40
-winch_damping = 500
-winch_force = 200
-
-[winches.power]
-lines = {{a = 1, b = 0.5}}
-control = "force"
-winch_mass = 8
-winch_damping = 500
-winch_force = "0.3 kN"
-"""
 
 
 @pytest.fixture(scope="session")
@@ -70,8 +19,7 @@ def folder(built_once):
 
     def build(folder):
         (folder / "drums.toml").write_text(TEXT, encoding="utf-8")
-        alone = TEXT.replace("Drums", "Shared").replace(OWN_DRUM, "")
-        (folder / "shared.toml").write_text(alone, encoding="utf-8")
+        (folder / "shared.toml").write_text(SHARED, encoding="utf-8")
         for native in FLAVOURS:
             systems.build(folder / "drums.toml", folder / str(native), native=native or None)
             systems.build(folder / "shared.toml", folder / str(native), native=native or None)

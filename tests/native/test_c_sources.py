@@ -16,6 +16,7 @@ from native import as_importers_do as importer
 from native.test_platforms import C_LIBRARY
 from runtime import clients
 from runtime.host import Host
+from shared_drums import SHARED
 from tetherfmu.export import systems
 from tetherfmu.export.native import fmus as native
 from tetherfmu.export.native import sources as native_sources
@@ -93,12 +94,19 @@ def test_the_numbers_of_the_native_fmu_of_a_system(tmp_path):
     assert all(found)
 
 
-@pytest.mark.parametrize("solver", ["", "[solver]\nfixed_step = 0.005\n"])
-def test_the_numbers_of_the_native_fmu_over_sheaves(tmp_path, solver):
-    """To the last bit, with adaptive and with fixed steps."""
+OVER_SHEAVES = {
+    "adaptive": ATWOOD.read_text(encoding="utf-8"),
+    "fixed": ATWOOD.read_text(encoding="utf-8") + "[solver]\nfixed_step = 0.005\n",
+    "drums": SHARED,
+}
+
+
+@pytest.mark.parametrize("kind", OVER_SHEAVES)
+def test_the_numbers_of_the_native_fmu_over_sheaves(tmp_path, kind):
+    """To the last bit, with adaptive and with fixed steps, and with drums that hold several lines."""
     (tmp_path / "native").mkdir()
-    file = tmp_path / "atwood.toml"
-    file.write_text(ATWOOD.read_text(encoding="utf-8") + solver, encoding="utf-8")
+    file = tmp_path / "system.toml"
+    file.write_text(OVER_SHEAVES[kind], encoding="utf-8")
     path = systems.build(file, tmp_path / "native", native=2, with_sources=True)
     other = importer.with_library(path, importer.compiled(path, tmp_path), tmp_path, 2)
     found, expected = (own_process(importer.evidence_run, path=each) for each in (other, path))

@@ -135,9 +135,8 @@ def test_a_winch_pays_out_the_whole_line(control):
     assert outputs.portions["hoist"].length.sum() == pytest.approx(outputs.lines["hoist"].tether_length, abs=1e-12)
 
 
-@pytest.mark.filterwarnings(
-    "ignore:.*presses its ends apart", "ignore:.*the tension at a sheave", "ignore:.*hangs"
-)  # it jumps
+# it jumps
+@pytest.mark.filterwarnings("ignore:.*presses its ends apart", "ignore:.*the tension at a sheave", "ignore:.*hangs")
 def test_a_portion_stops_before_it_vanishes():
     """Five segments of 1 cm are left, and the sheave is held while the rope draws it on."""
     system = block_system()

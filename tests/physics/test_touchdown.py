@@ -218,9 +218,8 @@ def test_slack(out, friction):
     assert outputs.grounded_length == pytest.approx(100.0 - hanging, rel=1e-12)
     assert np.allclose(outputs.shape[60:, 1], out, rtol=0.0, atol=1e-9)
     assert (outputs.shape[:50, 2] == 0.0).all()
-    assert outputs.sag == pytest.approx(
-        out * 50.0 / np.hypot(out, 50.0), rel=1e-9
-    )  # from the chord to where it touches down
+    # from the chord to where it touches down
+    assert outputs.sag == pytest.approx(out * 50.0 / np.hypot(out, 50.0), rel=1e-9)
     # the slack tension of `wave_time` is 1e-9 EA
     assert outputs.wave_time > 50.0 * np.sqrt(line_density(ROPE) / (1e-9 * ROPE.axial_stiffness)) * 0.99
 

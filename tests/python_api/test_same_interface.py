@@ -70,9 +70,8 @@ def test_other_outputs_of_a_taut_tether_agree(variant):
     assert abs(outputs.ground_elevation - np.arctan2(KITE[2], np.hypot(KITE[0], KITE[1]))) < 0.02
     assert abs(outputs.ground_azimuth - np.arctan2(KITE[1], KITE[0])) < 0.02 / np.cos(outputs.ground_elevation)
     if variant != "TetherStraight":
-        assert np.isclose(
-            outputs.sag, reference.sag, rtol=0.1
-        )  # shape of the load: uniform, or as the square of the distance
+        # shape of the load: uniform, or as the square of the distance
+        assert np.isclose(outputs.sag, reference.sag, rtol=0.1)
     assert np.allclose(outputs.shape[[0, -1]], [np.zeros(3), KITE + 5 * STEP * KITE_VELOCITY], atol=1e-9)
 
 

@@ -65,9 +65,8 @@ def test_the_flight_of_the_python_api(fmu_folder, name):
         for found, row in zip(fly(started(fmu_folder / f"{name}.fmu", values), 0, 20), expected, strict=True):
             assert {each: np.ravel(value).tolist() for each, value in found.items()} == {k: row[k] for k in found}, winch
         lengths.add(expected[-1]["tether_length"][0])
-    alike = (
-        0 if name in ("TetherDynamic", "TetherDynamicFree") else 1
-    )  # without waves and a drum, steps change rounding at most
+    # without waves and a drum, steps change rounding at most
+    alike = 0 if name in ("TetherDynamic", "TetherDynamicFree") else 1
     assert len(lengths) >= len(WINCHES) - alike
 
 

@@ -23,7 +23,7 @@ SUBCOMMANDS = {
         "tetherfmu replay examples/flights/kitepower_20191008_0012.csv --as kitepower_2019",
     ),
     "advise": Subcommand(
-        "say which FMU, segments, tolerance and communication step a scene needs",
+        "say which FMU, segments, tolerance and communication step a scene or a system needs",
         "tetherfmu advise examples/scenes/circle.toml --fast",
     ),
     "tradeoff": Subcommand(

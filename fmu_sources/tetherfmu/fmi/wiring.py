@@ -324,10 +324,8 @@ def _outputs_of(structure, places):
         for end, point in each.ends:
             for i, name in enumerate(components(f"{point}.force", 3)):
                 found.setdefault(name, []).append(first + outputs.PLACES[f"{end}_force"] + i)
-        for (
-            name,
-            own,
-        ) in OF_A_LINE.items():  # those of a line over sheaves are in its first portion, but for its last tension
+        # those of a line over sheaves are in its first portion, but for its last tension
+        for name, own in OF_A_LINE.items():
             if each.number == 0 or (name == "kite_tension" and not each.is_through):
                 found[f"{line.name}.{own}"] = [first + outputs.PLACES[name]]
         for k in range(line.shape_points):

@@ -16,6 +16,7 @@ SEGMENT_LENGTH, SEGMENT_PER_STEP, FAST_WIND, STIFFNESS = SCALES = (
     "FAST_WIND",  # speed [m/s]
     "STIFFNESS",  # E A of the first segment [N]
 )
+OF_UNITS = {"m/s": SEGMENT_PER_STEP, "N": STIFFNESS}  # scales
 FAST_END_SPEED, FAST_WIND_SPEED = 100.0, 1000.0  # [m/s]
 KITE_AT_START = (300.0, 0.0, 400.0)  # [m]
 ZERO = (0.0, 0.0, 0.0)
@@ -28,12 +29,16 @@ class Input:
     name: str  # of the FMI variable, of the argument in Python; its place has this name in capitals
     unit: str
     meaning: str
-    start: tuple  # as many numbers as it has
-    scale: str  # one of `SCALES`
     terminal: str = ""  # of FMI 3 and name there, "kite.position"; "" for none
+    start: tuple = (0.0,)  # as many numbers as it has
     of: str = EVERY_TETHER  # or DRIVEN_KITE, FREE_KITE
     kind: str = "Real"  # or "Boolean": 0 or 1 in the array
     own_group: str = ""  # group of one without terminal
+
+    @property
+    def scale(self):
+        """One of `SCALES`, by its unit."""
+        return FAST_WIND if self.terminal.startswith("wind") else OF_UNITS.get(self.unit, SEGMENT_LENGTH)
 
     @property
     def size(self):
@@ -48,79 +53,43 @@ class Input:
 
 
 INPUT_TABLE = (
-    Input(
-        "kite_position",
-        "m",
-        "position of the kite attachment point",
-        KITE_AT_START,
-        SEGMENT_LENGTH,
-        "kite.position",
-        DRIVEN_KITE,
-    ),
-    Input(
-        "kite_velocity",
-        "m/s",
-        "velocity of the kite attachment point",
-        ZERO,
-        SEGMENT_PER_STEP,
-        "kite.velocity",
-        DRIVEN_KITE,
-    ),
-    Input("ground_position", "m", "position of the ground end", ZERO, SEGMENT_LENGTH, "ground.position"),
-    Input("ground_velocity", "m/s", "velocity of the ground end", ZERO, SEGMENT_PER_STEP, "ground.velocity"),
+    Input("kite_position", "m", "position of the kite attachment point", "kite.position", KITE_AT_START, DRIVEN_KITE),
+    Input("kite_velocity", "m/s", "velocity of the kite attachment point", "kite.velocity", ZERO, DRIVEN_KITE),
+    Input("ground_position", "m", "position of the ground end", "ground.position", ZERO),
+    Input("ground_velocity", "m/s", "velocity of the ground end", "ground.velocity", ZERO),
     Input(
         "reel_out_speed",
         "m/s",
         "rate of change of the unstretched length (winch_control = speed; otherwise at the start only); positive pays out",
-        (0.0,),
-        SEGMENT_PER_STEP,
         "winch.reel_out_speed",
     ),
-    Input("wind_velocity", "m/s", "wind at wind_reference_height", ZERO, FAST_WIND, "wind.velocity"),
+    Input("wind_velocity", "m/s", "wind at wind_reference_height", "wind.velocity", ZERO),
     Input(
-        "kite_load",
-        "N",
-        "external force on the kite: aerodynamics, control; not its weight",
-        ZERO,
-        STIFFNESS,
-        "kite.load",
-        FREE_KITE,
+        "kite_load", "N", "external force on the kite: aerodynamics, control; not its weight", "kite.load", ZERO, FREE_KITE
     ),
     Input(
         "winch_force",
         "N",
         "force with which the winch pulls at the tether (winch_control = force; from the first step on); positive reels in",
-        (0.0,),
-        STIFFNESS,
         "winch.force",
     ),
     Input(
         "winch_length",
         "m",
         "unstretched length to be paid out (winch_control = length); 0 until it is set: initial_length",
-        (0.0,),
-        SEGMENT_LENGTH,
         "winch.length",
     ),
     Input(
         "release",
         "",
         "the tether lets go at its kite end, at the beginning of the first step with true, for good (dynamic tethers only)",
-        (0.0,),
-        SEGMENT_LENGTH,
         kind="Boolean",
         own_group="breaking",
     ),
 )
 # with the build option --wind-points: at each point its wind; behind the inputs of the table in the array
-WIND_AT = Input(
-    "wind_at",
-    "m/s",
-    "points on the tether at equal unstretched length, ground first: wind there; in between it is linear",
-    ZERO,
-    FAST_WIND,
-    "wind.at",
-)
+_OF_POINTS = "points on the tether at equal unstretched length, ground first: wind there; in between it is linear"
+WIND_AT = Input("wind_at", "m/s", _OF_POINTS, "wind.at", ZERO)
 # inputs and parameters that then have no effect
 WITHOUT_EFFECT = ("wind_velocity", "wind_profile", "wind_reference_height", "wind_exponent", "surface_roughness")
 BY_NAME = {each.name: each for each in INPUT_TABLE}

@@ -52,6 +52,21 @@ def output(
     return Output("", "Real", quantity, depends_on, shape, terminal, is_local, group)
 
 
+def force(meaning, **more) -> Any:
+    """The same for a force or a tension."""
+    return output("N", meaning, FORCE, group="forces", **more)
+
+
+def coupling(unit, meaning, depends_on=FORM) -> Any:
+    """The same for a number that coupling depends on, at least 0."""
+    return output(unit, meaning, depends_on, NOT_NEGATIVE, group="coupling")
+
+
+def motion(unit, meaning, what) -> Any:
+    """The same for the position or the velocity of the kite end."""
+    return output(unit, meaning, (f"kite_{what}[*]",), shape=VECTOR, terminal=f"kite.{what}", group="motion")
+
+
 def counter(meaning) -> Any:
     """Field of the record for a number that says how the solver works, and nothing of the tether."""
     return output("", meaning, (), COUNTED, is_local=True, group="solver")
@@ -69,20 +84,13 @@ class Outputs(NamedTuple):
     (5, 3)
     """
 
-    ground_force: Array = output(
-        "N", "force of the tether on the ground station", FORCE, shape=VECTOR, terminal="ground.force", group="forces"
+    ground_force: Array = force("force of the tether on the ground station", shape=VECTOR, terminal="ground.force")
+    kite_force: Array = force("force of the tether on the kite", shape=VECTOR, terminal="kite.force")
+    ground_tension: float = force(
+        "tension of the first segment; with winch_control = force where the tether leaves the winch"
     )
-    kite_force: Array = output(
-        "N", "force of the tether on the kite", FORCE, shape=VECTOR, terminal="kite.force", group="forces"
-    )
-    ground_tension: float = output(
-        "N",
-        "tension of the first segment; with winch_control = force where the tether leaves the winch",
-        FORCE,
-        group="forces",
-    )
-    kite_tension: float = output("N", "tension of the last segment", FORCE, group="forces")
-    max_tension: float = output("N", "largest tension of all segments", FORCE, group="forces")
+    kite_tension: float = force("tension of the last segment")
+    max_tension: float = force("largest tension of all segments")
     tether_length: float = output(
         "m", "present unstretched length", FORM, NOT_NEGATIVE, terminal="winch.tether_length", group="winch"
     )
@@ -97,20 +105,10 @@ class Outputs(NamedTuple):
         DEGREES,
     )
     slack_segments: int = output("", "number of segments that are shorter than unstretched", FORM, (0, MAX_SEGMENTS))
-    kite_end_mass: float = output("kg", "tether mass lumped at the kite end", FORM, NOT_NEGATIVE, group="coupling")
-    kite_stiffness: float = output(
-        "N/m",
-        "axial stiffness of the tether at the kite end, all segments counted as taut",
-        FORM,
-        NOT_NEGATIVE,
-        group="coupling",
-    )
-    kite_damping: float = output(
-        "N.s/m",
-        "axial damping of the tether at the kite end, all segments counted as taut",
-        (*FORM, "axial_damping"),
-        NOT_NEGATIVE,
-        group="coupling",
+    kite_end_mass: float = coupling("kg", "tether mass lumped at the kite end")
+    kite_stiffness: float = coupling("N/m", "axial stiffness of the tether at the kite end, all segments counted as taut")
+    kite_damping: float = coupling(
+        "N.s/m", "axial damping of the tether at the kite end, all segments counted as taut", (*FORM, "axial_damping")
     )
     winch_speed: float = output(
         "m/s", "present reel-out speed, whatever controls the winch", REELING, terminal="winch.speed", group="winch"
@@ -118,7 +116,7 @@ class Outputs(NamedTuple):
     grounded_length: float = output(
         "m", "unstretched length that touches the ground, 0 without ground_contact", FORM, NOT_NEGATIVE, group="ground"
     )
-    wave_time: float = output("s", "travel time of a transverse wave over the tether", FORCE, NOT_NEGATIVE, group="coupling")
+    wave_time: float = coupling("s", "travel time of a transverse wave over the tether", FORCE)
     sag: float = output("m", "largest distance of the tether from its chord", FORM, NOT_NEGATIVE)
     solver_steps: int = counter("internal steps of the solver since the start")
     solver_rejections: int = counter("rejected internal steps of the solver since the start")
@@ -132,38 +130,18 @@ class Outputs(NamedTuple):
         is_local=True,
         group="shape",
     )
-    kite_position: Array = output(
-        "m",
-        "position of the kite attachment point",
-        ("kite_position[*]",),
-        shape=VECTOR,
-        terminal="kite.position",
-        group="motion",
-    )
-    kite_velocity: Array = output(
-        "m/s",
-        "velocity of the kite attachment point",
-        ("kite_velocity[*]",),
-        shape=VECTOR,
-        terminal="kite.velocity",
-        group="motion",
-    )
+    kite_position: Array = motion("m", "position of the kite attachment point", "position")
+    kite_velocity: Array = motion("m/s", "velocity of the kite attachment point", "velocity")
     solver_iteration_limit: int = counter(
         "the most iterations that the last communication step could take with its fixed steps (before the first: one fixed "
         "step); 0 with adaptive steps, which have no such bound"
     )
     fallback_steps: int = counter("fixed steps since the start that fell back to backward Euler")
-    peak_tension: float = output(
-        "N",
-        "largest tension of all segments since the last communication point, over all internal steps",
-        FORCE,
-        group="forces",
+    peak_tension: float = force(
+        "largest tension of all segments since the last communication point, over all internal steps"
     )
     broken: bool = output(
-        "",
-        "whether the tether has broken or has been released (dynamic tethers only)",
-        (),
-        group="breaking",
+        "", "whether the tether has broken or has been released (dynamic tethers only)", (), group="breaking"
     )
     break_time: float = output("s", "when the first of the two was, since the start; -1: not yet", (), group="breaking")
 

@@ -11,7 +11,7 @@ from typing import ClassVar
 
 from .enumerations import EXPLOG, LOGARITHMIC, WITH_DRUM
 from .limits import MAX_SEGMENTS, MIN_SEGMENT_LENGTH
-from .quantities import Quantity, check, checked, documented, quantities, quantity
+from .quantities import Quantity, check, checked, choice, documented, quantities, quantity
 
 DEFAULT_TOLERANCE, LOOSEST_TOLERANCE = 1e-4, 0.1
 IN_METRES = (0.0, 0.2, "diameters are in m: 4 mm are 0.004")  # usual ones, see `Quantity.usual`
@@ -111,14 +111,10 @@ class Tether:
     slack_damping_ratio: float = quantity(
         1.0, "", "damping of a slack segment relative to a taut one; 0 where slack_stiffness_ratio is", 0.0, 1.0
     )
-    damping_law: int = quantity(
-        1,
-        "",
+    damping_law: int = choice(
         "rate that the damping force is proportional to",
-        choices={
-            "strain_rate": "rate of the strain (physical)",
-            "stretch_rate": "rate of the stretched length (as in Tethers.jl, for comparison)",
-        },
+        strain_rate="rate of the strain (physical)",
+        stretch_rate="rate of the stretched length (as in Tethers.jl, for comparison)",
     )
     drag_coefficient: float = quantity(0.958, "", "drag coefficient of a cylinder in cross flow", 0.0, 100.0)
     breaking_force: float = quantity(0.0, "N", "tension at which a segment breaks; 0: it never does", 0.0, 1e12)
@@ -172,16 +168,12 @@ class Environment:
         0.0, "m", "0: uniform air density; otherwise it falls as exp(-z/H), H = 8550 m for the standard atmosphere", 0.0, 1e9
     )
     gravity: float = quantity(9.81, "m/s2", "gravity along -z", 0.0, 1000.0)
-    wind_profile: int = quantity(
-        1,
-        "",
+    wind_profile: int = choice(
         "increase of the wind with the height z",
-        choices={
-            "uniform": "the same wind at all heights",
-            "power_law": "(z/h)^alpha",
-            "logarithmic": "ln(z/z0)/ln(h/z0)",
-            "explog": "logarithmic + (logarithmic - power_law)",
-        },
+        uniform="the same wind at all heights",
+        power_law="(z/h)^alpha",
+        logarithmic="ln(z/z0)/ln(h/z0)",
+        explog="logarithmic + (logarithmic - power_law)",
     )
     wind_reference_height: float = quantity(6.0, "m", "height h at which wind_velocity is given", 1e-3, 1e5)
     wind_exponent: float = quantity(0.08163, "", "exponent alpha of the power law of the wind", 0.0, 2.0)
@@ -214,39 +206,27 @@ class Solver:
         1e3,
         usual=IN_SECONDS,
     )
-    fixed_step_method: int = quantity(
-        1,
-        "",
+    fixed_step_method: int = choice(
         "method of the steps with fixed_step",
-        choices={
-            "second_order": "order 2",
-            "backward_euler": "order 1, damps like an additional axial_damping of E A fixed_step",
-        },
+        second_order="order 2",
+        backward_euler="order 1, damps like an additional axial_damping of E A fixed_step",
     )
-    initial_shape: int = quantity(
-        2,
-        "",
+    initial_shape: int = choice(
         "shape at the start",
-        choices={
-            "static_equilibrium": "at rest, whatever the ends do",
-            "quasi_steady": "moving with its ends, so no start-up jump (with ends at rest that of static_equilibrium)",
-            "straight": "straight line between the ends",
-        },
+        2,
+        static_equilibrium="at rest, whatever the ends do",
+        quasi_steady="moving with its ends, so no start-up jump (with ends at rest that of static_equilibrium)",
+        straight="straight line between the ends",
     )
-    end_velocities: int = quantity(
-        1,
-        "",
+    end_velocities: int = choice(
         "where the velocities of the ends come from",
-        choices={
-            "given": "given as inputs",
-            "derived": "derived from the positions over the last step (the velocity inputs are ignored)",
-        },
+        given="given as inputs",
+        derived="derived from the positions over the last step (the velocity inputs are ignored)",
     )
-    input_continuation: int = quantity(
-        1,
-        "",
+    input_continuation: int = choice(
         "how reel_out_speed, winch_force and kite_load go on within a step",
-        choices={"linear": "extrapolated linearly from their last two values", "held": "held as they are"},
+        linear="extrapolated linearly from their last two values",
+        held="held as they are",
     )
 
     def __post_init__(self):
@@ -262,25 +242,16 @@ class Winch:
     3
     """
 
-    winch_control: int = quantity(
-        1,
-        "",
+    winch_control: int = choice(
         "quantity that controls the winch: speed, force or length",
-        choices={
-            "speed": "it pays out at reel_out_speed",
-            "force": "it pulls with winch_force, and its drum turns as the tension decides",
-            "length": "it pays out or reels in to winch_length",
-        },
+        speed="it pays out at reel_out_speed",
+        force="it pulls with winch_force, and its drum turns as the tension decides",
+        length="it pays out or reels in to winch_length",
     )
-    winch_start: int = quantity(
-        1,
-        "",
+    winch_start: int = choice(
         "force control: unstretched length at the start",
-        choices={
-            "given": "initial_length",
-            "equilibrium": "the one at which the winch is in balance with winch_force (initial_length is where the search "
-            "begins)",
-        },
+        given="initial_length",
+        equilibrium="the one at which the winch is in balance with winch_force (initial_length is where the search begins)",
     )
     winch_mass: float = quantity(
         0.0,
@@ -326,14 +297,10 @@ class Ground:
     2
     """
 
-    ground_contact: int = quantity(
-        1,
-        "",
+    ground_contact: int = choice(
         "ground under the tether",
-        choices={
-            "none": "no ground, the tether hangs wherever its weight takes it",
-            "flat": "a plane at ground_height, which carries the tether and a free kite",
-        },
+        none="no ground, the tether hangs wherever its weight takes it",
+        flat="a plane at ground_height, which carries the tether and a free kite",
     )
     ground_height: float = quantity(0.0, "m", "z of the ground", -1e5, 1e5)
     ground_friction: float = quantity(0.5, "", "friction coefficient of the tether on the ground", 0.0, 10.0)
@@ -355,15 +322,11 @@ class FreeKite:
     """
 
     kite_mass: float = quantity(10.0, "kg", "point mass at the kite end, in addition to half of the last segment", 0.0, 1e9)
-    kite_start: int = quantity(
-        1,
-        "",
+    kite_start: int = choice(
         "start of the kite",
-        choices={
-            "given": "at initial_kite_position with initial_kite_velocity",
-            "equilibrium": "at rest where the tether, its weight and kite_load are in equilibrium (initial_kite_position "
-            "is where the search begins)",
-        },
+        given="at initial_kite_position with initial_kite_velocity",
+        equilibrium="at rest where the tether, its weight and kite_load are in equilibrium (initial_kite_position "
+        "is where the search begins)",
     )
 
     def __post_init__(self):

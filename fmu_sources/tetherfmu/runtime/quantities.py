@@ -96,6 +96,11 @@ def quantity(default, unit, meaning, *limits, **more):
     return field(default=default, metadata={"quantity": Quantity(unit, meaning, *limits, **more)})
 
 
+def choice(meaning, first=1, **choices):
+    """Field of a record for an enumeration: meaning, number of the default, meanings of the choices by name."""
+    return quantity(first, "", meaning, choices=choices)
+
+
 def quantities(record):
     """Pairs (name, Quantity) of a record or its class, in order of declaration."""
     return [(item.name, item.metadata["quantity"]) for item in fields(record) if "quantity" in item.metadata]

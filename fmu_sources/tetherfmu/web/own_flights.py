@@ -9,7 +9,7 @@ from math import pi, radians
 from pathlib import Path
 
 from tetherfmu.runtime.inputs import BY_NAME
-from tetherfmu.runtime.quantities import DEGREES, quantity
+from tetherfmu.runtime.quantities import DEGREES, choice, quantity
 
 
 @dataclass(frozen=True)
@@ -22,18 +22,17 @@ class Pointer:
     response_time: float = quantity(1.5, "s", "in which the kite comes to the pointer, about", 0.1, 60.0)
 
 
-STEERING = {
-    "by_hand": "a person",
-    "figures_of_eight": "a controller, figures of eight at constant reel-out speed",
-    "pumping_cycles": "a controller, pumping cycles",
-}
-
-
 @dataclass(frozen=True)
 class FreeFlight:
     """The kite flies free: the tether moves it under lift and drag of a soft wing, which a person or a controller steers."""
 
-    autopilot: int = quantity(2, "", "who steers", choices=STEERING)
+    autopilot: int = choice(
+        "who steers",
+        2,
+        by_hand="a person",
+        figures_of_eight="a controller, figures of eight at constant reel-out speed",
+        pumping_cycles="a controller, pumping cycles",
+    )
     initial_elevation: float = quantity(radians(30.0), "rad", "of the kite at the start", 0.0, 1.5, display=DEGREES)
 
 

@@ -207,9 +207,8 @@ def test_a_legitimate_flight_is_not_refused(kind, folder):
     found = flown(folder, table, "enu")
     assert not any("frozen" in each or "left out" in each for each in found.log.report.lines)
     position, _ = found.kite(table["time"].to_numpy()[5:-5])
-    assert (
-        np.abs(position - table[["x", "y", "z"]].to_numpy()[5:-5]).max() < 10.0
-    )  # of hops in a second; nothing was left out
+    # of hops in a second; nothing was left out
+    assert np.abs(position - table[["x", "y", "z"]].to_numpy()[5:-5]).max() < 10.0
 
 
 @pytest.mark.parametrize("kind", ["hovering", "hovering exactly", "parked"])

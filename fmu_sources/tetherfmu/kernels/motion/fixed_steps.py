@@ -20,7 +20,8 @@ from ..equations.notes import note, note_peak
 from ..line import backward_euler, second_order
 from ..line.backward_euler import EXPECTED, STAGE, WHOLE
 from ..line.second_order import ENDS, GAMMA, TO_NEXT
-from ..points.fixed_sheaves import keep_lengths, unconverged_sheaves
+from ..points.fixed_sheave_rows import keep_lengths
+from ..points.fixed_sheaves import unconverged_sheaves
 from ..points.sheave_room import has_run, portion_at_start
 from ..points.system_descent import (
     EARLY,

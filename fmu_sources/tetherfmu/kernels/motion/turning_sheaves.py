@@ -28,7 +28,7 @@ from ..equations.properties import property_of
 from ..line.second_order import TO_NEXT, start_of_second, start_of_third
 from ..linear_algebra.vectors import NEUTRAL, dot, get, sub
 from ..points import sheave_room as at_sheave
-from ..points.fixed_sheaves import began_at, place_portions, put_speed
+from ..points.fixed_sheave_rows import began_at, place_portions, put_speed
 from ..points.sheave_pulls import has_losses, mass_of
 from ..points.sheave_room import has_run, numbers_at, portion_gaining, shortest_of, winch_of
 from .rope_directions import begin_directions, has_to_stop, stop_ropes

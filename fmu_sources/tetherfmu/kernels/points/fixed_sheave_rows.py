@@ -25,6 +25,7 @@ from ..equations.lines import (
     comes_from,
     conditions_of,
     goes_on,
+    is_portion,
     lines_of,
     motion_of,
     segments_of,
@@ -44,14 +45,79 @@ from .sheave_room import (
     SOLUTIONS,
     VELOCITIES,
     array_at,
+    has_run,
     numbers_at,
     portion_gaining,
+    shortest_of,
     single_at,
     slopes_of,
 )
 from .sheave_slopes import close_row, take_row, turn_of
+from .sheave_stages import take_lengths
+from .sheaves import pass_gains
 from .system_fixed_drums import put_reeling_column
 from .system_room import moves, scratch_of
+
+LEAST_LENGTH = 0.25  # of the shortest length of a portion, below which an iteration does not take it
+CLOSE = 1e-6  # of it, by which a portion may be shorter; of a tension, whose change an iteration may leave as its square
+
+# --- lengths
+
+
+@kernel
+def began_at(system):
+    """Time of the communication step [s] at which the fixed step began."""
+    return numbers_at(system, 0)[at_sheave.BEGAN]
+
+
+@kernel
+def put_speed(system, k, h, speed):
+    """Let rope run over the sheave at the end of line k (modified) with a speed [m/s] at the end of a step of h [s]."""
+    numbers = numbers_at(system, k)
+    numbers[at_sheave.STAGE_SPEED], numbers[at_sheave.PASSED] = speed, numbers[at_sheave.REACHED] + h * speed
+    numbers[at_sheave.GAIN] = (speed - numbers[at_sheave.SPEED]) / h
+    if speed != 0.0 or numbers[at_sheave.SPEED] != 0.0:
+        numbers[at_sheave.HAS_RUN] = numbers_at(system, k + 1)[at_sheave.HAS_RUN] = 1.0
+
+
+@kernel
+def place_portions(system, end):
+    """Lengths and rates of all portions (modified) at a time [s], the end of the step; whether none is too short."""
+    take_lengths(system, began_at(system), end)
+    pass_gains(system)
+    lost = 0
+    for k in range(lines_of(system)):
+        if is_portion(system, k):
+            numbers, shortest = numbers_at(system, k), shortest_of(system, k)
+            lost += numbers[at_sheave.LENGTH] < LEAST_LENGTH * shortest
+            numbers[at_sheave.LENGTH] = max(numbers[at_sheave.LENGTH], LEAST_LENGTH * shortest)
+    return lost == 0
+
+
+@kernel
+def stop_what_shortens(system, h):
+    """Let no rope run from portions that would get shorter than they may be in a step of h [s] (modified); how many."""
+    count = 0
+    for k in range(lines_of(system)):
+        if has_run(system, k) and numbers_at(system, k)[at_sheave.LENGTH] < (1.0 - CLOSE) * shortest_of(system, k):
+            if goes_on(system, k) and numbers_at(system, k)[at_sheave.STAGE_SPEED] > 0.0:
+                put_speed(system, k, h, 0.0)
+                count += 1
+            if comes_from(system, k) and numbers_at(system, k - 1)[at_sheave.STAGE_SPEED] < 0.0:
+                put_speed(system, k - 1, h, 0.0)
+                count += 1
+    return count
+
+
+@kernel
+def keep_lengths(system, step):
+    """Let speeds of ropes (modified) that an iteration has left keep all portions as long as they have to be."""
+    end = step.time + step.h
+    place_portions(system, end)
+    for _ in range(sheaves_of(system)):
+        if stop_what_shortens(system, step.h) > 0:
+            place_portions(system, end)
+
 
 # --- rows
 
@@ -77,7 +143,7 @@ def take_pulls(system, k):
     velocities, accelerations = single_at(system, k, VELOCITIES), single_at(system, k, ACCELERATIONS)
     into, out = array_at(system, k, BORDER, IN), array_at(system, k, BORDER, OUT)
     chain = portion_gaining(system, k, 1.0)
-    own = rope.rope_of(chain)
+    own = rope.rope_of(chain, 0)
     lowest, highest = get(w.x, 0)[2], get(w.x, n)[2]
     pull_a = rope.of_speed(own, 1.0, numbers[at_sheave.INTO])
     pull_b = rope.of_speed(own, -1.0, chain.leaving)
@@ -194,7 +260,7 @@ def rate_of_pull(system, k, side, other, h):
 
 @kernel
 def take_sheave(system, k, step):
-    """T_1, T_2, E of the sheave at the end of line k in the iteration, and how they change, into its numbers (modified)."""
+    """T_1, T_2, E of the sheave at the end of line k, and how the moves p change them, into its numbers (modified)."""
     numbers, n, h = numbers_at(system, k), segments_of(system, k), step.h
     w_1, w_2 = scratch_of(system, k), scratch_of(system, k + 1)
     stiffness_1, stiffness_2 = stiffness_of(system, k), stiffness_of(system, k + 1)
@@ -208,6 +274,17 @@ def take_sheave(system, k, step):
     numbers[at_sheave.MOVED_BEHIND] = by_1 / h * row_times(system, k, OUT, w_1.move)
     numbers[at_sheave.MOVED_AHEAD] = by_2 / h * row_times(system, k + 1, IN, w_2.move)
     numbers[at_sheave.MOVED_WRAP] = wrap_times(turns, n, w_1.move, w_2.move)
+
+
+@kernel
+def take_slopes(system, k, step):
+    """How tensions and wrap at the sheave at the end of line k change with the speeds of all sheaves (modified)."""
+    numbers, n, h = numbers_at(system, k), segments_of(system, k), step.h
+    w_1, w_2 = scratch_of(system, k), scratch_of(system, k + 1)
+    by_1 = -1.0 / (1.0 + max(numbers[at_sheave.TENSION_BEHIND], 0.0) / stiffness_of(system, k))
+    by_2 = 1.0 / (1.0 + max(numbers[at_sheave.TENSION_AHEAD], 0.0) / stiffness_of(system, k + 1))
+    to_1, to_2 = sub(get(w_1.x, n - 1), get(w_1.x, n)), sub(get(w_2.x, 1), get(w_2.x, 0))
+    turns = turn_of(to_1, to_2), turn_of(to_2, to_1)
     slopes_1, slopes_2, slopes_wrap = slopes_of(system)
     row = sheaves_of(system) * number_of(system, k)
     for other in range(lines_of(system)):
@@ -227,18 +304,23 @@ def take_sheave(system, k, step):
 
 
 @kernel
-def linearize_sheaves(system, step):
-    """Tensions and angles of wrap at all sheaves in the iteration, and how they change (modified).
-
-    The moves p of all lines without changes of the speeds are known.
-    """
+def take_sheaves(system, step):
+    """Tensions and angles of wrap at all sheaves in the iteration, and how the moves p change them (modified)."""
     for k in range(lines_of(system)):
         if comes_from(system, k) or goes_on(system, k):
             take_portion(system, k, step)
-    solve_columns(system, step)
     for k in range(lines_of(system)):
         if goes_on(system, k):
             take_sheave(system, k, step)
+
+
+@kernel
+def take_all_slopes(system, step):
+    """Z of all sheaves, and how tensions and wrap at all of them change with the speeds (modified)."""
+    solve_columns(system, step)
+    for k in range(lines_of(system)):
+        if goes_on(system, k):
+            take_slopes(system, k, step)
 
 
 @kernel

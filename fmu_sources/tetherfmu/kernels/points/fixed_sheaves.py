@@ -16,9 +16,7 @@ from tetherfmu.runtime import layout as at
 
 from ..compilation import kernel
 from ..equations.lines import (
-    comes_from,
     goes_on,
-    is_portion,
     lines_of,
     parameters_of,
     segments_of,
@@ -29,11 +27,9 @@ from ..line.drum_events import OVERLOAD
 from ..linear_algebra import small_matrix
 from . import sheave_room as at_sheave
 from .coordinates import number_of
-from .fixed_sheave_rows import add_all_columns, linearize_sheaves
+from .fixed_sheave_rows import CLOSE, add_all_columns, place_portions, put_speed, take_all_slopes, take_sheaves
 from .sheave_pulls import density_of, has_losses, mass_of
 from .sheave_room import has_run, numbers_at, shared_of, shortest_of, slopes_of
-from .sheave_stages import take_lengths
-from .sheaves import pass_gains
 from .system_fixed_drums import follow, take_masses
 from .system_room import GOAL, numbers_of
 
@@ -41,65 +37,8 @@ AT_LOWEST, BACKWARDS, HELD, FORWARDS, AT_HIGHEST = -2.0, -1.0, 0.0, 1.0, 2.0  # 
 MOST_TRIES, ALL_AT_ONCE = 16, 4  # at ways in an iteration; after so many only one sheave is sought in another way at a time
 MOST_RUN = 0.1  # part of a portion by which rope that runs changes it in an iteration
 LEAST_PIVOT = 1e-3  # of what the slope of the equation of a sheave is where the ropes do not yield
-CLOSE = 1e-6  # of the tension: what an iteration may leave, whose square the next one does
-LEAST_LENGTH = 0.25  # of the shortest length of a portion, below which an iteration does not take it
 
-# --- lengths
-
-
-@kernel
-def began_at(system):
-    """Time of the communication step [s] at which the fixed step began."""
-    return numbers_at(system, 0)[at_sheave.BEGAN]
-
-
-@kernel
-def put_speed(system, k, h, speed):
-    """Let rope run over the sheave at the end of line k (modified) with a speed [m/s] at the end of a step of h [s]."""
-    numbers = numbers_at(system, k)
-    numbers[at_sheave.STAGE_SPEED], numbers[at_sheave.PASSED] = speed, numbers[at_sheave.REACHED] + h * speed
-    numbers[at_sheave.GAIN] = (speed - numbers[at_sheave.SPEED]) / h
-    if speed != 0.0 or numbers[at_sheave.SPEED] != 0.0:
-        numbers[at_sheave.HAS_RUN] = numbers_at(system, k + 1)[at_sheave.HAS_RUN] = 1.0
-
-
-@kernel
-def place_portions(system, end):
-    """Lengths and rates of all portions (modified) at a time [s], the end of the step; whether none is too short."""
-    take_lengths(system, began_at(system), end)
-    pass_gains(system)
-    lost = 0
-    for k in range(lines_of(system)):
-        if is_portion(system, k):
-            numbers, shortest = numbers_at(system, k), shortest_of(system, k)
-            lost += numbers[at_sheave.LENGTH] < LEAST_LENGTH * shortest
-            numbers[at_sheave.LENGTH] = max(numbers[at_sheave.LENGTH], LEAST_LENGTH * shortest)
-    return lost == 0
-
-
-@kernel
-def stop_what_shortens(system, h):
-    """Let no rope run from portions that would get shorter than they may be in a step of h [s] (modified); how many."""
-    count = 0
-    for k in range(lines_of(system)):
-        if has_run(system, k) and numbers_at(system, k)[at_sheave.LENGTH] < (1.0 - CLOSE) * shortest_of(system, k):
-            if goes_on(system, k) and numbers_at(system, k)[at_sheave.STAGE_SPEED] > 0.0:
-                put_speed(system, k, h, 0.0)
-                count += 1
-            if comes_from(system, k) and numbers_at(system, k - 1)[at_sheave.STAGE_SPEED] < 0.0:
-                put_speed(system, k - 1, h, 0.0)
-                count += 1
-    return count
-
-
-@kernel
-def keep_lengths(system, step):
-    """Let speeds of ropes (modified) that an iteration has left keep all portions as long as they have to be."""
-    end = step.time + step.h
-    place_portions(system, end)
-    for _ in range(sheaves_of(system)):
-        if stop_what_shortens(system, step.h) > 0:
-            place_portions(system, end)
+# --- limits
 
 
 @kernel
@@ -276,10 +215,25 @@ def seek_next(system, h, changes, one_at_a_time):
 
 
 @kernel
+def are_held(system):
+    """Whether all sheaves rest, and are held with the moves of the lines alone."""
+    others = 0
+    for k in range(lines_of(system)):
+        if goes_on(system, k):
+            numbers = numbers_at(system, k)
+            of_moves = numbers[at_sheave.MOVED_BEHIND], numbers[at_sheave.MOVED_AHEAD], numbers[at_sheave.MOVED_WRAP]
+            rests = numbers[at_sheave.WAY] == HELD and numbers[at_sheave.STAGE_SPEED] == 0.0
+            others += not rests or way_of_held(system, k, of_moves) != HELD
+    return others == 0
+
+
+@kernel
 def find_changes(system, h, changes):
-    """Changes of the speeds of all sheaves [m/s] (modified) in a step of h [s]; whether all are found as they are sought."""
+    """Changes of the speeds of all sheaves [m/s] (modified) in a step of h [s]; whether all are found as they are sought.
+
+    They are sought as `seek` says, and their slopes are known.
+    """
     matrix = shared_of(system)[1]
-    seek(system, h)
     for number in range(MOST_TRIES):
         small_matrix.set_to_zero(sheaves_of(system), matrix)
         for k in range(lines_of(system)):
@@ -295,14 +249,17 @@ def find_changes(system, h, changes):
 
 
 @kernel
+def is_small(change, tension, stiffness):
+    """Whether what a change of a tension [N] leaves is less than a part CLOSE of it, or its square of EA [N]."""
+    return change * change <= 2.0 * stiffness * CLOSE * (abs(tension) + CLOSE * stiffness)
+
+
+@kernel
 def is_close(system, k, of_tensions):
-    """Whether less than a part CLOSE of the tensions at the sheave at the end of line k, or its square of EA, is left."""
+    """Whether the changes of both tensions at the sheave at the end of line k are small."""
     numbers, (of_1, of_2, _) = numbers_at(system, k), of_tensions
-    behind, ahead = abs(numbers[at_sheave.TENSION_BEHIND] + of_1), abs(numbers[at_sheave.TENSION_AHEAD] + of_2)
-    stiffness_1, stiffness_2 = stiffness_of(system, k), stiffness_of(system, k + 1)
-    return of_1 * of_1 <= 2.0 * stiffness_1 * CLOSE * (
-        behind + CLOSE * stiffness_1
-    ) and of_2 * of_2 <= 2.0 * stiffness_2 * CLOSE * (ahead + CLOSE * stiffness_2)
+    behind = is_small(of_1, numbers[at_sheave.TENSION_BEHIND] + of_1, stiffness_of(system, k))
+    return behind and is_small(of_2, numbers[at_sheave.TENSION_AHEAD] + of_2, stiffness_of(system, k + 1))
 
 
 @kernel
@@ -312,7 +269,12 @@ def find_sheaves(system, step):
     The moves of all lines without changes of the speeds are known.
     """
     changes = shared_of(system)[2]
-    linearize_sheaves(system, step)
+    take_sheaves(system, step)
+    seek(system, step.h)
+    if are_held(system):
+        hold_speeds(system, 1.0)
+        return
+    take_all_slopes(system, step)
     are_found = find_changes(system, step.h, changes)
     for k in range(lines_of(system)):
         if goes_on(system, k):
@@ -349,11 +311,20 @@ def run(system, step):
 
 
 @kernel
-def hold_speeds(system):
-    """Let an iteration leave the speeds of all ropes as they are (modified)."""
+def hold_speeds(system, are_found):
+    """Let an iteration leave the speeds of all ropes as they are (modified); are_found : 1 if they are found so, else 0."""
     for k in range(lines_of(system)):
         if goes_on(system, k):
-            numbers_at(system, k)[at_sheave.CHANGE], numbers_at(system, k)[at_sheave.IS_FOUND] = 0.0, 0.0
+            numbers_at(system, k)[at_sheave.CHANGE], numbers_at(system, k)[at_sheave.IS_FOUND] = 0.0, are_found
+
+
+@kernel
+def has_changed(system):
+    """Whether the last iteration has changed the speed of any rope."""
+    count = 0
+    for k in range(lines_of(system)):
+        count += goes_on(system, k) and numbers_at(system, k)[at_sheave.CHANGE] != 0.0
+    return count > 0
 
 
 @kernel

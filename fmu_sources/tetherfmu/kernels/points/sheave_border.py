@@ -19,7 +19,9 @@ from ..compilation import kernel, view
 from ..equations.lines import (
     add_at,
     clear,
+    comes_from,
     conditions_of,
+    goes_on,
     is_at_point,
     is_turned,
     lines_of,
@@ -163,6 +165,13 @@ def matrix_of(system, k, is_fixed):
 
 
 @kernel
+def is_beside(system, k, j):
+    """Whether sheave number j is at an end of line k."""
+    at_end = goes_on(system, k) and number_of(system, k) == j
+    return at_end or (comes_from(system, k) and number_of(system, k - 1) == j)
+
+
+@kernel
 def solve_column(system, j, is_fixed):
     """Solve all lines and points for the column of coordinate j, which stands in the arrays of the lines (modified).
 
@@ -173,6 +182,8 @@ def solve_column(system, j, is_fixed):
     for k in range(lines_of(system)):
         if moves(system, k):
             column, matrix = single_at(system, k, SOLUTIONS + j), matrix_of(system, k, is_fixed)
+            if is_fixed and not is_beside(system, k, j):
+                continue
             condensed.solve_inner(rows_of(system, k), matrix, column)
             for end in range(2):
                 if is_at_point(system, k, end):

@@ -198,7 +198,7 @@ def move_over_sheaves(system, step, phase):
     if not step.turns:
         return taken
     if phase >= LATE and unconverged_lines(system, 1.0) > 0:
-        fixed_sheaves.hold_speeds(system)
+        fixed_sheaves.hold_speeds(system, 0.0)
         return taken
     fixed_sheaves.find_sheaves(system, step)
     taken = 1.0
@@ -238,7 +238,8 @@ def descend(system, step, before, phase):
     taken = direction(system, step, phase)
     if taken == 0.0:
         return before, inf
-    if step.turns or before == inf or has_ground(parameters_of(system, 0)) or does_any_flow(system, step):
+    turned = fixed_sheaves.has_changed(system) if has_sheaves(system) else step.turns
+    if turned or before == inf or has_ground(parameters_of(system, 0)) or does_any_flow(system, step):
         before, _ = potential(system, step, False)
     return go_along(system, step, taken, before)
 

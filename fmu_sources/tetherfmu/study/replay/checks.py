@@ -70,14 +70,13 @@ def edges(time):
 
 def known(time, values, longest_gap):
     """Values [any] at the edges of windows, array (windows + 1, columns), linear between readings; NaN in longer gaps."""
-    places, made = edges(time), []
-    for column in values.T:
+    places = edges(time)
+    found = np.full((len(places), values.shape[1]), np.nan)
+    for k, column in enumerate(values.T):
         there = np.isfinite(column)
-        if there.sum() < 2:
-            made.append(np.full(len(places), np.nan))
-            continue
-        made.append(between(time[places], time[there], column[there], longest_gap))
-    return np.column_stack(made)
+        if there.sum() > 1:
+            found[:, k] = between(time[places], time[there], column[there], longest_gap)
+    return found
 
 
 def rates(log, values):

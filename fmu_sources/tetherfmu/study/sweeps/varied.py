@@ -177,12 +177,13 @@ def all_varied(given, flight, folder):
         found = []
         for name, values in given.items():
             unit = unit_of(name, flight)
-            is_distribution = hasattr(values, "ppf")
-            given_values = (
-                () if is_distribution else tuple(in_si(each, unit) if unit is not None else each for each in values)
+            if hasattr(values, "ppf"):
+                found.append(Varied(name, unit, distribution=values))
+                continue
+            in_units = (in_si(each, unit) if unit is not None else each for each in values)
+            found.append(
+                Varied(name, unit, tuple(each.item() if isinstance(each, np.generic) else each for each in in_units))
             )
-            plain = tuple(each.item() if isinstance(each, np.generic) else each for each in given_values)
-            found.append(Varied(name, unit, plain, values if is_distribution else None))
     else:
         found = [varied(text, flight, folder) for text in ([given] if isinstance(given, str) else given)]
     names = [each.name for each in found]
