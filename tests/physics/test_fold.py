@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from manual import DOCS
+from manual import table
 from tetherfmu.models import TetherQuasiSteady
 from tetherfmu.runtime.parameters import Tether
 
-FOLDS = np.loadtxt(DOCS / "data" / "folds.csv", delimiter=",", skiprows=1)
+FOLDS = table("folds")
 
 
 @pytest.mark.parametrize("row", FOLDS)

@@ -1,4 +1,4 @@
-"""The table in "Validity" of docs/theory.md: what tethers without waves get wrong as the kite flies its circle faster."""
+"""The table docs/data/validity.csv: what tethers without waves get wrong as the kite flies its circle faster."""
 
 import numpy as np
 import pytest
@@ -8,7 +8,7 @@ from scenes import fly_circle
 from tetherfmu.models import TetherCatenary, TetherDynamic, TetherQuasiSteady
 from tetherfmu.runtime.parameters import Solver, Tether
 
-VALIDITY = table("theory", "| length [m] | rate [rad/s] | `wave_time` [s] | rate times it | quasi-steady | catenary |")
+VALIDITY = table("validity")
 
 
 @pytest.mark.parametrize("row", VALIDITY)
