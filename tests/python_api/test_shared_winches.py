@@ -116,6 +116,10 @@ WRONG = {
         lambda: SharedWinch("drum", {"a": 1}, "length", 0.5),
         r"drum\.reel_out_speed is 0\.5 and has no effect: control is 'length'",
     ),
+    "a drum that all lines turn the other way": (
+        lambda: SharedWinch("drum", {"a": -1, "b": -0.5}, "force"),
+        r"drum\.lines has the ratios \[-1, -0\.5\]; with the control 'force' one of them must be above 0",
+    ),
     "a mass without effect": (
         lambda: SharedWinch("drum", {"a": 1}, winch_mass=2.0),
         r"drum\.winch_mass is 2\.0 and has no effect: control is 'speed'",
@@ -173,7 +177,11 @@ def test_winches_that_do_not_fit_are_refused(case):
     [
         ({"damping_law": "stretch_rate"}, {}, r"a\.damping_law is stretch_rate, and drum holds it by force"),
         ({"breaking_force": 1e4}, {}, r"a\.breaking_force is 10000\.0, and drum holds it by force; it must be 0"),
-        ({}, {"fixed_step": 0.01}, r"fixed_step is 0\.01 s, drum is controlled by force, and the winch drum holds lines"),
+        (
+            {},
+            {"fixed_step": 0.01},
+            r"fixed_step is 0\.01 s, drum is controlled by force, and the winch drum holds lines by force",
+        ),
     ],
 )
 def test_what_a_winch_cannot_do_by_force(more, solver, said):

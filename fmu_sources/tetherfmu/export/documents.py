@@ -103,13 +103,10 @@ def listed(paths):
     """HTML list of the files that `WORDS_ON_FILES` has words on."""
     lines = []
     for end, words in WORDS_ON_FILES.items():
-        for path in paths:
-            if path.endswith(end):
-                place = path.removeprefix("documentation/")
-                beside = place != path
-                lines.append(
-                    f'<li><a href="{place}">{words}</a></li>' if beside else f"<li>{words}: <code>{path}</code></li>"
-                )
+        for path in (each for each in paths if each.endswith(end)):
+            place = path.removeprefix("documentation/")
+            shown = f'<a href="{place}">{words}</a>' if place != path else f"{words}: <code>{path}</code>"
+            lines.append(f"<li>{shown}</li>")
     return "\n".join(lines)
 
 

@@ -159,9 +159,8 @@ def _about_winches(winches):
         _row(each.name, f"{each.name}.{each.input}", ", ".join(f"{line}: {ratio:g}" for line, ratio in each.ratios))
         for each in winches
     ]
-    return "\n".join(
-        [WINCHES, "<table>", "<tr><th>name</th><th>input</th><th>lines and ratios</th></tr>", *rows, "</table>"]
-    )
+    head = "<tr><th>name</th><th>input</th><th>lines and ratios</th></tr>"
+    return "\n".join([WINCHES, "<table>", head, *rows, "</table>"])
 
 
 def _row(*cells):

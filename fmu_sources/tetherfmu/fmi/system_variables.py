@@ -30,18 +30,10 @@ def inputs_at(*terminals):
 ENDS = ("ground", "kite")  # of the tether of a line: its start and its end
 OF_THE_SYSTEM = (Environment, Solver, Ground)
 RECORDS_OF_A_LINE = (Tether, Winch)  # whose quantities it has as parameters
-OF_A_LINE = {  # outputs of a tether that a line has, and their names there
-    "tether_length": "tether_length",
-    "winch_speed": "winch_speed",
-    "ground_tension": "tension_from",
-    "kite_tension": "tension_to",
-    "max_tension": "max_tension",
-    "peak_tension": "peak_tension",
-    "slack_segments": "slack_segments",
-    "grounded_length": "grounded_length",
-    "broken": "broken",
-    "break_time": "break_time",
-}
+# outputs of a tether that a line has, and their names there
+_OF_ENDS = {"ground_tension": "tension_from", "kite_tension": "tension_to"}
+_OTHERS = ("max_tension", "peak_tension", "slack_segments", "grounded_length", "broken", "break_time")
+OF_A_LINE = {name: _OF_ENDS.get(name, name) for name in ("tether_length", "winch_speed", *_OF_ENDS, *_OTHERS)}
 MEANINGS = {
     "tension_from": "tension of the first segment, at {}; with winch_control = force where the line leaves the winch",
     "tension_to": "tension of the last segment, at {}",
@@ -252,10 +244,8 @@ def _inputs(structure):
 _RELEASE = "{0.name} lets go of {0.end}, at the beginning of the first step with true, for good"
 _LOAD = "external force on {}: aerodynamics, control; not its weight"
 _START = "start of {}"
-_STARTS = {
-    "given": "at initial_position with initial_velocity",
-    "equilibrium": "at rest where its lines, its weight and its load are in equilibrium",
-}
+_STARTS = {"given": "at initial_position with initial_velocity"}
+_STARTS["equilibrium"] = "at rest where its lines, its weight and its load are in equilibrium"
 
 
 def _parameters(structure):
@@ -289,10 +279,8 @@ def _parameters_of_sheaves(line):
     """Parameters of the portions and the sheaves of a line that runs over some."""
     portions = portions_of(line) if line.through else ()
     for k, portion in enumerate(portions):
-        meaning = (
-            f"unstretched length at the start of portion {k + 1}, from {portion.start} to {portion.end}, in proportion to "
-        )
-        meaning += "those of the others; 0 of any: each sheave starts with the same tension on both sides"
+        meaning = f"unstretched length at the start of portion {k + 1}, from {portion.start} to {portion.end}, "
+        meaning += "in proportion to those of the others; 0 of any: each sheave starts with the same tension on both sides"
         declared, start = Quantity("m", meaning, 0.0, 1e5), line.sheaves["initial_portions"][k]
         yield Variable(f"{line.name}.initial_portions[{k + 1}]", PARAMETER, "Real", declared, 0, start, group="geometry")
     for name, declared in SHEAVE_QUANTITIES.items():

@@ -163,9 +163,8 @@ def write(path, codes):
 def main(arguments):
     """Write the file for browsers, after libraries if there are any to be written."""
     path, *libraries = arguments
-    ahead_of_time.main(
-        libraries or [""], lambda: (write, Path(path), [ahead_of_time.code_of(variant) for variant in VARIANTS])
-    )
+    written = (write, Path(path))
+    ahead_of_time.main(libraries or [""], lambda: (*written, list(map(ahead_of_time.code_of, VARIANTS))))
 
 
 if __name__ == "__main__":

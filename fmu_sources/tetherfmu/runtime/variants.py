@@ -58,20 +58,15 @@ _ONE_LINE = {
     "slack_segments": "1 if the kite is closer than the unstretched length, else 0",
     "kite_end_mass": "tether mass lumped at the kite end: 0, the mass of this tether is not lumped",
 }
-_AND_WEIGHT = (
-    ": tension and the component of its half of the weight along the chord; negative at the lower end of a slack tether"
-)
-_DRIVEN = (  # of descriptions
-    "In: position and velocity of the kite (and of the ground end), wind, reel-out speed. "
-    "Out: force of the tether on kite and ground."
-)
+_WEIGHT = "tension and the component of its half of the weight along the chord; negative at the lower end of a slack tether"
+# of descriptions
+_DRIVEN = "In: position and velocity of the kite (and of the ground end), wind, reel-out speed. "
+_DRIVEN += "Out: force of the tether on kite and ground."
 
 STRAIGHT = Variant(
     "straight",
-    description=(
-        "Straight elastic line with weight and drag shared between its ends: tension of a taut tether at almost no cost. "
-        f"{_DRIVEN}"
-    ),
+    "Straight elastic line with weight and drag shared between its ends: tension of a taut tether at almost no cost. "
+    f"{_DRIVEN}",
     has_nodes=False,
     has_waves=False,
     colour="orange",
@@ -80,8 +75,8 @@ STRAIGHT = Variant(
     meanings={
         **_ONE_LINE,
         "grounded_length": "unstretched length that touches the ground: 0, this tether ignores it",
-        "ground_tension": f"force along the tether at the ground end{_AND_WEIGHT}",
-        "kite_tension": f"force along the tether at the kite end{_AND_WEIGHT}",
+        "ground_tension": f"force along the tether at the ground end: {_WEIGHT}",
+        "kite_tension": f"force along the tether at the kite end: {_WEIGHT}",
         "kite_end_mass": "tether mass lumped at the kite end: half of the tether",
         "solver_iterations": "Newton iterations since the start: 0, this tether needs none",
         "sag": "largest distance of the tether from its chord: 0, this tether is straight",
@@ -101,10 +96,7 @@ STRAIGHT = Variant(
 )
 CATENARY = Variant(
     "catenary",
-    description=(
-        "Elastic catenary under weight plus mean drag, in closed form: sag and end forces at rest or in slow flight. "
-        f"{_DRIVEN}"
-    ),
+    f"Elastic catenary under weight plus mean drag, in closed form: sag and end forces at rest or in slow flight. {_DRIVEN}",
     has_nodes=False,
     has_waves=False,
     colour="green",
@@ -116,11 +108,8 @@ CATENARY = Variant(
 )
 QUASI_STEADY = Variant(
     "quasi_steady",
-    description=(
-        "Quasi-steady segmented tether: in instantaneous equilibrium under weight, drag, elasticity and the inertia of "
-        "turning with the kite; no waves. "
-        f"{_DRIVEN}"
-    ),
+    "Quasi-steady segmented tether: in instantaneous equilibrium under weight, drag, elasticity and the inertia of "
+    f"turning with the kite; no waves. {_DRIVEN}",
     has_nodes=True,
     has_waves=False,
     colour="blue",
@@ -131,9 +120,7 @@ QUASI_STEADY = Variant(
 )
 DYNAMIC = Variant(
     "dynamic",
-    description=(
-        f"Dynamic segmented tether between two driven ends: lumped masses, spring-damper segments, drag, reel-out. {_DRIVEN}"
-    ),
+    f"Dynamic segmented tether between two driven ends: lumped masses, spring-damper segments, drag, reel-out. {_DRIVEN}",
     has_nodes=True,
     has_waves=True,
     colour="vermillion",

@@ -84,6 +84,11 @@ class SharedWinch:
                     f"{self.name}.lines.{line} is {ratio!r}; it must be a number between {SMALLEST_RATIO:g} and "
                     f"{LARGEST_RATIO:g}, or the negative of one"
                 )
+        if self.control == BY_FORCE and all(ratio < 0.0 for ratio in self.lines.values()):
+            raise ValueError(
+                f"{self.name}.lines has the ratios {list(self.lines.values())}; with the control 'force' one of them must "
+                "be above 0: give all of them the other sign"
+            )
         for name in STARTS:
             if not abs(getattr(self, name)) <= at.LARGEST_INPUT:
                 raise ValueError(

@@ -30,9 +30,8 @@ def script():
         inside = EXPORT.sub("", IMPORT.sub(r"const { \1 } = \2;\n", text)).strip()
         exported = ", ".join(EXPORT.findall(text))
         parts.append(f"const {name} = (() => {{\n{inside}\nreturn {{ {exported} }};\n}})();\n")
-    return f"// TetherFMU {__version__}, MIT licence. Made of the modules in tetherfmu/web/assets/script.\n" + "\n".join(
-        parts
-    )
+    head = f"// TetherFMU {__version__}, MIT licence. Made of the modules in tetherfmu/web/assets/script.\n"
+    return head + "\n".join(parts)
 
 
 def html():

@@ -5,7 +5,7 @@ import pytest
 
 from tetherfmu import TetherCatenary
 from tetherfmu.__main__ import main
-from tetherfmu.study.advice.systems import advise, errors, run
+from tetherfmu.study.advice.systems import advise, errors, explain, run
 from tetherfmu.study.scenes.systems import load
 
 LINE = """
@@ -117,3 +117,21 @@ def test_the_command_names_segments_and_errors(capsys):
     said = capsys.readouterr().out
     assert "  use       Hoist.fmu\n            lines.rope_left.segments = 2\n" in said
     assert "| rope_left 6, rope_right 6, beam 1 | 0.0001 " in said
+
+
+def test_fixed_steps_stay_those_of_the_file(place, capsys):
+    """And the finer system has adaptive ones; tolerances have no effect then."""
+    scene = flight(place, [("solver.fixed_step", 0.01), ("wanted.allowed_error", 0.05)])
+    advice = advise(scene)
+    assert {point.config.tolerance for point in advice.points} == {0.0}
+    assert len({point.config.segments for point in advice.points}) > 2
+    assert advice.met
+    assert "fixed_step = 0.01" in explain(scene, advice)
+
+
+def test_what_no_number_of_segments_can_fly_is_refused(capsys):
+    """A winch that reels in more rope than there is."""
+    settings = ["--set", "lines.rope_left.reel_out_speed=-100"]
+    assert main(["advise", "hoist", "--fast", *settings]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert "this system cannot be flown" in line

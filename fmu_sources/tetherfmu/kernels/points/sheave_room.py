@@ -256,7 +256,7 @@ def is_running(system, k):
     """Whether the length of line k is an unknown, as rope runs into it or out of it."""
     if not has_coordinates(system):
         return False
-    return is_coordinate(system, k, IN) or is_coordinate(system, k, OUT)
+    return is_coordinate(system, k, OUT) or is_coordinate(system, k, IN)
 
 
 @kernel
@@ -320,9 +320,9 @@ def portion_gaining(system, k, moves):
 @kernel
 def is_coordinate(system, k, side):
     """Whether a or b of portion k is an unknown of the step: rope runs over the sheave there, or off a drum."""
-    if side == IN:
-        return (comes_from(system, k) and runs_over(system, k - 1)) or is_paid_out(system, k)
-    return goes_on(system, k) and runs_over(system, k)
+    if side == OUT:
+        return goes_on(system, k) and runs_over(system, k)
+    return runs_over(system, k - 1) if comes_from(system, k) else is_paid_out(system, k)
 
 
 @kernel

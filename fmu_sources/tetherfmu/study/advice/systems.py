@@ -151,14 +151,14 @@ def advise(flight, budget=of_scenes.BUDGET):
 
 def table(flight, advice):
     """What was flown: segments, tolerance, error, where it is largest, and the step time over that of the file."""
-    rows = []
+    rows, own = [], advice.points[0].cost
     for each in advice.points:
         counts = flight.segments_of_lines(each.config.factor)
         row = {"segments": ", ".join(f"{name} {count}" for name, count in counts.items())}
         row["tolerance"] = f"{each.config.tolerance:g}" if each.config.tolerance else "-"
         largest = max(each.errors, key=each.errors.get) if each.errors else f"refused: {each.refused}"
         row |= {"error [%]": 100.0 * each.error(), "largest at": largest}
-        rows.append(row | {"step time": each.cost / advice.points[0].cost})
+        rows.append(row | {"step time": each.cost / own if each.cost and own else np.nan})  # none of what is refused
     return pd.DataFrame(rows)
 
 
@@ -179,7 +179,7 @@ def run_command(options):
         return of_scenes.run(options)
     flight = load(path, options.settings)
     now(f"flying {flight.found.name} with candidates and with a finer one")
-    with flown_from(path):
+    with flown_from(path, "system"):
         advice = advise(flight, of_scenes.FAST_BUDGET if options.fast else of_scenes.BUDGET)
     print(explain(flight, advice))
     return 0 if advice.met else 1

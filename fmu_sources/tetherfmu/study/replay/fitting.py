@@ -60,9 +60,8 @@ def fit(flight, wanted=("offset",), segments=SEGMENTS):
         step, half = jackknife(columns[taut], rest[taut])
         values, rest = values + step, rest - columns @ step
         if abs(delay := correction_of(names, values).delay) > LONGEST_DELAY:
-            raise LogError(
-                f"no delay can be fitted on this part of the flight: {delay:.3g} s would fit; {LONGEST_DELAY:g} s is allowed"
-            )
+            allowed = f"{delay:.3g} s would fit; {LONGEST_DELAY:g} s is allowed"
+            raise LogError(f"no delay can be fitted on this part of the flight: {allowed}")
         if np.all(np.abs(step) <= SMALL * half) or names == [NAMES["offset"]]:  # which the tether does not feel
             break
     correction = correction_of(names, values)
@@ -125,9 +124,8 @@ def residual(flight, wanted, segments=SEGMENTS):
     taut = np.isfinite(rest) & flight.is_taut(length) & pulled
     taut[time < time[0] + SETTLED] = False
     if taut.sum() < FEWEST:
-        raise flight.log.cannot_fly(
-            f"the tether is nowhere taut from {flight.start:g} to {flight.end:g} s: nothing can be fitted"
-        )
+        part = f"from {flight.start:g} to {flight.end:g} s"
+        raise flight.log.cannot_fly(f"the tether is nowhere taut {part}: nothing can be fitted")
     return rest, np.hstack([slopes[each] for each in wanted]), taut
 
 

@@ -63,9 +63,8 @@ def first_length(flight, rows, lead):
         return distance
     found = flight.log.map
     options = {"winch_control": "force", "winch_start": "equilibrium", "shape_points": 0}
-    tether = TetherQuasiSteady(
-        replace(found.tether, initial_length=distance), found.environment, ground=found.ground, **options
-    )
+    rope = replace(found.tether, initial_length=distance)
+    tether = TetherQuasiSteady(rope, found.environment, ground=found.ground, **options)
     still = {"kite_position": start["kite_position"], "wind_velocity": start["wind_velocity"]}
     force = float(flight.measured("ground_tension", flight.times[:1])[0])
     try:

@@ -45,12 +45,12 @@ class SceneError(WrongUse):
 
 
 @contextmanager
-def flown_from(path):
-    """SceneError where a tether refuses to fly the scene of a file."""
+def flown_from(path, what="scene"):
+    """SceneError where a tether refuses to fly the scene, or the system, of a file."""
     try:
         yield
     except StepRefused as refusal:
-        raise SceneError(f"{path}: this scene cannot be flown: {refusal}") from None
+        raise SceneError(f"{path}: this {what} cannot be flown: {refusal}") from None
 
 
 def output_names(value):

@@ -95,9 +95,8 @@ def overview(table, varied, statistics):
         row = {"statistic": with_unit(name, table.attrs["units"]), "least": values.min(), "median": values.median()}
         row |= {"95 % below": values.quantile(0.95), "largest": values.max(), "in flight": int(values.idxmax())}
         for other in numeric:
-            row[f"with {other}"] = (
-                float(table[name].corr(table[other], method="spearman")) if values.nunique() > 1 else np.nan
-            )
+            varies = values.nunique() > 1
+            row[f"with {other}"] = float(table[name].corr(table[other], method="spearman")) if varies else np.nan
         rows.append(row)
     return pd.DataFrame(rows)
 
@@ -154,9 +153,8 @@ def run(options):
     print(f"{len(table)} flights of {scene.duration:g} s, {refused} of them refused")
     if refused < len(table):
         k = int(table.peak_tension.idxmax())
-        at = ", ".join(
-            f"{name} = {table[name][k]:.4g}" for name in table.attrs["varied"] if not isinstance(table[name][k], str)
-        )
+        numbers = (name for name in table.attrs["varied"] if not isinstance(table[name][k], str))
+        at = ", ".join(f"{name} = {table[name][k]:.4g}" for name in numbers)
         print(f"largest tension: {table.peak_tension[k]:.1f} N, in flight {k}: {at}")
     for path in written:
         print(path)

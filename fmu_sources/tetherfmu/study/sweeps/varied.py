@@ -210,9 +210,8 @@ def draws(quantities, samples, method, seed):
     with catch_warnings(action="ignore", category=UserWarning):  # Sobol with another number than a power of 2
         places = engine(len(drawn), seed=np.random.default_rng(seed)).random(samples)
     places = np.clip(places, 0.5**53, 1.0 - 0.5**53)  # a scrambled point of Sobol may be 0
-    return [
-        *zip(*(each.distribution.ppf(column).tolist() for each, column in zip(drawn, places.T, strict=True)), strict=True)
-    ]
+    columns = (each.distribution.ppf(column).tolist() for each, column in zip(drawn, places.T, strict=True))
+    return list(zip(*columns, strict=True))
 
 
 def points(quantities, samples, method, seed):
