@@ -28,10 +28,11 @@ def test_the_examples_of_the_page_run(tmp_path, monkeypatch):
     assert np.isclose(names["outputs"].lines["b"].tether_length, 19.0)  # 2 s at -0.5 m/s
     assert names["outputs"].lines["a"].winch_speed != 0.0
     exec(drum, names)
-    rope = 724.0 * np.pi / 4.0 * 0.004**2 * 10.0  # [kg] of each of its lines
-    force = (20.0 + rope + 0.5 * (30.0 + rope)) * 9.81 - 300.0 - 20.0
-    mass = 40.0 + 20.0 + 0.25 * 30.0
-    assert np.isclose(names["outputs"].winches["drum"].winch_speed, force / mass, rtol=0.1)  # the ropes swing by 5 %
+    found = names["outputs"]
+    momentum = 40.0 * found.winches["drum"].winch_speed  # of the drum [N s], and of both loads times their ratios
+    momentum -= 20.0 * found.points["a"].velocity[2] + 0.5 * 30.0 * found.points["b"].velocity[2]
+    gained = 20.0 * 9.81 + 0.5 * 30.0 * 9.81 - 300.0 - 20.0  # N s, in 1 s of weights, winch_force and friction
+    assert 0.0 <= momentum - gained < 2.0 * 20.0 * 0.1  # at first the drum reels in, for less than 0.1 s
     exec(atwood, names)
     assert np.isclose(names["outputs"].portions["rope"].payout[0], 0.5 * 98.1 / 55.5, rtol=0.1)  # of 10 kg more on one side
     exec(letting_go, names)
