@@ -22,7 +22,7 @@ HEAVY = {"diameter": 0.01, "mass_per_length": 1.0, "axial_stiffness": 1e7, "axia
 LIGHT = {"diameter": 0.01, "mass_per_length": 0.2, "axial_stiffness": 1e5, "axial_damping": 100.0}
 TIGHT = Solver(relative_tolerance=1e-6)
 # at the start lines have the tension of rest, of which moving drums and wind know nothing
-pytestmark = pytest.mark.filterwarnings("ignore:.*presses its ends apart", "ignore:.*at the start")
+pytestmark = pytest.mark.filterwarnings("ignore:.*presses its ends apart", "ignore:.*at the start", "ignore:.*at a sheave")
 
 
 def rope(length, segments=6, **of_rope):
@@ -126,6 +126,36 @@ def test_one_line_is_the_lines_own_winch(friction, within, start):
         found.append(np.array(rows))
     assert np.ptp(found[0][:, 0]) > 0.3
     assert found[0] == pytest.approx(found[1], abs=within)
+
+
+def test_tethers_in_series():
+    """Of other properties, on a drum: as the winch of the line, nearly to rounding."""
+    points = [Point("top", (0.0, 0.0, 0.0)), Point("load", (0.0, 0.0, -10.0), mass=30.0)]
+    parts = (rope(5.0, 3, **LIGHT), rope(5.0, 2, **{**LIGHT, "mass_per_length": 0.05, "axial_stiffness": 4e4}))
+    found = []
+    for is_shared in (False, True):
+        winch = Winch() if is_shared else Winch(winch_control="force", winch_mass=10.0)
+        winches = [SharedWinch("drum", {"line": 1.0}, "force", winch_mass=10.0)] if is_shared else []
+        system = TetherSystem(points, [Line("line", "top", "load", parts, winch=winch)], solver=TIGHT, winches=winches)
+        system.initialize()
+        for _ in range(40):
+            outputs = system.step(0.02, winch_forces={"drum" if is_shared else "line": 200.0})
+        found.append((outputs.lines["line"].tether_length, outputs.lines["line"].ground_tension))
+    assert found[0][0] > 10.2
+    assert found[0] == pytest.approx(found[1], rel=1e-9)
+
+
+def test_a_drum_beside_a_sheave_starts_with_its_speed():
+    """In balance with half of the weight of the block it keeps it, but for the rope that comes."""
+    points = [Point("top", (0.0, 0.0, 0.0)), Point("block", (0.0, 0.0, -10.0), mass=50.0), Point("end", (0.0, 0.0, 0.0))]
+    winch = Winch(winch_control="force", winch_mass=100.0)
+    line = Line("falls", "top", "end", rope(20.0, 5, **LIGHT), through=["block"], reel_out_speed=0.5, winch=winch)
+    system = TetherSystem(points, [line])
+    system.initialize(winch_forces={"falls": 0.5 * 50.0 * G})
+    assert system.step(1e-3).lines["falls"].winch_speed == pytest.approx(0.5, abs=0.01)
+    for _ in range(25):
+        outputs = system.step(0.02)
+    assert outputs.lines["falls"].winch_speed == pytest.approx(0.5, abs=0.1)
 
 
 # --- friction and stops
