@@ -120,7 +120,7 @@ def steps_of_one_size(monkeypatch, segments, part, last_error=0.0):
     monkeypatch.setattr(adaptive_steps, "next_step", lambda h, done, *others: max(h, done))
     monkeypatch.setattr(adaptive_steps, "begin_breaks", lambda system: False)
     monkeypatch.setattr(adaptive_steps, "begin_drums", lambda system: None)
-    monkeypatch.setattr(adaptive_steps, "has_sheaves", lambda system: False)
+    monkeypatch.setattr(adaptive_steps, "has_coordinates", lambda system: False)
     monkeypatch.setattr(adaptive_steps, "turn_drums", lambda *arguments: True)
     monkeypatch.setattr(adaptive_steps, "part_to_event", lambda *arguments: inf)
     monkeypatch.setattr(adaptive_steps, "is_idle", lambda system: True)
