@@ -211,11 +211,6 @@ WRONG = {
         {},
         "r.winch_start is equilibrium, and r",
     ),
-    "fixed steps": (
-        {"winch": Winch(winch_control="force")},
-        {"solver": Solver(fixed_step=0.01)},
-        "fixed_step is 0.01 s, r is controlled by force, and r runs over sheaves",
-    ),
     "a law": ({"tether": Tether(initial_length=16.0, damping_law="stretch_rate")}, {}, "damping_law is stretch_rate"),
     "breaking": ({"tether": Tether(initial_length=16.0, breaking_force=1e4)}, {}, "breaking_force is 10000.0, and r runs"),
     "no point": ({"through": ["x"]}, {}, "point x, which does not exist"),

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tetherfmu import Line, Point, SharedWinch, Solver, StepRefused, Tether, TetherSystem, Winch
+from tetherfmu import Line, Point, SharedWinch, StepRefused, Tether, TetherSystem, Winch
 
 STEP = 0.02
 TAPE = Tether(segments=3, initial_length=10.0)
@@ -173,21 +173,16 @@ def test_winches_that_do_not_fit_are_refused(case):
 
 
 @pytest.mark.parametrize(
-    ("more", "solver", "said"),
+    ("more", "said"),
     [
-        ({"damping_law": "stretch_rate"}, {}, r"a\.damping_law is stretch_rate, and drum holds it by force"),
-        ({"breaking_force": 1e4}, {}, r"a\.breaking_force is 10000\.0, and drum holds it by force; it must be 0"),
-        (
-            {},
-            {"fixed_step": 0.01},
-            r"fixed_step is 0\.01 s, drum is controlled by force, and the winch drum holds lines by force",
-        ),
+        ({"damping_law": "stretch_rate"}, r"a\.damping_law is stretch_rate, and drum holds it by force"),
+        ({"breaking_force": 1e4}, r"a\.breaking_force is 10000\.0, and drum holds it by force; it must be 0"),
     ],
 )
-def test_what_a_winch_cannot_do_by_force(more, solver, said):
+def test_what_a_winch_cannot_do_by_force(more, said):
     lines = [replace(line, tether=replace(TAPE, **more)) for line in lines_with()]
     with pytest.raises(ValueError, match=said):
-        TetherSystem(POINTS, lines, solver=Solver(**solver), winches=[SharedWinch("drum", {"a": 1.0}, "force")])
+        TetherSystem(POINTS, lines, winches=[SharedWinch("drum", {"a": 1.0}, "force")])
 
 
 def test_inputs_of_a_winch_by_force_that_cannot_be():

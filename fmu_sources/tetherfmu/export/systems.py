@@ -49,7 +49,7 @@ def build(path, folder, options=None, native=None, with_header=False, with_sourc
     options = options or BuildOptions(shape_points=None)
     found, positions = read(path)
     try:
-        check_with_sheaves(found.lines, found.solver, found.winches)
+        check_with_sheaves(found.lines, found.winches)
     except ValueError as error:
         raise ValueError(f"{path}: {error}") from None
     structure, folder = structure_from(found, positions, options.shape_points, options.wind_points), Path(folder)

@@ -43,12 +43,11 @@ START_UNDER_GROUND = 27
 RELEASED_WITHOUT_MASS = 28
 # of lines over sheaves, and of lines whose winch is controlled by force in a system with these or with shared winches
 SHEAVES_WITH_WINCH_START = 29
-SHEAVES_WITH_FIXED_STEP = 30
-SHEAVES_WITH_STRETCH_RATE = 31
-SHEAVES_THAT_BREAK = 32
-RELEASED_OVER_SHEAVES = 33
-NO_SHARES = 34
-SHEAVES_WITH_STOP = 35
+SHEAVES_WITH_STRETCH_RATE = 30
+SHEAVES_THAT_BREAK = 31
+RELEASED_OVER_SHEAVES = 32
+NO_SHARES = 33
+SHEAVES_WITH_STOP = 34
 
 SENTENCES = {
     OK: "done",
@@ -141,10 +140,6 @@ SENTENCES = {
     SHEAVES_WITH_WINCH_START: (
         "winch_start is 2 (equilibrium) in a system with a line over sheaves or a winch that holds lines by force; it must "
         "be 1 (given)"
-    ),
-    SHEAVES_WITH_FIXED_STEP: (
-        "fixed_step is {fixed_step} s with force control beside lines over sheaves, or at a winch that holds several lines; "
-        "it must be 0 (adaptive)"
     ),
     SHEAVES_WITH_STRETCH_RATE: (
         "damping_law is 2 (stretch_rate) for a line over sheaves, or with force control beside such lines or at a winch "

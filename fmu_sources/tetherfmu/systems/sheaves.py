@@ -80,7 +80,7 @@ def sheaves_of(line):
     return {"initial_portions": tuple(given), **{name: numbers_in(line, name) for name in SHEAVE_QUANTITIES}}
 
 
-def check_with_sheaves(lines, solver, winches):
+def check_with_sheaves(lines, winches):
     """ValueError if a system whose lines run over sheaves, or are held by winches by force, has what it cannot have yet."""
     name = next((line.name for line in lines if line.through), None)
     why = f"{name} runs over sheaves"
@@ -89,12 +89,6 @@ def check_with_sheaves(lines, solver, winches):
         why = f"the winch {name} holds lines by force"
     if name is None:
         return
-    turned = [line.name for line in lines if line.winch.winch_control == at.WINCH_BY_FORCE]
-    turned += [each.name for each in winches if each.control == "force"]
-    if solver.fixed_step != 0.0 and turned:
-        raise ValueError(
-            f"fixed_step is {solver.fixed_step!r} s, {turned[0]} is controlled by force, and {why}; it must be 0 (adaptive)"
-        )
     for line in lines:
         check_drum(line, why)
         if line.through and line.tethers[0].damping_law != at.STRAIN_RATE:

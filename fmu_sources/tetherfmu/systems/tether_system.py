@@ -96,7 +96,7 @@ class TetherSystem(Running):
             arguments.record_of(type(self).__name__, record, kind)
         for line in lines:
             arguments.tethers_of("Line", line.tether)
-        check_with_sheaves(lines, solver, winches)
+        check_with_sheaves(lines, winches)
         self.points, self.lines, self.winches = points, lines, winches
         self._records = environment, solver, ground
         self.wind_points: int = arguments.wind_points(wind_points)

@@ -19,8 +19,9 @@ from ..equations.lines import (
     comes_from,
     conditions_of,
     goes_on,
-    has_sheaves,
+    has_coordinates,
     is_at_point,
+    is_turned,
     lines_of,
     load_at,
     motion_of,
@@ -34,6 +35,7 @@ from ..line import second_order
 from ..line.backward_euler import WHOLE
 from ..line.second_order import ROUNDING
 from ..linear_algebra.vectors import get, norm, sub
+from ..points.coordinates import carries_drum
 from ..points.sheave_room import has_run
 from ..points.system_guess import start
 from ..points.system_room import Step, drum_at, has_drum, is_any_sought, moves, scratch_of, stages_of
@@ -91,7 +93,7 @@ def least_swing(system, k):
     if has_drum(system, k):
         ends += 1
         moving += drum_at(system, k).mass
-    ends += goes_on(system, k) + comes_from(system, k)
+    ends += goes_on(system, k) + (comes_from(system, k) or is_turned(system, k))
     chain = chain_during(conditions, 0.0)
     factor = pi**2 if ends == 0 else (1.0 if ends == 1 else 4.0)
     return factor * stiffest(chain) / (chain.length * moving) if moving > 0.0 else inf
@@ -115,7 +117,7 @@ def stiff_swing(system, h):
     if count == 0:
         return 0.0
     turning.attempt_whole_step(system, h)
-    if has_sheaves(system):
+    if has_coordinates(system):
         turning_sheaves.attempt_whole_step(system, 0.0, h)
     start(system, Step(0.0, h, WHOLE, is_any_sought(system)))
     fastest = 0.0
@@ -177,6 +179,8 @@ def energy_and_power_of_line(system, k, time, is_new):
         of_drum, grown = turning.energy_and_power(system, k, is_new, here, speed)
     elif has_run(system, k):
         of_drum, grown = turning_sheaves.energy_and_power(system, k, is_new, here, speed)
+    if has_coordinates(system) and carries_drum(system, k):
+        of_drum += turning_sheaves.energy_of_drum(system, k, is_new)
     energy, power = second_order.energy_and_power(conditions_of(system, k), time, here, speed, w.chain.mass)
     for end in range(2):
         if is_at_point(system, k, end):
@@ -207,6 +211,8 @@ def is_explained(system, time, h):
     before, power = energy_and_power(system, time, False)
     after, later = energy_and_power(system, time + h, True)
     motors = turning.work_of_motors(system, time, h)
+    if has_coordinates(system):
+        motors += turning_sheaves.work_of_motors(system, time, h)
     rounding = ROUNDING * (abs(before) + abs(after) + abs(motors))
     return after - before - motors <= h * (power + later) + rounding
 

@@ -15,14 +15,14 @@ from ..arrays import copy
 from ..compilation import kernel
 from ..equations import segment
 from ..equations.boundary import chain_during, chain_with, place_ends
-from ..equations.lines import conditions_of, has_sheaves, lines_of, motion_of, state_of
+from ..equations.lines import conditions_of, has_coordinates, lines_of, motion_of, state_of
 from ..equations.notes import note, note_peak
 from ..line import backward_euler, second_order
 from ..line.backward_euler import EXPECTED, STAGE, WHOLE
 from ..line.second_order import ENDS, GAMMA, TO_NEXT
-from ..points.fixed_sheave_rows import keep_lengths
 from ..points.fixed_sheaves import unconverged_sheaves
 from ..points.sheave_room import has_run, portion_at_start
+from ..points.sheave_stages import keep_lengths
 from ..points.system_descent import (
     EARLY,
     HELD,
@@ -96,7 +96,7 @@ def take_all(system, step):
 def count_unconverged(system, step, taken):
     """Number of lines, drums and sheaves that have not converged; taken : part of the last move."""
     count = unconverged_lines(system, taken) + unconverged_drums(system, step)
-    return count + unconverged_sheaves(system, step) if has_sheaves(system) else count
+    return count + unconverged_sheaves(system, step) if has_coordinates(system) else count
 
 
 @kernel
@@ -145,7 +145,7 @@ def take_in_any_case(system, time, h):
             return iterations
         note_unconverged(system, True, 0.0)
         turning.turn_evenly(system, time)
-        if has_sheaves(system):
+        if has_coordinates(system):
             keep_lengths(system, Step(time, h, WHOLE, False))
     _, more = take_step(system, Step(time, h, WHOLE, False), LAST_ITERATIONS, True)
     return more if more < 0 else iterations + more
@@ -155,7 +155,7 @@ def take_in_any_case(system, time, h):
 def attempt_whole_step(system, time, h):
     """Let all drums and ropes (modified) begin a step of backward Euler of h [s] at a time [s]."""
     turning.attempt_whole_step(system, h)
-    if has_sheaves(system):
+    if has_coordinates(system):
         turning_sheaves.attempt_whole_step(system, time, h)
 
 
@@ -163,7 +163,7 @@ def attempt_whole_step(system, time, h):
 def end_whole_step(system, time, h):
     """Let all drums and ropes (modified) have the result of a step of backward Euler of h [s] from a time [s] on."""
     turning.end_whole_step(system, h)
-    if has_sheaves(system):
+    if has_coordinates(system):
         turning_sheaves.end_whole_step(system, time, h)
 
 
@@ -220,7 +220,7 @@ def go_back(system):
         copy(w.x, x)
         copy(w.v, v)
         turning.go_back(system, k)
-    if has_sheaves(system):
+    if has_coordinates(system):
         turning_sheaves.go_back(system)
 
 
@@ -243,7 +243,7 @@ def stages(system, time, h, known):
         begin_stage(system, i, known)
         turning.begin_stage(system, i, reach, known)
         own = Step(time + (ENDS[i] - GAMMA) * h, reach, EXPECTED if known > 0 else STAGE, is_any_sought(system))
-        if has_sheaves(system):
+        if has_coordinates(system):
             turning_sheaves.begin_stage(system, i, own.time, reach, known)
         taken, more = take_step(system, own, MOST_ITERATIONS, False)
         iterations += max(more, 0)
@@ -251,12 +251,12 @@ def stages(system, time, h, known):
             return hard_at(system), iterations
         if not turning.end_stage(system, time, own.time + reach - time, reach):
             return AT_STOP, iterations
-        if has_sheaves(system) and not turning_sheaves.end_stage(system, own.time + reach):
+        if has_coordinates(system) and not turning_sheaves.end_stage(system, own.time + reach):
             return AT_STOP, iterations
         if i < STAGES - 1:
             does_cross = does_cross or crosses(system, time, time + ENDS[i] * h)
         known += 1
-    if not turning.turn_smoothly(system) or (has_sheaves(system) and not turning_sheaves.run_smoothly(system)):
+    if not turning.turn_smoothly(system) or (has_coordinates(system) and not turning_sheaves.run_smoothly(system)):
         return AT_STOP, iterations
     if bounces(system, h):
         return ON_GROUND, iterations
@@ -278,7 +278,7 @@ def step(system, method, time, h, known):
         return subdivided_step(system, time, h), ASKED
     why, iterations = stages(system, time, h, known)
     if why == 0:
-        if has_sheaves(system):
+        if has_coordinates(system):
             turning_sheaves.end_stages(system, time, h)
         return iterations, 0
     go_back(system)
@@ -324,7 +324,7 @@ def integrate(system, steps, duration):
     h = duration / count
     for k in range(lines_of(system)):
         numbers_of(system, k)[UNCONVERGED] = 0.0
-    if has_sheaves(system):
+    if has_coordinates(system):
         begin_ropes(system)
     memory, spent, known, method = state_of(system, 0), 0, 0, steps.method
     if method != at.BACKWARD_EULER:
@@ -340,7 +340,7 @@ def integrate(system, steps, duration):
         if iterations < 0:
             return STATE_NOT_FINITE
         status = turning.balance(system, i * h + h, GAMMA * h if why == 0 else h)
-        if status == OK and has_sheaves(system):
+        if status == OK and has_coordinates(system):
             status = turning_sheaves.check(system)
         if status != OK:
             return status
@@ -352,7 +352,7 @@ def integrate(system, steps, duration):
             note_peaks(system, i * h + h)
         if may_break and break_lines(system, i * h + h):
             may_break, known = can_any_break(system), 0
-    if has_sheaves(system):
+    if has_coordinates(system):
         turning_sheaves.end_steps(system)
     memory[at.STEPS] += count
     memory[at.ITERATIONS] += spent

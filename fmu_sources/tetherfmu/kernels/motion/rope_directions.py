@@ -31,13 +31,14 @@ from ..points.coordinates import (
     coordinate_at,
     count_of,
     first_portion,
+    growth_of,
     is_drum,
     last_portion,
     own_numbers,
     runs,
     weight_of,
 )
-from ..points.running_drums import friction_of_drum
+from ..points.running_drums import friction_of_drum, has_friction
 from ..points.sheave_pulls import column_of, loss_at_stage
 from ..points.sheave_room import (
     PULLED,
@@ -51,7 +52,7 @@ from ..points.sheave_room import (
 )
 from ..points.sheaves import hold_row, take_tensions
 from ..points.system_room import integrator_of
-from .rope_states import evaluate, has_friction, hold
+from .rope_states import evaluate, hold
 
 AT_STOP = 1e-9  # of the shortest length: a portion that is longer by less is as short as it may be
 MOST_STARTS = 2  # of a sheave while it is sought over which of them rope runs
@@ -67,12 +68,6 @@ def is_short(system, k):
 def is_long(system, k):
     """Whether line k is as long as its drum may pay it out."""
     return is_turned(system, k) and numbers_at(system, k)[at_sheave.LENGTH_NOW] >= (1.0 - AT_STOP) * longest_of(system, k)
-
-
-@kernel
-def growth_of(system, c, k):
-    """By how much a coordinate makes portion k longer for each metre that passes [-]."""
-    return weight_of(system, c, k, IN) - weight_of(system, c, k, OUT)
 
 
 @kernel

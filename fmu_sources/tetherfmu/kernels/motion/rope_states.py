@@ -28,9 +28,9 @@ from ..line import contact, rosenbrock
 from ..linear_algebra.both_ends import interleave
 from ..linear_algebra.vectors import dot, get, put_at
 from ..points import sheave_room as at_sheave
-from ..points.coordinates import carries_drum, coordinate_at, count_of, is_any_running, is_drum, own_numbers
-from ..points.running_drums import friction_of_drum
-from ..points.sheave_pulls import acceleration_at_sheave, end_acceleration, has_losses, take_pulls
+from ..points.coordinates import carries_drum, coordinate_at, count_of, is_any_running, own_numbers
+from ..points.running_drums import has_friction
+from ..points.sheave_pulls import acceleration_at_sheave, end_acceleration, take_pulls
 from ..points.sheave_room import (
     PULLED,
     array_at,
@@ -136,12 +136,6 @@ def write_tensions(system, time):
                     gained = acceleration_at_sheave(system, k)
                     put_at(state, at.END_ACCELERATION, gained)
                     put_at(state_of(system, k + 1), at.START_ACCELERATION, gained)
-
-
-@kernel
-def has_friction(system, c):
-    """Whether friction may hold a coordinate."""
-    return friction_of_drum(system, c) > 0.0 if is_drum(system, c) else has_losses(system, c)
 
 
 @kernel

@@ -30,6 +30,7 @@ from ..points.coordinates import (
     count_of,
     count_running,
     first_portion,
+    growth_of,
     last_portion,
     line_of,
     number_coordinates,
@@ -45,7 +46,7 @@ from ..points.sheave_room import (
     through,
     winch_of,
 )
-from .rope_directions import growth_of, may_run, overload, urge
+from .rope_directions import may_run, overload, urge
 from .rope_states import evaluate
 
 LOCATED = 1e-10  # of it: how far a piece may end beyond

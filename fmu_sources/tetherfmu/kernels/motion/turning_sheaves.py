@@ -1,4 +1,4 @@
-"""The sheaves in fixed steps: how rope runs over all of them in the stages of a step, and in backward Euler.
+"""Sheaves, and drums beside them, in fixed steps: how rope runs in the stages of a step, and in backward Euler.
 
 As drums (`turning.py`): the rope psi that has passed a sheave and its speed u go from stage to stage as x and v of a node,
 
@@ -15,22 +15,36 @@ from tetherfmu.runtime.status import OK, REELED_TOO_SHORT
 from ..compilation import kernel
 from ..equations import flow, segment, winch
 from ..equations.boundary import portion_moving
+from ..equations.drum import force_at
 from ..equations.lines import (
     comes_from,
     conditions_of,
     goes_on,
-    is_portion,
+    is_rope,
+    is_turned,
     lines_of,
+    parameters_of,
     put_reeling,
+    stiffness_of,
 )
 from ..equations.plan import note_line
 from ..equations.properties import property_of
 from ..line.second_order import TO_NEXT, start_of_second, start_of_third
 from ..linear_algebra.vectors import NEUTRAL, dot, get, sub
 from ..points import sheave_room as at_sheave
-from ..points.fixed_sheave_rows import began_at, place_portions, put_speed
-from ..points.sheave_pulls import has_losses, mass_of
-from ..points.sheave_room import has_run, numbers_at, portion_gaining, shortest_of, winch_of
+from ..points.coordinates import coordinate_at, count_of, is_drum, own_numbers
+from ..points.running_drums import drum_with_lines, has_friction, mass_of_drum
+from ..points.sheave_pulls import mass_of
+from ..points.sheave_room import (
+    drum_numbers_at,
+    from_drums,
+    has_run,
+    numbers_at,
+    portion_gaining,
+    shortest_of,
+    winch_of,
+)
+from ..points.sheave_stages import began_at, place_portions, put_speed
 from .rope_directions import begin_directions, has_to_stop, stop_ropes
 from .running_ropes import accept_ropes
 from .turning import turns_smoothly
@@ -45,7 +59,9 @@ def length_at_start(system, k, time):
     """Unstretched length [m] of portion k where a step or a stage starts, a time [s] of the communication step."""
     numbers = numbers_at(system, k)
     length = numbers[at_sheave.LENGTH_NOW]
-    if comes_from(system, k):
+    if is_turned(system, k):
+        length += from_drums(system, k, at_sheave.REACHED)
+    elif comes_from(system, k):
         length += numbers_at(system, k - 1)[at_sheave.REACHED]
     else:
         paid = winch_of(system, k)
@@ -56,12 +72,12 @@ def length_at_start(system, k, time):
 @kernel
 def attempt(system, time, h):
     """Let all ropes (modified) begin a step of h [s] at a time [s] with guesses of their speeds, in STAGE_SPEED."""
-    for k in range(lines_of(system)):
-        if goes_on(system, k):
-            numbers = numbers_at(system, k)
-            numbers[at_sheave.RUNS], numbers[at_sheave.SIGN] = 1.0, 0.0
-            numbers[at_sheave.CHANGE], numbers[at_sheave.IS_FOUND] = 0.0, 0.0
-            put_speed(system, k, h, numbers[at_sheave.STAGE_SPEED])
+    for j in range(count_of(system)):
+        c = coordinate_at(system, j)
+        numbers = own_numbers(system, c)
+        numbers[at_sheave.RUNS], numbers[at_sheave.SIGN] = 1.0, 0.0
+        numbers[at_sheave.CHANGE], numbers[at_sheave.IS_FOUND] = 0.0, 0.0
+        put_speed(system, c, h, numbers[at_sheave.STAGE_SPEED])
     for k in range(lines_of(system)):
         if has_run(system, k):
             put_reeling(system, k, (length_at_start(system, k, time), 0.0, 0.0, NEUTRAL, NEUTRAL))
@@ -73,10 +89,16 @@ def begin(system, time):
     """Let a fixed step of all ropes (modified) begin at a time [s]."""
     for k in range(lines_of(system)):
         numbers_at(system, k)[at_sheave.BEGAN] = time
-        if goes_on(system, k):
-            numbers = numbers_at(system, k)
-            numbers[at_sheave.REACHED] = numbers[at_sheave.KEEPS] = numbers[at_sheave.PASSED] = 0.0
-            numbers[at_sheave.STAGE_SPEED] = numbers[at_sheave.SPEED]
+    for j in range(count_of(system)):
+        numbers = own_numbers(system, coordinate_at(system, j))
+        numbers[at_sheave.REACHED] = numbers[at_sheave.KEEPS] = numbers[at_sheave.PASSED] = 0.0
+        numbers[at_sheave.STAGE_SPEED] = numbers[at_sheave.SPEED]
+
+
+@kernel
+def has_inertia(system, c):
+    """Whether a coordinate does not jump where friction changes its sign: rope over a sheave, or a drum that has mass."""
+    return not is_drum(system, c) or mass_of_drum(system, c) > 0.0
 
 
 # --- backward Euler
@@ -86,10 +108,11 @@ def begin(system, time):
 def attempt_whole_step(system, time, h):
     """Let all ropes (modified) begin a step of backward Euler of h [s] at a time [s]; friction does not turn them round."""
     begin(system, time)
-    for k in range(lines_of(system)):
-        if goes_on(system, k) and has_losses(system, k):
-            speed = numbers_at(system, k)[at_sheave.SPEED]
-            numbers_at(system, k)[at_sheave.KEEPS] = 0.0 if speed == 0.0 else (1.0 if speed > 0.0 else -1.0)
+    for j in range(count_of(system)):
+        c = coordinate_at(system, j)
+        if has_friction(system, c) and has_inertia(system, c):
+            speed = own_numbers(system, c)[at_sheave.SPEED]
+            own_numbers(system, c)[at_sheave.KEEPS] = 0.0 if speed == 0.0 else (1.0 if speed > 0.0 else -1.0)
     attempt(system, time, h)
 
 
@@ -98,8 +121,8 @@ def end_whole_step(system, time, h):
     """Let all ropes (modified) have the result of a step of backward Euler of h [s] from a time [s] on, and stop them."""
     accept_ropes(system, time, h)
     stops = 0
-    for k in range(lines_of(system)):
-        stops += goes_on(system, k) and has_to_stop(system, k)
+    for j in range(count_of(system)):
+        stops += has_to_stop(system, coordinate_at(system, j))
     if stops > 0:
         begin_directions(system)
         stop_ropes(system, time + h)
@@ -125,22 +148,22 @@ def begin_stage(system, i, time, reach, known):
     """
     if i == 0:
         begin(system, time)
-    for k in range(lines_of(system)):
-        if goes_on(system, k):
-            numbers = numbers_at(system, k)
-            speed, passed = numbers[at_sheave.STAGE_SPEED], numbers[at_sheave.PASSED]
-            guess = speed + (TO_NEXT[i] * (speed - numbers[at_sheave.BEFORE]) if known > 0 else 0.0)
-            numbers[at_sheave.LONG_BEFORE], numbers[at_sheave.BEFORE] = numbers[at_sheave.BEFORE], speed
-            start = numbers[at_sheave.START_SPEED]
-            if i == 0:
-                numbers[at_sheave.START_SPEED] = speed
-            elif i == 1:
-                numbers[at_sheave.REACHED], numbers[at_sheave.ONWARD_PASSED] = start_of_second(0.0, passed)
-                numbers[at_sheave.SPEED], numbers[at_sheave.ONWARD_SPEED] = start_of_second(start, speed)
-            else:
-                numbers[at_sheave.REACHED] = start_of_third(numbers[at_sheave.ONWARD_PASSED], 0.0, passed)
-                numbers[at_sheave.SPEED] = start_of_third(numbers[at_sheave.ONWARD_SPEED], start, speed)
-            numbers[at_sheave.STAGE_SPEED] = guess
+    for j in range(count_of(system)):
+        c = coordinate_at(system, j)
+        numbers = own_numbers(system, c)
+        speed, passed = numbers[at_sheave.STAGE_SPEED], numbers[at_sheave.PASSED]
+        guess = speed + (TO_NEXT[i] * (speed - numbers[at_sheave.BEFORE]) if known > 0 else 0.0)
+        numbers[at_sheave.LONG_BEFORE], numbers[at_sheave.BEFORE] = numbers[at_sheave.BEFORE], speed
+        start = numbers[at_sheave.START_SPEED]
+        if i == 0:
+            numbers[at_sheave.START_SPEED] = speed
+        elif i == 1:
+            numbers[at_sheave.REACHED], numbers[at_sheave.ONWARD_PASSED] = start_of_second(0.0, passed)
+            numbers[at_sheave.SPEED], numbers[at_sheave.ONWARD_SPEED] = start_of_second(start, speed)
+        else:
+            numbers[at_sheave.REACHED] = start_of_third(numbers[at_sheave.ONWARD_PASSED], 0.0, passed)
+            numbers[at_sheave.SPEED] = start_of_third(numbers[at_sheave.ONWARD_SPEED], start, speed)
+        numbers[at_sheave.STAGE_SPEED] = guess
     attempt(system, time, reach)
 
 
@@ -151,12 +174,13 @@ def end_stage(system, end):
     Lengths of portions (modified) then change evenly from the start of the step to there.
     """
     at_stops, began = 0, began_at(system)
+    for j in range(count_of(system)):
+        numbers = own_numbers(system, coordinate_at(system, j))
+        speed = numbers[at_sheave.STAGE_SPEED]
+        at_stops += not (speed == 0.0 or numbers[at_sheave.LOWEST] < speed < numbers[at_sheave.HIGHEST])
     for k in range(lines_of(system)):
-        numbers = numbers_at(system, k)
-        if goes_on(system, k):
-            speed = numbers[at_sheave.STAGE_SPEED]
-            at_stops += not (speed == 0.0 or numbers[at_sheave.LOWEST] < speed < numbers[at_sheave.HIGHEST])
         if has_run(system, k):
+            numbers = numbers_at(system, k)
             rate = (numbers[at_sheave.LENGTH] - numbers[at_sheave.LENGTH_NOW]) / (end - began)
             put_reeling(system, k, (numbers[at_sheave.LENGTH_NOW] - rate * began, rate, 0.0, 0.0, 0.0))
     return at_stops == 0
@@ -165,12 +189,12 @@ def end_stage(system, end):
 @kernel
 def run_smoothly(system):
     """Whether rope runs over each sheave, or is held, throughout a step whose stages are done."""
-    for k in range(lines_of(system)):
-        if goes_on(system, k):
-            numbers = numbers_at(system, k)
-            stages = numbers[at_sheave.LONG_BEFORE], numbers[at_sheave.BEFORE], numbers[at_sheave.STAGE_SPEED]
-            if not turns_smoothly(has_losses(system, k), True, numbers[at_sheave.START_SPEED], *stages):
-                return False
+    for j in range(count_of(system)):
+        c = coordinate_at(system, j)
+        numbers = own_numbers(system, c)
+        stages = numbers[at_sheave.LONG_BEFORE], numbers[at_sheave.BEFORE], numbers[at_sheave.STAGE_SPEED]
+        if not turns_smoothly(has_friction(system, c), has_inertia(system, c), numbers[at_sheave.START_SPEED], *stages):
+            return False
     return True
 
 
@@ -184,9 +208,9 @@ def end_stages(system, time, h):
 @kernel
 def go_back(system):
     """Put all ropes (modified) back to the start of a step of three stages."""
-    for k in range(lines_of(system)):
-        if goes_on(system, k):
-            numbers_at(system, k)[at_sheave.SPEED] = numbers_at(system, k)[at_sheave.START_SPEED]
+    for j in range(count_of(system)):
+        c = coordinate_at(system, j)
+        own_numbers(system, c)[at_sheave.SPEED] = own_numbers(system, c)[at_sheave.START_SPEED]
 
 
 # --- after a step
@@ -216,7 +240,9 @@ def energy_and_power(system, k, is_new, x, v):
     chain = portion_gaining(system, k, 1.0)
     if not is_new:
         into, leaving = winch.rate_at(winch_of(system, k), began_at(system)), 0.0
-        if not first:
+        if is_turned(system, k):
+            into = from_drums(system, k, at_sheave.START_SPEED)
+        elif not first:
             into = numbers_at(system, k - 1)[at_sheave.START_SPEED]
         if goes_on(system, k):
             leaving = numbers[at_sheave.START_SPEED]
@@ -234,8 +260,36 @@ def energy_and_power(system, k, is_new, x, v):
     power = flow.most_power(chain, x, v) + density * abs(leaving) * dot(get(v, n), get(v, n))
     power += density * abs(into) * (into * into + dot(get(v, 0), get(v, 0)))
     if first:
+        pull = with_strain_beyond(system, k) if is_turned(system, k) else pull
         power += abs(into) * (pull + density * chain.gravity * abs(x[2]))
     return energy, power
+
+
+@kernel
+def with_strain_beyond(system, k):
+    """T^2/(2 EA) [N] where drums pay out line k: what each metre brings beyond what the drums give."""
+    tension = max(numbers_at(system, k)[at_sheave.TENSION_IN], 0.0)
+    return 0.5 * tension * tension / stiffness_of(system, k)
+
+
+@kernel
+def energy_of_drum(system, k, is_new):
+    """Kinetic energy [J] of the drum that line k carries, after the stages of a step, or at its start."""
+    numbers = drum_numbers_at(system, k)
+    speed = numbers[at_sheave.STAGE_SPEED if is_new else at_sheave.START_SPEED]
+    return 0.5 * parameters_of(system, k)[at.WINCH_MASS] * speed * speed
+
+
+@kernel
+def work_of_motors(system, time, h):
+    """Work of all motors [J] in the stages of a step of h [s] at a time [s] of the communication step."""
+    work = 0.0
+    for j in range(count_of(system)):
+        c = coordinate_at(system, j)
+        if is_drum(system, c):
+            drum = drum_with_lines(system, c)
+            work -= 0.5 * (force_at(drum, time) + force_at(drum, time + h)) * own_numbers(system, c)[at_sheave.PASSED]
+    return work
 
 
 # --- a communication step
@@ -244,9 +298,9 @@ def energy_and_power(system, k, is_new, x, v):
 @kernel
 def end_steps(system):
     """Say of all sheaves (modified) whether rope runs over them at the end of a communication step."""
-    for k in range(lines_of(system)):
-        if goes_on(system, k):
-            numbers_at(system, k)[at_sheave.RUNS] = 0.0
+    for j in range(count_of(system)):
+        c = coordinate_at(system, j)
+        own_numbers(system, c)[at_sheave.RUNS] = 0.0
     begin_directions(system)
 
 
@@ -254,5 +308,5 @@ def end_steps(system):
 def mend(system):
     """Let the lengths of all portions (modified) change again as the conditions of their lines said."""
     for k in range(lines_of(system)):
-        if is_portion(system, k):
+        if is_rope(system, k):
             put_reeling(system, k, winch_of(system, k))

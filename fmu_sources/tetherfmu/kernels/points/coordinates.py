@@ -15,7 +15,7 @@ from tetherfmu.runtime import plan_layout as places
 
 from ..compilation import kernel, view
 from ..equations.lines import goes_on, has_coordinates, is_turned, lines_of, number_of_line
-from ..equations.rope_at_sheave import IN
+from ..equations.rope_at_sheave import IN, OUT
 from ..flat_arrays import part
 from ..line.rodas4p import STAGES
 from . import sheave_room as at_sheave
@@ -147,3 +147,9 @@ def weight_of(system, c, k, side):
     if is_drum(system, c):
         return ratio_of(system, k, line_of(system, c)) if side == IN else 0.0
     return 1.0 if k + side == c + 1 else 0.0
+
+
+@kernel
+def growth_of(system, c, k):
+    """By how much a coordinate makes portion k longer for each metre that passes [-]."""
+    return weight_of(system, c, k, IN) - weight_of(system, c, k, OUT)

@@ -18,6 +18,7 @@ from ..compilation import kernel
 from ..equations import rope_at_sheave as rope
 from ..equations import segment
 from ..equations.boundary import hold_ends
+from ..equations.drum import force_at
 from ..equations.end_motion import acceleration_at
 from ..equations.lines import (
     add_at,
@@ -26,17 +27,26 @@ from ..equations.lines import (
     conditions_of,
     goes_on,
     is_portion,
+    is_rope,
+    is_turned,
     lines_of,
     motion_of,
     segments_of,
-    sheaves_of,
     stiffness_of,
 )
 from ..equations.properties import property_of
 from ..equations.rope_at_sheave import IN, OUT
 from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, dot, get, put, scale, sub
 from . import sheave_room as at_sheave
-from .coordinates import number_of
+from .coordinates import (
+    coordinate_at,
+    count_of,
+    is_drum,
+    number_of,
+    own_numbers,
+    weight_of,
+)
+from .running_drums import drum_with_lines
 from .sheave_border import pivot_of, row_times, solve_column
 from .sheave_pulls import loss_with, tension_in
 from .sheave_room import (
@@ -45,79 +55,14 @@ from .sheave_room import (
     SOLUTIONS,
     VELOCITIES,
     array_at,
-    has_run,
     numbers_at,
     portion_gaining,
-    shortest_of,
     single_at,
     slopes_of,
 )
 from .sheave_slopes import close_row, take_row, turn_of
-from .sheave_stages import take_lengths
-from .sheaves import pass_gains
 from .system_fixed_drums import put_reeling_column
 from .system_room import moves, scratch_of
-
-LEAST_LENGTH = 0.25  # of the shortest length of a portion, below which an iteration does not take it
-CLOSE = 1e-6  # of it, by which a portion may be shorter; of a tension, whose change an iteration may leave as its square
-
-# --- lengths
-
-
-@kernel
-def began_at(system):
-    """Time of the communication step [s] at which the fixed step began."""
-    return numbers_at(system, 0)[at_sheave.BEGAN]
-
-
-@kernel
-def put_speed(system, k, h, speed):
-    """Let rope run over the sheave at the end of line k (modified) with a speed [m/s] at the end of a step of h [s]."""
-    numbers = numbers_at(system, k)
-    numbers[at_sheave.STAGE_SPEED], numbers[at_sheave.PASSED] = speed, numbers[at_sheave.REACHED] + h * speed
-    numbers[at_sheave.GAIN] = (speed - numbers[at_sheave.SPEED]) / h
-    if speed != 0.0 or numbers[at_sheave.SPEED] != 0.0:
-        numbers[at_sheave.HAS_RUN] = numbers_at(system, k + 1)[at_sheave.HAS_RUN] = 1.0
-
-
-@kernel
-def place_portions(system, end):
-    """Lengths and rates of all portions (modified) at a time [s], the end of the step; whether none is too short."""
-    take_lengths(system, began_at(system), end)
-    pass_gains(system)
-    lost = 0
-    for k in range(lines_of(system)):
-        if is_portion(system, k):
-            numbers, shortest = numbers_at(system, k), shortest_of(system, k)
-            lost += numbers[at_sheave.LENGTH] < LEAST_LENGTH * shortest
-            numbers[at_sheave.LENGTH] = max(numbers[at_sheave.LENGTH], LEAST_LENGTH * shortest)
-    return lost == 0
-
-
-@kernel
-def stop_what_shortens(system, h):
-    """Let no rope run from portions that would get shorter than they may be in a step of h [s] (modified); how many."""
-    count = 0
-    for k in range(lines_of(system)):
-        if has_run(system, k) and numbers_at(system, k)[at_sheave.LENGTH] < (1.0 - CLOSE) * shortest_of(system, k):
-            if goes_on(system, k) and numbers_at(system, k)[at_sheave.STAGE_SPEED] > 0.0:
-                put_speed(system, k, h, 0.0)
-                count += 1
-            if comes_from(system, k) and numbers_at(system, k - 1)[at_sheave.STAGE_SPEED] < 0.0:
-                put_speed(system, k - 1, h, 0.0)
-                count += 1
-    return count
-
-
-@kernel
-def keep_lengths(system, step):
-    """Let speeds of ropes (modified) that an iteration has left keep all portions as long as they have to be."""
-    end = step.time + step.h
-    place_portions(system, end)
-    for _ in range(sheaves_of(system)):
-        if stop_what_shortens(system, step.h) > 0:
-            place_portions(system, end)
-
 
 # --- rows
 
@@ -143,12 +88,14 @@ def take_pulls(system, k):
     velocities, accelerations = single_at(system, k, VELOCITIES), single_at(system, k, ACCELERATIONS)
     into, out = array_at(system, k, BORDER, IN), array_at(system, k, BORDER, OUT)
     chain = portion_gaining(system, k, 1.0)
-    own = rope.rope_of(chain, 0)
+    own, is_uniform = rope.rope_of(chain, 0), is_portion(system, k)
     lowest, highest = get(w.x, 0)[2], get(w.x, n)[2]
     pull_a = rope.of_speed(own, 1.0, numbers[at_sheave.INTO])
     pull_b = rope.of_speed(own, -1.0, chain.leaving)
     inertia_aa, inertia_ab, inertia_bb, below_a, below_b = 0.0, 0.0, 0.0, ZERO_VECTOR, ZERO_VECTOR
     for s in range(n):
+        if not is_uniform:
+            own = rope.rope_of(chain, s)
         r, u, next_part = (
             sub(get(w.x, s + 1), get(w.x, s)),
             sub(get(velocities, s + 1), get(velocities, s)),
@@ -178,13 +125,19 @@ def take_pulls(system, k):
 
 
 @kernel
+def is_sought(system, k, side):
+    """Whether a or b of portion k is that of coordinates."""
+    return goes_on(system, k) if side == OUT else (comes_from(system, k) or is_turned(system, k))
+
+
+@kernel
 def take_portion(system, k, step):
     """Pulls and rows of portion k in the iteration (modified)."""
     w = scratch_of(system, k)
     take_motion(system, k, step)
     take_pulls(system, k)
     nodes = w.x, single_at(system, k, VELOCITIES), w.held
-    if comes_from(system, k):
+    if is_sought(system, k, IN):
         take_row(system, k, IN, 1.0, nodes)
         close_row(system, k, IN, 1.0, step.h)
     if goes_on(system, k):
@@ -197,7 +150,7 @@ def take_portion(system, k, step):
 
 @kernel
 def put_column(system, k, side, step, column):
-    """-dg/du for the speed u of a sheave beside portion k into an array (modified)."""
+    """-dg/du for the speed u of rope at an end of portion k into an array (modified)."""
     w, chain, part = scratch_of(system, k), portion_gaining(system, k, 1.0), 1.0
     velocities, border = single_at(system, k, VELOCITIES), array_at(system, k, BORDER, side)
     sign = 1.0 if side == IN else -1.0
@@ -217,28 +170,31 @@ def put_column(system, k, side, step, column):
 
 @kernel
 def solve_columns(system, step):
-    """Z of all sheaves (modified); the matrices of lines and points are factorized."""
-    for k in range(lines_of(system)):
-        if goes_on(system, k):
-            j = number_of(system, k)
-            for other in range(lines_of(system)):
-                clear(single_at(system, other, SOLUTIONS + j))
-            put_column(system, k, OUT, step, single_at(system, k, SOLUTIONS + j))
-            put_column(system, k + 1, IN, step, single_at(system, k + 1, SOLUTIONS + j))
-            solve_column(system, j, True)
+    """Z of all coordinates (modified); the matrices of lines and points are factorized."""
+    for j in range(count_of(system)):
+        c = coordinate_at(system, j)
+        for k in range(lines_of(system)):
+            column = single_at(system, k, SOLUTIONS + j)
+            clear(column)
+            for side in (IN, OUT):
+                weight = weight_of(system, c, k, side)
+                if weight != 0.0:
+                    put_column(system, k, side, step, column)
+                    for i in range(len(column)):
+                        column[i] *= weight
+        solve_column(system, j, True)
 
 
 @kernel
 def add_columns(system, k):
     """Add what the changes of all speeds do to the move of line k (modified)."""
     move = scratch_of(system, k).move
-    for other in range(lines_of(system)):
-        if goes_on(system, other):
-            change = numbers_at(system, other)[at_sheave.CHANGE]
-            if change != 0.0:
-                column = single_at(system, k, SOLUTIONS + number_of(system, other))
-                for i in range(len(move)):
-                    move[i] += change * column[i]
+    for j in range(count_of(system)):
+        change = own_numbers(system, coordinate_at(system, j))[at_sheave.CHANGE]
+        if change != 0.0:
+            column = single_at(system, k, SOLUTIONS + j)
+            for i in range(len(move)):
+                move[i] += change * column[i]
 
 
 # --- tensions and wrap
@@ -252,10 +208,16 @@ def wrap_times(turns, n, behind, ahead):
 
 
 @kernel
-def rate_of_pull(system, k, side, other, h):
-    """Slope of R_a or R_b of portion k by the rate of its coordinate `other`, if that is a sheave [N s/m]."""
-    is_sheave = comes_from(system, k) if other == IN else goes_on(system, k)
-    return -pivot_of(numbers_at(system, k), side, other, h) if is_sheave else 0.0
+def add_rates_of_pull(system, k, side, slope, slopes, row):
+    """Add slopes by the rates of portion k to a row of slopes by all speeds (modified); slope : by R_a or R_b there."""
+    numbers, h = numbers_at(system, k), slope[1]
+    for other in (IN, OUT):
+        if is_sought(system, k, other):
+            by_rate = -slope[0] * pivot_of(numbers, side, other, h)
+            for j in range(count_of(system)):
+                weight = weight_of(system, coordinate_at(system, j), k, other)
+                if weight != 0.0:
+                    slopes[row + j] += weight * by_rate
 
 
 @kernel
@@ -286,41 +248,96 @@ def take_slopes(system, k, step):
     to_1, to_2 = sub(get(w_1.x, n - 1), get(w_1.x, n)), sub(get(w_2.x, 1), get(w_2.x, 0))
     turns = turn_of(to_1, to_2), turn_of(to_2, to_1)
     slopes_1, slopes_2, slopes_wrap = slopes_of(system)
-    row = sheaves_of(system) * number_of(system, k)
-    for other in range(lines_of(system)):
-        if goes_on(system, other):
-            j = row + number_of(system, other)
-            behind, ahead = single_at(system, k, SOLUTIONS + j - row), single_at(system, k + 1, SOLUTIONS + j - row)
-            slopes_1[j] = by_1 / h * row_times(system, k, OUT, behind)
-            slopes_2[j] = by_2 / h * row_times(system, k + 1, IN, ahead)
-            slopes_wrap[j] = wrap_times(turns, n, behind, ahead)
-    own = row + number_of(system, k)
-    slopes_1[own] += by_1 * rate_of_pull(system, k, OUT, OUT, h)
-    slopes_2[own] += by_2 * rate_of_pull(system, k + 1, IN, IN, h)
-    if comes_from(system, k):
-        slopes_1[own - 1] += by_1 * rate_of_pull(system, k, OUT, IN, h)
-    if goes_on(system, k + 1):
-        slopes_2[own + 1] += by_2 * rate_of_pull(system, k + 1, IN, OUT, h)
+    row = count_of(system) * number_of(system, k)
+    for j in range(count_of(system)):
+        behind, ahead = single_at(system, k, SOLUTIONS + j), single_at(system, k + 1, SOLUTIONS + j)
+        slopes_1[row + j] = by_1 / h * row_times(system, k, OUT, behind)
+        slopes_2[row + j] = by_2 / h * row_times(system, k + 1, IN, ahead)
+        slopes_wrap[row + j] = wrap_times(turns, n, behind, ahead)
+    add_rates_of_pull(system, k, OUT, (by_1, h), slopes_1, row)
+    add_rates_of_pull(system, k + 1, IN, (by_2, h), slopes_2, row)
+
+
+@kernel
+def take_drum(system, c, step):
+    """The same of a drum: T_2 is the sum of the tensions of its lines times their ratios, T_1 is W + c u (modified)."""
+    numbers, drum, h = own_numbers(system, c), drum_with_lines(system, c), step.h
+    total, size, moved = 0.0, 0.0, 0.0
+    for k in range(lines_of(system)):
+        weight = weight_of(system, c, k, IN)
+        if weight != 0.0:
+            tension = tension_in(stiffness_of(system, k), numbers_at(system, k)[at_sheave.PULL])
+            numbers_at(system, k)[at_sheave.TENSION_IN] = tension
+            total += weight * tension
+            size += abs(weight * tension)
+            moved += weight * slope_in(system, k) / h * row_times(system, k, IN, scratch_of(system, k).move)
+    motor = force_at(drum, step.time + h)
+    numbers[at_sheave.TENSION_AHEAD] = total
+    numbers[at_sheave.TENSION_BEHIND] = motor + drum.damping * numbers[at_sheave.STAGE_SPEED]
+    numbers[at_sheave.BEHIND] = size + abs(motor) + drum.friction
+    numbers[at_sheave.MOVED_BEHIND], numbers[at_sheave.MOVED_AHEAD], numbers[at_sheave.MOVED_WRAP] = 0.0, moved, 0.0
+
+
+@kernel
+def slope_in(system, k):
+    """Slope of the tension where line k leaves drums by R_a [-]."""
+    return 1.0 / (1.0 + max(numbers_at(system, k)[at_sheave.TENSION_IN], 0.0) / stiffness_of(system, k))
+
+
+@kernel
+def take_slopes_of_drum(system, c, step):
+    """The same as `take_slopes`, of a drum (modified)."""
+    count, h, (slopes_1, slopes_2, slopes_wrap) = count_of(system), step.h, slopes_of(system)
+    row = count * number_of(system, c)
+    for j in range(row, row + count):
+        slopes_1[j] = slopes_2[j] = slopes_wrap[j] = 0.0
+    slopes_1[row + number_of(system, c)] = drum_with_lines(system, c).damping
+    for k in range(lines_of(system)):
+        weight = weight_of(system, c, k, IN)
+        if weight != 0.0:
+            slope = weight * slope_in(system, k)
+            for j in range(count):
+                slopes_2[row + j] += slope / h * row_times(system, k, IN, single_at(system, k, SOLUTIONS + j))
+            add_rates_of_pull(system, k, IN, (slope, h), slopes_2, row)
+
+
+@kernel
+def change_in(system, k, h):
+    """Change of the tension where line k leaves drums [N] with the whole move and the changes of all speeds."""
+    total = row_times(system, k, IN, scratch_of(system, k).move) / h
+    for other in (IN, OUT):
+        if is_sought(system, k, other):
+            by_rate = pivot_of(numbers_at(system, k), IN, other, h)
+            for j in range(count_of(system)):
+                c = coordinate_at(system, j)
+                total -= by_rate * weight_of(system, c, k, other) * own_numbers(system, c)[at_sheave.CHANGE]
+    return slope_in(system, k) * total
 
 
 @kernel
 def take_sheaves(system, step):
-    """Tensions and angles of wrap at all sheaves in the iteration, and how the moves p change them (modified)."""
+    """Tensions and angles of wrap at all coordinates in the iteration, and how the moves p change them (modified)."""
     for k in range(lines_of(system)):
-        if comes_from(system, k) or goes_on(system, k):
+        if is_rope(system, k):
             take_portion(system, k, step)
-    for k in range(lines_of(system)):
-        if goes_on(system, k):
-            take_sheave(system, k, step)
+    for j in range(count_of(system)):
+        c = coordinate_at(system, j)
+        if is_drum(system, c):
+            take_drum(system, c, step)
+        else:
+            take_sheave(system, c, step)
 
 
 @kernel
 def take_all_slopes(system, step):
-    """Z of all sheaves, and how tensions and wrap at all of them change with the speeds (modified)."""
+    """Z of all coordinates, and how tensions and wrap at all of them change with the speeds (modified)."""
     solve_columns(system, step)
-    for k in range(lines_of(system)):
-        if goes_on(system, k):
-            take_slopes(system, k, step)
+    for j in range(count_of(system)):
+        c = coordinate_at(system, j)
+        if is_drum(system, c):
+            take_slopes_of_drum(system, c, step)
+        else:
+            take_slopes(system, c, step)
 
 
 @kernel

@@ -18,8 +18,8 @@ from ..equations.lines import conditions_of, is_at_point, lines_of, parameters_o
 from ..equations.rope_at_sheave import IN, OUT
 from ..linear_algebra.vectors import dot, get, put_at, scale, vector_at
 from . import sheave_room as at_sheave
-from .coordinates import count_of, line_of, number_of, own_numbers, runs, weight_of
-from .sheave_pulls import acceleration_with, couple, couple_at_point, force_on_point, pull_with, tension_in
+from .coordinates import count_of, is_drum, line_of, number_of, own_numbers, runs, weight_of
+from .sheave_pulls import acceleration_with, couple, couple_at_point, force_on_point, has_losses, pull_with, tension_in
 from .sheave_room import BORDER, PULLED, array_at, numbers_at, through
 
 
@@ -40,6 +40,12 @@ def mass_of_drum(system, c):
 def friction_of_drum(system, c):
     """F of a drum [N]."""
     return parameters_of(system, line_of(system, c))[at.WINCH_FRICTION]
+
+
+@kernel
+def has_friction(system, c):
+    """Whether friction may hold a coordinate."""
+    return friction_of_drum(system, c) > 0.0 if is_drum(system, c) else has_losses(system, c)
 
 
 @kernel

@@ -19,9 +19,7 @@ from ..compilation import kernel, view
 from ..equations.lines import (
     add_at,
     clear,
-    comes_from,
     conditions_of,
-    goes_on,
     is_at_point,
     is_turned,
     lines_of,
@@ -165,10 +163,10 @@ def matrix_of(system, k, is_fixed):
 
 
 @kernel
-def is_beside(system, k, j):
-    """Whether sheave number j is at an end of line k."""
-    at_end = goes_on(system, k) and number_of(system, k) == j
-    return at_end or (comes_from(system, k) and number_of(system, k - 1) == j)
+def acts_on(system, j, k):
+    """Whether coordinate j acts on an end of line k."""
+    c = coordinate_at(system, j)
+    return weight_of(system, c, k, IN) != 0.0 or weight_of(system, c, k, OUT) != 0.0
 
 
 @kernel
@@ -182,7 +180,7 @@ def solve_column(system, j, is_fixed):
     for k in range(lines_of(system)):
         if moves(system, k):
             column, matrix = single_at(system, k, SOLUTIONS + j), matrix_of(system, k, is_fixed)
-            if is_fixed and not is_beside(system, k, j):
+            if is_fixed and not acts_on(system, j, k):
                 continue
             condensed.solve_inner(rows_of(system, k), matrix, column)
             for end in range(2):

@@ -19,7 +19,7 @@ from ..equations.lines import (
     coordinates_in,
     goes_on,
     has_coordinates,
-    is_portion,
+    is_rope,
     is_turned,
     number_of_line,
     parameters_of,
@@ -57,7 +57,7 @@ from ..line.rodas4p import STAGES
     KEPT,  # PASSED and STAGE_SPEED of a step that is tried
     STARTED,  # how often rope began to run over it while it was sought over which it does
     BY_OWN,  # slope of its equation by its speed, without that of R_a and R_b [N s/m]
-    # of a sheave in fixed steps, see `fixed_sheaves.py`; PASSED, STAGE_SPEED and GAIN are those of the iteration
+    # of a coordinate in fixed steps, see `fixed_sheaves.py`; PASSED, STAGE_SPEED and GAIN are those of the iteration
     REACHED,  # PASSED where the step, or its stage, starts [m]; SPEED is that there
     START_SPEED,  # at the start of a step of three stages [m/s]
     ONWARD_PASSED,  # the start of the third stage but for the result of the second one [m]
@@ -80,7 +80,7 @@ from ..line.rodas4p import STAGES
     LENGTH,  # at a stage [m]
     INTO,  # a at a stage [m/s] and its rate [m/s2]
     INTO_GAIN,
-    HAS_RUN,  # 1 if a sheave beside it has run in this communication step
+    HAS_RUN,  # 1 if a coordinate at it has run in this communication step
     PULL,  # R_a and R_b at a stage but for what accelerates with it [N]
     YIELD,  # their slopes by a', b' [kg]: aa, ab, bb
     INERTIA,  # the same of the rope alone at the start of the step
@@ -225,9 +225,9 @@ def is_paid_out(system, k):
 
 @view
 def slopes_of(system):
-    """Slopes by the speeds of all sheaves, in fixed steps: of T_1, of T_2 [N s/m], of the angle of wrap [s/m].
+    """Slopes by the speeds of all coordinates, in fixed steps: of T_1, of T_2 [N s/m], of the angle of wrap [s/m].
 
-    Matrices with a row for each sheave.
+    Matrices with a row for each coordinate.
     """
     count, first = coordinates_in(system), number_in(system.plan, places.SHEAVES_WORK)
     square = count * count
@@ -241,8 +241,8 @@ def slopes_of(system):
 
 @kernel
 def has_run(system, k):
-    """Whether line k is a portion that rope over a sheave has made longer or shorter in this communication step."""
-    return is_portion(system, k) and numbers_at(system, k)[HAS_RUN] != 0.0
+    """Whether line k is a portion that a coordinate has made longer or shorter in this communication step."""
+    return is_rope(system, k) and numbers_at(system, k)[HAS_RUN] != 0.0
 
 
 @kernel

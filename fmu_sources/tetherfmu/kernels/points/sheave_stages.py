@@ -1,4 +1,11 @@
-"""Sheaves from stage to stage of a Rosenbrock step: rope that passes, accelerations (`sheaves.py`), right-hand sides."""
+"""Sheaves from stage to stage of a Rosenbrock step: rope that passes, accelerations (`sheaves.py`), right-hand sides.
+
+And from iteration to iteration of a fixed step: lengths of portions, and the limits of speeds that keep these.
+"""
+
+from math import inf
+
+from tetherfmu.runtime import layout as at
 
 from ..arrays import copy
 from ..compilation import kernel
@@ -23,7 +30,17 @@ from ..linear_algebra.both_ends import add_to_node, get_node
 from ..linear_algebra.vectors import add, add_scaled, dot, get, put, scale
 from . import running_drums
 from . import sheave_room as at_sheave
-from .coordinates import coordinate_at, count_of, own_numbers, runs, stages_of
+from .coordinates import (
+    coordinate_at,
+    count_of,
+    first_portion,
+    growth_of,
+    last_portion,
+    own_numbers,
+    runs,
+    stages_of,
+    weight_of,
+)
 from .sheave_pulls import acceleration_at_sheave, density_of, end_acceleration, mass_of, take_pulls
 from .sheave_room import (
     ACCELERATIONS,
@@ -32,16 +49,23 @@ from .sheave_room import (
     array_at,
     from_drums,
     gain_of,
+    has_run,
     is_coordinate,
     is_running,
+    longest_of,
     numbers_at,
     runs_over,
+    shortest_of,
     single_at,
     through,
     winch_of,
 )
-from .sheaves import solve_gains
+from .sheaves import pass_gains, solve_gains
 from .system_room import integrator_of
+
+LEAST_LENGTH = 0.25  # of the shortest length of a portion, below which an iteration does not take it
+CLOSE = 1e-6  # of a length, by which a portion may be beyond its limits
+MOST_RUN = 0.1  # part of a portion by which rope that runs changes it in an iteration
 
 
 @kernel
@@ -222,3 +246,108 @@ def push_nodes(system, k):
                     point = point_at(system, k, 0 if i == 0 else 1)
                     ratio = points.stage_mass[point] / points.mass[point]
                 add_to_node(n, i, add_scaled(scale(gain, get(pulled, i)), -gain * ratio, get(border, i)), w.force)
+
+
+# --- lengths in fixed steps
+
+
+@kernel
+def began_at(system):
+    """Time of the communication step [s] at which the fixed step began."""
+    return numbers_at(system, 0)[at_sheave.BEGAN]
+
+
+@kernel
+def put_speed(system, c, h, speed):
+    """Let a coordinate (modified) run with a speed [m/s] at the end of a step of h [s]."""
+    numbers = own_numbers(system, c)
+    numbers[at_sheave.STAGE_SPEED], numbers[at_sheave.PASSED] = speed, numbers[at_sheave.REACHED] + h * speed
+    numbers[at_sheave.GAIN] = (speed - numbers[at_sheave.SPEED]) / h
+    if speed != 0.0 or numbers[at_sheave.SPEED] != 0.0:
+        for k in range(first_portion(system, c), last_portion(system, c) + 1):
+            if weight_of(system, c, k, IN) != 0.0 or weight_of(system, c, k, OUT) != 0.0:
+                numbers_at(system, k)[at_sheave.HAS_RUN] = 1.0
+
+
+@kernel
+def place_portions(system, end):
+    """Lengths and rates of all portions (modified) at a time [s], the end of the step; whether none is too short."""
+    take_lengths(system, began_at(system), end)
+    pass_gains(system)
+    lost = 0
+    for k in range(lines_of(system)):
+        if is_rope(system, k):
+            numbers, shortest = numbers_at(system, k), shortest_of(system, k)
+            lost += numbers[at_sheave.LENGTH] < LEAST_LENGTH * shortest
+            numbers[at_sheave.LENGTH] = max(numbers[at_sheave.LENGTH], LEAST_LENGTH * shortest)
+    return lost == 0
+
+
+@kernel
+def is_out_of_limits(system, k, sign):
+    """Whether portion k is longer (sign 1) or shorter (sign -1) than it may be in the iteration."""
+    length = numbers_at(system, k)[at_sheave.LENGTH]
+    if sign > 0.0:
+        return is_turned(system, k) and length > (1.0 + CLOSE) * longest_of(system, k)
+    return length < (1.0 - CLOSE) * shortest_of(system, k)
+
+
+@kernel
+def stop_what_exceeds(system, h):
+    """Let no coordinate (modified) take portions beyond the lengths that they may have in a step of h [s]; how many."""
+    count = 0
+    for k in range(lines_of(system)):
+        for sign in (-1.0, 1.0):
+            if has_run(system, k) and is_out_of_limits(system, k, sign):
+                for j in range(count_of(system)):
+                    c = coordinate_at(system, j)
+                    if sign * growth_of(system, c, k) * own_numbers(system, c)[at_sheave.STAGE_SPEED] > 0.0:
+                        put_speed(system, c, h, 0.0)
+                        count += 1
+    return count
+
+
+@kernel
+def keep_lengths(system, step):
+    """Let speeds (modified) that an iteration has left keep all portions within their lengths."""
+    end = step.time + step.h
+    place_portions(system, end)
+    for _ in range(count_of(system)):
+        if stop_what_exceeds(system, step.h) > 0:
+            place_portions(system, end)
+
+
+@kernel
+def room_left(longer, shorter):
+    """How far a length [m] is from the one [m] at which it stops; 0 if rounding alone keeps it from there."""
+    room = longer - shorter
+    return room if room > at.ROUNDED_STOP * shorter else 0.0
+
+
+@kernel
+def limits_by(system, k, growth, speed, h):
+    """Lowest and highest speed [m/s] of a coordinate that lets portion k get longer by `growth`, with its speed now."""
+    length = numbers_at(system, k)[at_sheave.LENGTH] - growth * (h * speed)
+    inwards = room_left(length, shortest_of(system, k)) / (abs(growth) * h)
+    outwards = room_left(longest_of(system, k), length) / (abs(growth) * h) if is_turned(system, k) else inf
+    return (-inwards, outwards) if growth > 0.0 else (-outwards, inwards)
+
+
+@kernel
+def take_limits(system, c, h):
+    """Limits of the speed of a coordinate in an iteration of a step of h [s] (modified)."""
+    numbers = own_numbers(system, c)
+    speed, lowest, highest, least = numbers[at_sheave.STAGE_SPEED], -inf, inf, inf
+    for k in range(first_portion(system, c), last_portion(system, c) + 1):
+        growth = growth_of(system, c, k)
+        if growth != 0.0:
+            down, up = limits_by(system, k, growth, speed, h)
+            lowest, highest = max(lowest, down), min(highest, up)
+            least = min(least, numbers_at(system, k)[at_sheave.LENGTH] / abs(growth))
+    if numbers[at_sheave.KEEPS] > 0.0:
+        lowest = 0.0
+    elif numbers[at_sheave.KEEPS] < 0.0:
+        highest = 0.0
+    farthest = MOST_RUN * least / h
+    numbers[at_sheave.HIGHEST] = min(highest, max(speed, 0.0) + farthest)
+    numbers[at_sheave.LOWEST] = max(lowest, min(speed, 0.0) - farthest)

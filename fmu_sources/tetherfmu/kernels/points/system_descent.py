@@ -20,7 +20,7 @@ from ..equations.ground import has_ground
 from ..equations.lines import (
     add_at,
     clear,
-    has_sheaves,
+    has_coordinates,
     is_at_point,
     lines_of,
     parameters_of,
@@ -217,7 +217,7 @@ def direction(system, step, phase):
     for k in range(lines_of(system)):
         if moves(system, k) and not condense_line(system, k, step, phase):
             return 0.0
-    if has_sheaves(system):
+    if has_coordinates(system):
         return move_over_sheaves(system, step, phase)
     if step.turns:
         if phase >= LATE:
@@ -238,7 +238,7 @@ def descend(system, step, before, phase):
     taken = direction(system, step, phase)
     if taken == 0.0:
         return before, inf
-    turned = fixed_sheaves.has_changed(system) if has_sheaves(system) else step.turns
+    turned = fixed_sheaves.has_changed(system) if has_coordinates(system) else step.turns
     if turned or before == inf or has_ground(parameters_of(system, 0)) or does_any_flow(system, step):
         before, _ = potential(system, step, False)
     return go_along(system, step, taken, before)

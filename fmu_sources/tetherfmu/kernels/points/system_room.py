@@ -17,9 +17,7 @@ from ..equations.lines import (
     CONDITIONS,
     conditions_of,
     has_coordinates,
-    has_sheaves,
     is_rope,
-    is_turned,
     lines_of,
     motion_of,
     parameters_of,
@@ -233,13 +231,13 @@ def any_line(holds):
 
 does_any_move, any_drum = any_line(moves), any_line(has_drum)
 is_any_turning, is_any_reeling = any_line(turns), any_line(reels)
-is_any_turning_with_rope, is_any_turned = any_line(turns_with_rope), any_line(is_turned)
+is_any_turning_with_rope = any_line(turns_with_rope)
 
 
 @kernel
 def is_any_sought(system):
     """Whether speeds of drums or of ropes over sheaves are found in fixed steps."""
-    return any_drum(system) or has_sheaves(system)
+    return any_drum(system) or has_coordinates(system)
 
 
 # --- fixed steps

@@ -15,7 +15,6 @@ from ..equations.drum import direction_of
 from ..equations.lines import (
     conditions_of,
     has_coordinates,
-    has_sheaves,
     lines_of,
     motion_of,
     parameters_of,
@@ -71,7 +70,7 @@ def go_back(system, before):
             state[i] = first[i]
         if system_room.has_drum(system, k):
             state[at.LENGTH], state[at.REELING] = first[at.LENGTH], first[at.REELING]
-    if has_sheaves(system):
+    if has_coordinates(system):
         turning_sheaves.mend(system)
     breaks.go_back(system, before)
 
@@ -84,7 +83,7 @@ def move_coarsely(system, step, before):
     """
     h = step * adaptive_steps.work_of(system) / at.COARSE_WORK
     go_back(system, before)
-    if has_sheaves(system):
+    if has_coordinates(system):
         running_ropes.begin_ropes(system)
     method = at.BACKWARD_EULER if fallback.stiff_swing(system, h) > 0.0 else at.SECOND_ORDER
     status = move(system, FixedSteps(h, float(method)), step)
@@ -104,8 +103,7 @@ def advance(system, step, before):
         breaks.break_at_ends(system, step)
         return OK
     status = move(system, given_steps(parameters_of(system, 0)), step)
-    is_abandoned = status == STEP_BUDGET_SPENT and not system_room.is_any_turned(system)
-    if is_abandoned and move_coarsely(system, step, before) == OK:
+    if status == STEP_BUDGET_SPENT and move_coarsely(system, step, before) == OK:
         return OK
     return status
 

@@ -11,7 +11,6 @@ from tetherfmu.runtime.status import (
     KITE_AND_WINCH_SOUGHT,
     OK,
     SHEAVES_THAT_BREAK,
-    SHEAVES_WITH_FIXED_STEP,
     SHEAVES_WITH_STOP,
     SHEAVES_WITH_STRETCH_RATE,
     SHEAVES_WITH_WINCH_START,
@@ -222,12 +221,10 @@ def check_sought(system):
 
 @kernel
 def check_ropes(system):
-    """OK, or about a line why a system with coordinates cannot be: fixed steps, its law, breaking, its start, its stop."""
+    """OK, or about a line why a system with coordinates cannot be: its law, breaking, its start, its stop."""
     for k in range(lines_of(system)):
         parameters = parameters_of(system, k)
         system.plan[places.STATUS_LINE] = k
-        if is_turned(system, k) and parameters[at.FIXED_STEP] != 0.0:
-            return SHEAVES_WITH_FIXED_STEP
         if is_rope(system, k) and not sees_reeling(parameters):
             return SHEAVES_WITH_STRETCH_RATE
         if is_rope(system, k) and parameters[at.CAN_BREAK] != 0.0:
