@@ -233,7 +233,7 @@ def step_after_event(h, done, proposal, duration):
 
 @kernel
 def is_given_up(state, tried, budget, time, duration):
-    """Whether the internal steps tried are too many: MOST_BUDGETS, or one budget on a course to more than MOST_EXPECTED of them.
+    """Whether the internal steps tried are too many: MOST_BUDGETS, or one budget on course to more than MOST_EXPECTED.
 
     time : reached [s] within the communication step of `duration` [s].  state : before it; after a communication step that
     was given up, the next one has a single budget.
