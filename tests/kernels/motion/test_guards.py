@@ -1,8 +1,8 @@
 """Guards: what a hostile step meets in the solvers, and how much work one call may do at most.
 
 Each test fails without its guard (the constant or the condition that it names). A call does at most `layout.WORK_BUDGET`
-over n internal steps (adaptive), or `limits.MOST_BUDGETS` times as many unless more are expected; or `layout.ITERATION_BUDGET`
-over n iterations, plus those of one fixed step. `bounds.most_work` adds them up.
+over n internal steps (adaptive), or `limits.MOST_BUDGETS` times as many unless more are expected; or
+`layout.ITERATION_BUDGET` over n iterations, plus those of one fixed step. `bounds.most_work` adds them up.
 """
 
 from math import inf
