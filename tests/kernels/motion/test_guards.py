@@ -1,8 +1,8 @@
 """Guards: what a hostile step meets in the solvers, and how much work one call may do at most.
 
 Each test fails without its guard (the constant or the condition that it names). A call does at most `layout.WORK_BUDGET`
-over n internal steps (adaptive), or `limits.MOST_BUDGETS` times as many unless it is hopeless; or `layout.ITERATION_BUDGET`
-over n iterations, plus those of one fixed step. `bounds.most_work` adds them up.
+over n internal steps (adaptive), or `limits.MOST_BUDGETS` times as many unless more are expected; or
+`layout.ITERATION_BUDGET` over n iterations, plus those of one fixed step. `bounds.most_work` adds them up.
 """
 
 from math import inf
@@ -133,7 +133,7 @@ def steps_of_one_size(monkeypatch, segments, part, last_error=0.0):
 
 
 @pytest.mark.parametrize("segments", [2, 20, 300])
-def test_a_hopeless_step_is_refused_at_its_budget(monkeypatch, segments):
+def test_a_step_on_course_to_too_many_is_refused_at_its_budget(monkeypatch, segments):
     """With a billionth of the communication step: after the work of 10 000 internal steps of 20 segments."""
     result, tried = steps_of_one_size(monkeypatch, segments, 1e-9)
     assert (result, tried) == (status.STEP_BUDGET_SPENT, 10_000 * 20 // segments)
@@ -141,7 +141,7 @@ def test_a_hopeless_step_is_refused_at_its_budget(monkeypatch, segments):
 
 @pytest.mark.parametrize(("budgets", "expected"), [(0.5, 0.5), (19.0, 19.0), (21.0, 20.0), (99.0, 20.0), (101.0, 1.0)])
 def test_a_step_on_course_may_take_some_budgets(monkeypatch, budgets, expected):
-    """Up to MOST_BUDGETS = 20; one that would take more than HOPELESS = 100 is refused after one."""
+    """Up to MOST_BUDGETS = 20; one that would take more than MOST_EXPECTED = 100 is refused after one."""
     result, tried = steps_of_one_size(monkeypatch, 200, 1.0 / (1000.0 * budgets))
     assert result == (status.OK if budgets == expected else status.STEP_BUDGET_SPENT)
     assert tried == pytest.approx(1000.0 * expected, rel=0.01)

@@ -9,7 +9,7 @@ from collections import namedtuple
 from math import ceil, inf, sqrt
 
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime.limits import HOPELESS, LEAST_REMAINDER, MOST_BUDGETS, STIFF
+from tetherfmu.runtime.limits import LEAST_REMAINDER, MOST_BUDGETS, MOST_EXPECTED, STIFF
 
 from ..compilation import kernel
 from ..equations import segment
@@ -233,10 +233,10 @@ def step_after_event(h, done, proposal, duration):
 
 @kernel
 def is_given_up(state, tried, budget, time, duration):
-    """Whether the internal steps tried are too many: MOST_BUDGETS, or one budget on a course to more than HOPELESS of them.
+    """Whether the internal steps tried are too many: MOST_BUDGETS, or one budget on course to more than MOST_EXPECTED.
 
     time : reached [s] within the communication step of `duration` [s].  state : before it; after a communication step that
     was given up, the next one has a single budget.
     """
-    is_hopeless = tried * duration >= HOPELESS * budget * time or state[at.SOLVER_ERROR] == UNRESOLVED
-    return tried >= MOST_BUDGETS * budget or (tried >= budget and is_hopeless)
+    expects_too_many = tried * duration >= MOST_EXPECTED * budget * time or state[at.SOLVER_ERROR] == UNRESOLVED
+    return tried >= MOST_BUDGETS * budget or (tried >= budget and expects_too_many)
