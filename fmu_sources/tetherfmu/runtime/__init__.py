@@ -3,4 +3,4 @@
 The builder copies this folder as it is. Standard library only. Imports nothing else of the package.
 """
 
-__version__ = "0.1.0"
+__version__ = "1.0.0"
