@@ -36,7 +36,6 @@ from .sheave_room import (
     numbers_at,
     portion_in_step,
     ratio_of,
-    runs_over,
 )
 from .system_room import integrator_of
 
@@ -183,16 +182,6 @@ def column_of(system, c, point):
 
 
 @kernel
-def add_drums(system, point, total):
-    """A force on a free point [N] at a stage with that of all drums which turn."""
-    for j in range(sheaves_of(system), count_of(system)):
-        c = coordinate_at(system, j)
-        if runs(system, c):
-            total = add_scaled(total, own_numbers(system, c)[at_sheave.GAIN], column_of_drum(system, c, point))
-    return total
-
-
-@kernel
 def acceleration_at_sheave(system, k):
     """Acceleration of the free point at the end of line k [m/s2] at a stage, with what the coordinates there do."""
     return acceleration_with(system, point_at(system, k, 1), vector_at(numbers_at(system, k), at_sheave.FORCE))
@@ -202,10 +191,11 @@ def acceleration_at_sheave(system, k):
 def acceleration_with(system, point, force):
     """The same of a free point, from `force_on_point` [N]."""
     total = force
-    for other in range(lines_of(system)):
-        if goes_on(system, other) and runs_over(system, other) and point_at(system, other, 1) == point:
-            total = add_scaled(total, numbers_at(system, other)[at_sheave.GAIN], column_at_point(system, other))
-    return scale(1.0 / points_of(system).stage_mass[point], add_drums(system, point, total))
+    for j in range(count_of(system)):
+        c = coordinate_at(system, j)
+        if runs(system, c):
+            total = add_scaled(total, own_numbers(system, c)[at_sheave.GAIN], column_of(system, c, point))
+    return scale(1.0 / points_of(system).stage_mass[point], total)
 
 
 @kernel
@@ -216,15 +206,7 @@ def end_acceleration(system, k, end, time):
     if not is_at_point(system, k, end):
         return acceleration_at(curve, time)
     point = point_at(system, k, end)
-    total = load_at(system, point, time)
-    for other in range(lines_of(system)):
-        for side in range(2):
-            if is_at_point(system, other, side) and point_at(system, other, side) == point:
-                n = segments_of(system, other)
-                total = add(total, get_node(n, n * side, integrator_of(system, other).force))
-        if goes_on(system, other) and runs_over(system, other) and point_at(system, other, 1) == point:
-            total = add_scaled(total, numbers_at(system, other)[at_sheave.GAIN], column_at_point(system, other))
-    return scale(1.0 / points_of(system).stage_mass[point], add_drums(system, point, total))
+    return acceleration_with(system, point, force_on_point(system, point, time))
 
 
 # --- what accelerations do to pulls
