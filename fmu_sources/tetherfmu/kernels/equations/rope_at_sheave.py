@@ -22,6 +22,7 @@ from collections import namedtuple
 from tetherfmu.runtime import layout as at
 
 from ..compilation import kernel, view
+from ..linear_algebra.pairs import select
 from ..linear_algebra.vectors import add, add_scaled, dot, scale
 from . import segment
 from .properties import property_of, rest_length
@@ -29,10 +30,11 @@ from .properties import property_of, rest_length
 Passing = namedtuple("Passing", "sign at_p at_q")
 Passing.__doc__ = """A coordinate y at a segment: e, and its weights W_p and W_q."""
 
-Rope = namedtuple("Rope", "share rest half taut taut_damper slack slack_damper")
+Rope = namedtuple("Rope", "share rest per_rest half taut taut_damper slack slack_damper")
 Rope.__doc__ = """What all segments have of a portion over sheaves, which is of one tether; or one segment of another line.
 
-share, rest : in its length [-], [m].  half : mu/2 [kg/m].  taut, slack : stiffness [N/m], and dampers [N s/m].
+share, rest, per_rest : in its length [-], [m], its inverse [1/m].  half : mu/2 [kg/m].
+taut, slack : stiffness [N/m], and dampers [N s/m].
 """
 
 IN, OUT = 0, 1  # which coordinate: over the first node, over the last one
@@ -60,7 +62,7 @@ def rope_of(chain, s):
     taut, taut_damper = segment.stiffness(chain, s, segment.TAUT, rest)
     slack, slack_damper = segment.stiffness(chain, s, segment.SLACK, rest)
     share = property_of(chain, s, at.SHARE)
-    return Rope(share, rest, half_density(chain, s), taut, taut_damper, slack, slack_damper)
+    return Rope(share, rest, 1.0 / rest, half_density(chain, s), taut, taut_damper, slack, slack_damper)
 
 
 @kernel
@@ -81,7 +83,7 @@ def gaining(chain, s, part):
 def inertias(rope, part, square):
     """Part of a segment in minus the slopes of R_a by a' and by b', and of R_b by b' [kg]; part : w_p, square : l^2 [m2]."""
     next_part = part - rope.share
-    of_flow = rope.half / rope.rest * square
+    of_flow = rope.half * rope.per_rest * square
     p_out, q_out = 1.0 - part, 1.0 - next_part
     return (
         of_flow * (part * part + next_part * next_part),
@@ -104,14 +106,14 @@ def pulls(rope, chain, part, c, mode, r, u, over_first, over_last):
     last node [m].
     """
     square, both = dot(r, r), dot(r, u)
-    is_taut = mode > 0.0 or (mode == 0.0 and square > rope.rest * rope.rest)
-    k, damper = (rope.taut, rope.taut_damper) if is_taut else (rope.slack, rope.slack_damper)
-    strained = (0.5 * k * (square - rope.rest * rope.rest) + damper * (both - square * chain.growth)) / rope.rest
-    strained += 0.5 * rope.half * dot(u, u)
+    mode = select(mode * mode, mode, square - rope.rest * rope.rest)
+    k, damper = select(mode, rope.taut, rope.slack), select(mode, rope.taut_damper, rope.slack_damper)
+    strained = (0.5 * k * (square - rope.rest * rope.rest) + damper * (both - square * chain.growth)) * rope.per_rest
+    strained = strained + 0.5 * rope.half * dot(u, u)
     weight = 2.0 * rope.half * chain.gravity
     of_a, of_both = part * c[0] + (part - rope.share) * c[1], c[0] + c[1]
-    turned, squares = 2.0 * both - square * chain.growth, 0.5 * (c[0] * c[0] + c[1] * c[1]) / chain.length * square
-    of_flow = rope.half / rope.rest
+    turned, of_flow = 2.0 * both - square * chain.growth, rope.half * rope.per_rest
+    squares = 0.5 * (c[0] * c[0] + c[1] * c[1]) * rope.share * rope.per_rest * square
     return (
         rope.share * (strained - weight * over_first) - of_flow * (of_a * turned + squares),
         -rope.share * (strained - weight * over_last) - of_flow * ((of_both - of_a) * turned - squares),

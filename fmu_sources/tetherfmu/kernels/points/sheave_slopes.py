@@ -33,6 +33,8 @@ from .sheave_room import (
     ROW,
     array_at,
     numbers_at,
+    part_of,
+    parts_of,
     portion_at_start,
     portion_gaining,
     single_at,
@@ -84,10 +86,10 @@ def form_slopes(system, k, time):
 def add_winch_rates(system, k, time, w):
     """Add what a winch that pays out into portion k does to the forces per second to w.q and w.force_rate (modified)."""
     paid, by_length, into = winch_of(system, k), single_at(system, k, FORCE_BY_LENGTH), array_at(system, k, BY_SPEED, IN)
-    border = array_at(system, k, BORDER, IN)
+    border, parts = single_at(system, k, BORDER), parts_of(system, k)
     speed, gain, jerk = winch.rate_at(paid, time), winch.gain_at(paid, time), winch.jerk_of(paid)
     for i in range(len(into)):
-        w.q[i] += speed * by_length[i] + gain * into[i] + jerk * border[i]
+        w.q[i] += speed * by_length[i] + gain * into[i] + jerk * parts[i // 3] * border[i]
     interleave(segments_of(system, k), w.q, w.force_rate)
 
 
@@ -164,7 +166,7 @@ def add_wrap(system, k):
 @kernel
 def finish_row(system, k, side, weight, time, d):
     """Row of R_a or R_b of portion k from ROW and BY_VELOCITY (modified); its explicit time derivative [N/s]."""
-    conditions, numbers, border = conditions_of(system, k), numbers_at(system, k), array_at(system, k, BORDER, side)
+    conditions, numbers, border = conditions_of(system, k), numbers_at(system, k), single_at(system, k, BORDER)
     by_position, by_velocity, n, rate = (
         array_at(system, k, ROW, side),
         array_at(system, k, BY_VELOCITY, side),
@@ -176,7 +178,8 @@ def finish_row(system, k, side, weight, time, d):
         if not conditions.first <= node <= conditions.last:
             rate += dot(get(by_position, node), velocity_at(curve, time))
             rate += dot(get(by_velocity, node), acceleration_at(curve, time))
-            rate += weight * dot(get(border, node), scale(6.0, curve[3]))
+            if end == side:
+                rate += weight * dot(get(border, node), scale(6.0, curve[3]))
     if not comes_from(system, k):
         paid, inertia = winch_of(system, k), numbers[at_sheave.INERTIA + side]
         of_winch = numbers[at_sheave.BY_LENGTH + side] * winch.rate_at(paid, time) - inertia * winch.jerk_of(paid)
@@ -188,8 +191,9 @@ def finish_row(system, k, side, weight, time, d):
 @kernel
 def close_row(system, k, side, weight, d):
     """Row of R_a or R_b of portion k, but for its rate, from ROW and BY_VELOCITY, times a weight (modified)."""
-    conditions, border = conditions_of(system, k), array_at(system, k, BORDER, side)
+    conditions, border, parts = conditions_of(system, k), single_at(system, k, BORDER), parts_of(system, k)
     by_position, by_velocity = array_at(system, k, ROW, side), array_at(system, k, BY_VELOCITY, side)
     for i in range(conditions.n + 1):
-        along = add_scaled(add_scaled(get(by_velocity, i), d, get(by_position, i)), weight / d, get(border, i))
+        inertia = weight / d * part_of(parts, side, i)
+        along = add_scaled(add_scaled(get(by_velocity, i), d, get(by_position, i)), inertia, get(border, i))
         put(by_position, i, along if conditions.first <= i <= conditions.last else ZERO_VECTOR)
