@@ -12,8 +12,6 @@ so that T_1, T_2 and the angle of wrap change by what p does, kept in the number
 the speeds of all sheaves (`sheave_room.slopes_of`). `fixed_sheaves.py` has the equations of the sheaves.
 """
 
-from tetherfmu.runtime import layout as at
-
 from ..compilation import kernel
 from ..equations import rope_at_sheave as rope
 from ..equations.boundary import hold_ends
@@ -33,7 +31,6 @@ from ..equations.lines import (
     segments_of,
     stiffness_of,
 )
-from ..equations.properties import property_of
 from ..equations.rope_at_sheave import IN, OUT
 from ..linear_algebra.vectors import add, dot, get, put, scale, sub
 from . import sheave_room as at_sheave
@@ -131,14 +128,17 @@ def put_column(system, k, side, step, column):
     put_reeling_column(system, k, step, column)
     for i in range(len(column)):
         column[i] = sign * column[i] + part_of(parts, side, i // 3) * border[i] / step.h
+    own, is_uniform = rope.rope_of(chain, 0), is_portion(system, k)
     for s in range(chain.n):
         r, u = sub(get(w.x, s + 1), get(w.x, s)), sub(get(velocities, s + 1), get(velocities, s))
-        c = rope.flowing(chain, s, part)
-        of_p, of_q = rope.force_by_rate(chain, s, rope.passing(chain, s, part, side), c, r, u)
-        along = scale(sign * step.h, rope.force_by_length(chain, s, c, r))
+        if not is_uniform:
+            own = rope.rope_of(chain, s)
+        c = rope.flowing(chain, part, part - own.share)
+        of_p, of_q = rope.force_by_rate(own, rope.passing(own, part, side), c, r, u)
+        along = scale(sign * step.h, rope.force_by_length(own, c, r))
         add_at(column, s, add(of_p, along))
         add_at(column, s + 1, sub(of_q, along))
-        part -= property_of(chain, s, at.SHARE)
+        part -= own.share
     hold_ends(conditions_of(system, k), column)
 
 

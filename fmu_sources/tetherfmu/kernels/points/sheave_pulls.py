@@ -111,7 +111,7 @@ def take_segments(chain, are_interleaved, is_uniform, nodes, pulled):
         inner = part + pair(-1.0, 1.0) * own.share
         below, above = pair(first(part), second(inner)), pair(first(inner), second(part))
         r, height, mode = sub(x_q, x_p), segment.mean_height(x_p, x_q), number_at(modes, 0, (s, n - 1 - s))
-        c = below * chain.reeling + chain.leaving, above * chain.reeling + chain.leaving
+        c = rope.flowing(chain, below, above)
         of_a, of_b = rope.pulls(own, chain, below, c, mode, r, sub(v_q, v_p), height - lowest[2], height - highest[2])
         aa, ab, bb = rope.inertias(own, below, dot(r, r))
         once = pair(1.0, 0.0 if 2 * s + 1 == n else 1.0)  # a segment in the middle is met twice

@@ -13,11 +13,12 @@ from ..equations.lines import (
     clear,
     comes_from,
     conditions_of,
+    is_portion,
     motion_of,
     parameters_of,
     segments_of,
 )
-from ..equations.properties import point_mass, property_of
+from ..equations.properties import point_mass
 from ..equations.rope_at_sheave import IN, OUT
 from ..line import contact
 from ..linear_algebra.both_ends import interleave
@@ -56,7 +57,7 @@ def form_slopes(system, k, time):
         portion_at_start(system, k, time),
         chain_with(conditions, length, 1.0),
     )
-    gained = single_at(system, k, ACCELERATIONS)
+    gained, own, is_uniform = single_at(system, k, ACCELERATIONS), rope.rope_of(chain, 0), is_portion(system, k)
     assembly.rate_from_reeling(growing, w.start_x, w.start_v, w.records, by_length)
     if has_ground(conditions.parameters):
         contact.add_rate(growing, x, v, w, by_length)
@@ -66,17 +67,19 @@ def form_slopes(system, k, time):
         out[i] = -into[i]
     for s in range(n):
         r, u = sub(get(x, s + 1), get(x, s)), sub(get(v, s + 1), get(v, s))
-        c = rope.flowing(chain, s, part)
-        along = rope.force_by_length(chain, s, c, r)
+        if not is_uniform:
+            own = rope.rope_of(chain, s)
+        c = rope.flowing(chain, part, part - own.share)
+        along = rope.force_by_length(own, c, r)
         add_at(by_length, s, along)
         put(by_length, s + 1, sub(get(by_length, s + 1), along))
-        of_p, of_q = rope.force_by_rate(chain, s, rope.passing(chain, s, part, IN), c, r, u)
+        of_p, of_q = rope.force_by_rate(own, rope.passing(own, part, IN), c, r, u)
         add_at(into, s, of_p)
         add_at(into, s + 1, of_q)
-        of_p, of_q = rope.force_by_rate(chain, s, rope.passing(chain, s, part, OUT), c, r, u)
+        of_p, of_q = rope.force_by_rate(own, rope.passing(own, part, OUT), c, r, u)
         add_at(out, s, of_p)
         add_at(out, s + 1, of_q)
-        part -= property_of(chain, s, at.SHARE)
+        part -= own.share
     for i in range(n + 1):
         share = (w.mass[i] - point_mass(growing, i)) / length
         put(by_length, i, add_scaled(get(by_length, i), -share, get(gained, i)))
@@ -106,25 +109,26 @@ def take_row(system, k, side, weight, nodes):
     clear(by_velocity)
     chain, holder = portion_gaining(system, k, 1.0), 0 if side == IN else n
     by_length, by_a, by_b = 0.0, 0.0, 0.0
-    accelerations = single_at(system, k, ACCELERATIONS)
+    accelerations, own, is_uniform = single_at(system, k, ACCELERATIONS), rope.rope_of(chain, 0), is_portion(system, k)
     a_p = get(accelerations, 0)
     for s in range(n):
         a_q = get(accelerations, s + 1)
         r, u = sub(get(x, s + 1), get(x, s)), sub(get(v, s + 1), get(v, s))
-        a, b, c = rope.passing(chain, s, part, IN), rope.passing(chain, s, part, OUT), rope.flowing(chain, s, part)
-        y, gained = rope.passing(chain, s, part, side), rope.gaining(chain, s, part)
-        by_r, by_u, of_length = rope.by_motion(chain, s, y, c, gained, modes[s], r, u, a_p, a_q)
-        below = -y.sign * property_of(chain, s, at.SHARE) * rope.half_density(chain, s) * chain.gravity
+        if not is_uniform:
+            own = rope.rope_of(chain, s)
+        a, b, next_part = rope.passing(own, part, IN), rope.passing(own, part, OUT), part - own.share
+        y, c, gained = a if side == IN else b, rope.flowing(chain, part, next_part), rope.gaining(chain, part, next_part)
+        by_r, by_u, of_length = rope.by_motion(own, chain, y, c, gained, modes[s], r, u, a_p, a_q)
+        below = -y.sign * own.share * own.half * chain.gravity
         add_at(by_position, s, scale(weight, sub((0.0, 0.0, below), by_r)))
         add_at(by_position, s + 1, scale(weight, add((0.0, 0.0, below), by_r)))
         add_at(by_position, holder, (0.0, 0.0, -2.0 * weight * below))
         add_at(by_velocity, s, scale(-weight, by_u))
         add_at(by_velocity, s + 1, scale(weight, by_u))
         by_length += of_length
-        by_a += rope.by_rate(chain, s, y, a, c, modes[s], r, u)
-        by_b += rope.by_rate(chain, s, y, b, c, modes[s], r, u)
-        part -= property_of(chain, s, at.SHARE)
-        a_p = a_q
+        by_a += rope.by_rate(own, chain, y, a, c, modes[s], r, u)
+        by_b += rope.by_rate(own, chain, y, b, c, modes[s], r, u)
+        part, a_p = next_part, a_q
     if side == IN:
         by_a += 2.0 * rope.half_density(chain, 0) * numbers[at_sheave.INTO]
     else:
