@@ -27,7 +27,7 @@ from ..equations.lines import (
     sheaves_of,
 )
 from ..equations.plan import number_in
-from ..equations.properties import property_of
+from ..equations.properties import chain_with_flow, property_of
 from ..equations.rope_at_sheave import IN, OUT
 from ..flat_arrays import part
 from ..line.rodas4p import STAGES
@@ -321,10 +321,14 @@ def portion_at_start(system, k, time):
 
 @view
 def portion_in_step(system, k):
-    """`Chain` of portion k at a stage, without accelerations."""
-    numbers = numbers_at(system, k)
+    """`Chain` of portion k at a stage, without accelerations.
+
+    The forces of rope that flows are not among those of its nodes: `sheave_pulls.take_pulls` adds them.
+    """
+    numbers, conditions = numbers_at(system, k), conditions_of(system, k)
     leaving = numbers[STAGE_SPEED] if goes_on(system, k) else 0.0
-    return portion_moving(conditions_of(system, k), numbers[LENGTH], numbers[INTO] - leaving, 0.0, (leaving, 0.0))
+    motion = numbers[LENGTH], numbers[INTO] - leaving, 0.0, (leaving, 0.0)
+    return chain_with_flow(conditions.n, conditions.parameters, *motion, conditions.wind, False)
 
 
 @kernel
