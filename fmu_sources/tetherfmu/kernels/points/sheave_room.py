@@ -90,6 +90,7 @@ from ..line.rodas4p import STAGES
     BY_LENGTH,  # slopes of R_a and R_b by L [N/m]
     BY_RATE,  # by a and b [N s/m]: aa, ab, ba, bb
     COUNT,  # of the coordinates, in the first line
+    KNOWN,  # there: 1 if the tensions are those of the states of all lines, and rope runs over no sheave
     # of a line that drums turn: tension where it leaves them [N], its slope by R_a and the rate of that [N/s], and the
     # force on the free point there as FORCE
     TENSION_IN,
@@ -100,7 +101,7 @@ from ..line.rodas4p import STAGES
     BEGAN,  # time of the communication step at which a fixed step began, at which LENGTH_NOW is the length [s]
     _,
     NUMBERS,
-) = places_of(*[1] * 14, 3, *[1] * 8, 2, *[1] * 2, *[1] * 17, *[1] * 5, 2, 3, 3, 2, 4, *[1] * 4, 3, 5, 1, 1)
+) = places_of(*[1] * 14, 3, *[1] * 8, 2, *[1] * 2, *[1] * 17, *[1] * 5, 2, 3, 3, 2, 4, *[1] * 5, 3, 5, 1, 1)
 DRUM_NUMBERS = LENGTH_NOW  # those of a drum are the first ones; its stages follow
 
 BY_SPEED, BY_VELOCITY, ROW = range(3)  # arrays of 3 (n + 1) numbers, each of a and of b:
