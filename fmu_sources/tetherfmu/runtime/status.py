@@ -45,9 +45,8 @@ RELEASED_WITHOUT_MASS = 28
 SHEAVES_WITH_WINCH_START = 29
 SHEAVES_WITH_STRETCH_RATE = 30
 SHEAVES_THAT_BREAK = 31
-RELEASED_OVER_SHEAVES = 32
-NO_SHARES = 33
-SHEAVES_WITH_STOP = 34
+NO_SHARES = 32
+SHEAVES_WITH_STOP = 33
 
 SENTENCES = {
     OK: "done",
@@ -149,13 +148,13 @@ SENTENCES = {
         "breaking_force is given for a line over sheaves, or with force control beside such lines or at a winch that holds "
         "several, which cannot break yet: it must be 0"
     ),
-    RELEASED_OVER_SHEAVES: (
-        "release is true for a line over sheaves, or with force control beside such lines or at a winch that holds several, "
-        "which cannot let go yet: it must be false"
-    ),
     NO_SHARES: (
         "no lengths of the portions were found with which each sheave has the same tension on both sides; give them as "
         "initial_portions, or check the positions of the points, the loads and initial_length"
+    ),
+    SHEAVES_WITH_STOP: (
+        "shortest_length or longest_length is given for a line over sheaves with force control, whose drum stops only where "
+        "a portion gets too short: both must be 0"
     ),
 }
 

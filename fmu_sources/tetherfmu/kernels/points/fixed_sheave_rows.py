@@ -26,6 +26,7 @@ from ..equations.lines import (
     comes_from,
     conditions_of,
     goes_on,
+    is_freed,
     is_portion,
     is_rope,
     is_turned,
@@ -88,7 +89,7 @@ def take_pulls(system, k):
     velocities, accelerations = single_at(system, k, VELOCITIES), single_at(system, k, ACCELERATIONS)
     into, out = array_at(system, k, BORDER, IN), array_at(system, k, BORDER, OUT)
     chain = portion_gaining(system, k, 1.0)
-    own, is_uniform = rope.rope_of(chain, 0), is_portion(system, k)
+    own, is_uniform = rope.rope_of(chain, 0), is_portion(system, k) and not is_freed(system, k)
     lowest, highest = get(w.x, 0)[2], get(w.x, n)[2]
     pull_a = rope.of_speed(own, 1.0, numbers[at_sheave.INTO])
     pull_b = rope.of_speed(own, -1.0, chain.leaving)

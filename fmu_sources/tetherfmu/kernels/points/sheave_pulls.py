@@ -13,6 +13,7 @@ from ..equations.lines import (
     conditions_of,
     goes_on,
     is_at_point,
+    is_freed,
     is_portion,
     is_turned,
     lines_of,
@@ -95,7 +96,7 @@ def take_pulls(system, k, time):
     conditions, numbers, w = conditions_of(system, k), numbers_at(system, k), integrator_of(system, k)
     into, out = array_at(system, k, PULLED, IN), array_at(system, k, PULLED, OUT)
     chain, n, part = portion_in_step(system, k), conditions.n, 1.0
-    own, is_uniform = rope.rope_of(chain, 0), is_portion(system, k)
+    own, is_uniform = rope.rope_of(chain, 0), is_portion(system, k) and not is_freed(system, k)
     x_p, v_p = get_node(n, 0, w.stage_x), get_node(n, 0, w.stage_v)
     lowest, highest = x_p[2], get_node(n, n, w.stage_x)[2]
     pull_a = rope.of_speed(own, 1.0, numbers[at_sheave.INTO])

@@ -164,7 +164,7 @@ def sum_portions(system, outputs):
             whole, own = outputs_of_line(system, first, outputs), outputs_of_line(system, k, outputs)
             for place in (at.TETHER_LENGTH, at.SLACK_SEGMENTS, at.GROUNDED_LENGTH):
                 whole[place] += own[place]
-            for place in (at.MAX_TENSION, at.PEAK_TENSION):
+            for place in (at.MAX_TENSION, at.PEAK_TENSION, at.BROKEN, at.BREAK_TIME):
                 whole[place] = max(whole[place], own[place])
 
 
@@ -220,6 +220,13 @@ def check_sought(system):
 
 
 @kernel
+def has_stop(n, parameters):
+    """Whether a drum has a stop of its own, beside that where segments get too short."""
+    shortest = at.MIN_SEGMENT_LENGTH / property_in(parameters, n, 0, at.SHARE)
+    return parameters[at.SHORTEST_LENGTH] > shortest or parameters[at.LONGEST_LENGTH] != at.NO_STOP
+
+
+@kernel
 def check_ropes(system):
     """OK, or about a line why a system with coordinates cannot be: its law, breaking, its start, its stop."""
     for k in range(lines_of(system)):
@@ -231,7 +238,7 @@ def check_ropes(system):
             return SHEAVES_THAT_BREAK
         if is_sought(parameters):
             return SHEAVES_WITH_WINCH_START
-        if goes_on(system, k) and follows_force(parameters) and parameters[at.LONGEST_LENGTH] != at.NO_STOP:
+        if goes_on(system, k) and follows_force(parameters) and has_stop(segments_of(system, k), parameters):
             return SHEAVES_WITH_STOP
     return OK
 
