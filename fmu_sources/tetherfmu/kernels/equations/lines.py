@@ -151,6 +151,12 @@ def is_portion(system, k):
 
 
 @kernel
+def is_even(system, k):
+    """Whether all segments of line k are equal: it is a portion, and none is the gap of a line that has let go."""
+    return is_portion(system, k) and not is_freed(system, k)
+
+
+@kernel
 def is_turned(system, k):
     """Whether drums that turn beside sheaves, or hold several lines, pay out line k."""
     if not has_coordinates(system):
