@@ -44,14 +44,6 @@ LONGEST_STEP = 0.25  # of a portion beside the sheave
 
 
 @kernel
-def first_of(system, k):
-    """The first portion of the rope of which line k is one."""
-    while comes_from(system, k):
-        k -= 1
-    return k
-
-
-@kernel
 def whole_length(system, k):
     """Unstretched length of the rope whose first portion is k at the start [m]."""
     return winch.first_length(parameters_of(system, k), inputs_of(system, k), state_of(system, k))
