@@ -102,11 +102,6 @@ class Line:
     through: tuple = ()
     sheaves: dict = field(default_factory=dict)
 
-    @property
-    def ends(self):
-        """Pairs of the end of a tether, "ground" or "kite", and the point there."""
-        return tuple(zip(ENDS, (self.start, self.end), strict=True))
-
 
 @dataclass(frozen=True)
 class SharedWinch:
@@ -354,7 +349,8 @@ def _outputs_of_line(structure, line, known):
     """Outputs of a line."""
     for name, own in OF_A_LINE.items():
         each = outputs.BY_NAME[name]
-        meaning = MEANINGS[own].format(dict(line.ends)[name.partition("_")[0]]) if own in MEANINGS else each.quantity.meaning
+        end = line.start if name.startswith(ENDS[0]) else line.end
+        meaning = MEANINGS[own].format(end) if own in MEANINGS else each.quantity.meaning
         found = _known(structure, line, each, name, known)
         quantity = replace(each.quantity, meaning=meaning)
         yield Variable(f"{line.name}.{own}", OUTPUT, each.kind, quantity, 0, depends_on=found, group=each.group)
