@@ -1,7 +1,7 @@
 """What users give to a tether of the Python API: checked, and refused in words."""
 
 from array import array
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
@@ -29,8 +29,23 @@ def record_of(model, given, kind):
     if not isinstance(given, kind):
         name = kind.__name__
         an = "an" if name == "Environment" else "a"
-        raise TypeError(f"{name.lower()} is {given!r}; it must be {an} {name}, as in {model}(Tether(), {name}())")
+        raise TypeError(f"{name.lower()} is {given!r}; it must be {an} {name}, as in {model}(..., {name.lower()}={name}())")
     return given
+
+
+def records_of(name, given, kind):
+    """A tuple of records of this kind from a sequence of them; TypeError for anything else."""
+    found = tuple(given) if isinstance(given, Iterable) else (given,)
+    if not isinstance(given, Iterable) or not all(isinstance(each, kind) for each in found):
+        raise TypeError(f"{name} is {given!r}; it must be a sequence of {kind.__name__}")
+    return found
+
+
+def check_release(value, label="release"):
+    """ValueError unless a release, a number or an array, is true or false; what is not finite a step refuses."""
+    for each in np.ravel(np.asarray(value, dtype=float)):
+        if each not in (0.0, 1.0) and np.isfinite(each):
+            raise ValueError(f"{label} is {each:g}; it must be true or false")
 
 
 def check_wind(environment, wind_points):
@@ -66,11 +81,6 @@ def checked_masses(point_masses, segments):
     return masses
 
 
-def node_vectors(name, given, segments):
-    """A vector for each node, array (segments + 1, 3); ValueError for another shape, or numbers that no input may have."""
-    return numbers_in_shape(name, given, (segments + 1, 3))
-
-
 def numbers_in_shape(name, given, shape):
     """Array of this shape; ValueError for another one, or numbers that no input may have."""
     found = np.asarray(given, dtype=float)
@@ -84,15 +94,15 @@ def numbers_in_shape(name, given, shape):
 def motion_of_nodes(positions, velocities, segments):
     """Positions [m] and velocities [m/s] of all nodes, array (2, segments + 1, 3), at rest if None; None without positions.
 
-    ValueError as of `node_vectors`.
+    ValueError as of `numbers_in_shape`.
     """
     if positions is None:
         if velocities is not None:
             raise ValueError("velocities of nodes are given without their positions")
         return None
-    positions = node_vectors("positions", positions, segments)
-    moving = np.zeros_like(positions) if velocities is None else node_vectors("velocities", velocities, segments)
-    return np.stack((positions, moving))
+    shape = segments + 1, 3
+    velocities = np.zeros(shape) if velocities is None else numbers_in_shape("velocities", velocities, shape)
+    return np.stack((numbers_in_shape("positions", positions, shape), velocities))
 
 
 def length_with(slack, chord, segments):

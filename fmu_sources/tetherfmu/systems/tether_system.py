@@ -17,12 +17,13 @@ from tetherfmu.fmi.portions import all_portions, joined
 from tetherfmu.results import StepRefused, outputs_of
 from tetherfmu.running import Running
 from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.naming import prefixed
 from tetherfmu.runtime.parameters import Environment, Ground, Solver
 from tetherfmu.runtime.status import OK
 
 from . import files
 from .arrays import Arrays, instance_of
-from .inputs import SystemInputs, Vectors, completed, put, starts
+from .inputs import SystemInputs, Vectors, check_dicts, completed, put, starts
 from .records import Line, Point, check_system
 from .results import SystemEnergy, SystemFlown, SystemOutputs, points_of
 from .shared_winches import SharedWinch, check_winches, energies_of, holding, without_drum
@@ -88,7 +89,8 @@ class TetherSystem(Running):
         winches: Sequence[SharedWinch] = (),
         wind_points: int = 0,
     ):
-        points, lines, winches = tuple(points), tuple(lines), tuple(winches)
+        points, lines = arguments.records_of("points", points, Point), arguments.records_of("lines", lines, Line)
+        winches = arguments.records_of("winches", winches, SharedWinch)
         check_system(points, lines)
         check_winches(winches, lines, [each.name for each in (*points, *lines)])
         kinds = {Environment: environment, Solver: solver, Ground: ground}
@@ -115,10 +117,8 @@ class TetherSystem(Running):
         docs/use/systems.md has the keys.
         """
         found = files.load(path)
-        try:
+        with prefixed(f"{path}: "):
             return cls(found.points, found.lines, found.environment, found.solver, found.ground, winches=found.winches)
-        except ValueError as error:
-            raise ValueError(f"{path}: {error}") from None
 
     @contextmanager
     def _all_or_nothing(self):
@@ -164,6 +164,7 @@ class TetherSystem(Running):
         **inputs
             The other ones of `SystemInputs`; where they are not given, reel-out speeds of the records of the lines, and 0.
         """
+        check_dicts({"positions": positions, "velocities": velocities, "loads": loads, **inputs})
         positions = {**{each.name: each.position for each in self.points}, **(positions or {})}
         wanted = [name for name, position in positions.items() if position is None]
         if not set(wanted) <= set(self._instance.free):
@@ -284,10 +285,8 @@ class TetherSystem(Running):
             raise ValueError("state belongs to another system: its points, lines, environment or solver differ")
         if not np.all(np.isfinite(state)):
             raise ValueError("state has a number that is not finite")
-        try:
+        with prefixed("state "):
             self._instance.take(array("d", own))
-        except ValueError as problem:
-            raise ValueError(f"state {problem}") from None
         arrays.inputs[:], ours[:], arrays.turned.told = inputs, array("d", parameters), told
         self._runs = True
 

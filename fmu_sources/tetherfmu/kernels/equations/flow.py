@@ -155,33 +155,11 @@ def most_power(chain, x, v):
 
 
 @kernel
-def power(chain, x, v, a, are_free):
+def power(chain, x, v, a, are_free, counted):
     """Power [W] of what accelerates rope that flows: of these forces, and the rate of `energy_of_flow`.
 
     x, v, a : positions [m], velocities [m/s] and accelerations [m/s2] of the nodes.  are_free : of its ends, 1 or 0.
-    """
-    start, end = are_free
-    total, part = 0.0, 1.0
-    for s in range(chain.n):
-        r, u = sub(get(x, s + 1), get(x, s)), sub(get(v, s + 1), get(v, s))
-        free_p, free_q = start if s == 0 else 1.0, end if s == chain.n - 1 else 1.0
-        of_p, of_q = forces(chain, s, part, get(x, s), get(x, s + 1), get(v, s), get(v, s + 1))
-        total += free_p * dot(of_p, get(v, s)) + free_q * dot(of_q, get(v, s + 1))
-        next_part = part - property_of(chain, s, at.SHARE)
-        square, half = part * part + next_part * next_part, 0.5 * property_of(chain, s, at.LINE_DENSITY)
-        crossed = 0.0 if s == 0 else part * rate_of_product(chain, r, u, get(v, s), get(a, s))
-        crossed += free_q * next_part * rate_of_product(chain, r, u, get(v, s + 1), get(a, s + 1))
-        of_square = chain.acceleration * dot(r, r) + chain.reeling * (dot(r, u) - 0.5 * chain.growth * dot(r, r))
-        total += half * (crossed + square * chain.reeling / rest_length(chain, s) * of_square)
-        part = next_part
-    return total
-
-
-@kernel
-def power_in_portion(chain, x, v, a, are_free, counted):
-    """The same of a portion of a line over sheaves, whose rope flows at any rates at its two ends.
-
-    counted : of its ends, 1 or 0: whether the velocity has a part in the kinetic energy, see `energy_of_flow`.
+    counted : as of `energy_of_flow`.
     """
     start, end = are_free
     total, part = 0.0, 1.0
@@ -205,14 +183,8 @@ def power_in_portion(chain, x, v, a, are_free, counted):
 
 
 @kernel
-def rate_of_product(chain, r, u, v, a):
-    """Rate of L' v . r [m3/s3] with r' = u, v' = a."""
-    return chain.acceleration * dot(v, r) + chain.reeling * (dot(a, r) + dot(v, u))
-
-
-@kernel
 def energy_of_flow(chain, x, v, counted):
-    """Kinetic energy [J] of `energy` of all segments; counted : of its ends, whether their velocities count, 1 or 0."""
+    """Kinetic energy [J] that `energy` has of all segments; counted : of its ends, 1 or 0: whether their velocities do."""
     total, part = 0.0, 1.0
     for s in range(chain.n):
         v_p = scale(counted[0] if s == 0 else 1.0, get(v, s))

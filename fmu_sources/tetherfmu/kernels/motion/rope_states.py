@@ -12,6 +12,7 @@ from ..equations.lines import (
     conditions_of,
     goes_on,
     is_at_point,
+    is_freed,
     is_portion,
     is_rope,
     is_turned,
@@ -125,7 +126,7 @@ def write_tensions(system, time):
             else:
                 state[at.TENSION_FROM] = numbers_at(system, k - 1)[at_sheave.TENSION_AHEAD]
             if not goes_on(system, k):
-                state[at.TENSION_TO] = end_tension(system, k, OUT, time)
+                state[at.TENSION_TO] = 0.0 if is_freed(system, k) else end_tension(system, k, OUT, time)
             else:
                 numbers = numbers_at(system, k)
                 state[at.TENSION_TO] = numbers[at_sheave.TENSION_BEHIND]

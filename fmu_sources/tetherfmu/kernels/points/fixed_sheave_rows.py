@@ -23,7 +23,7 @@ from ..equations.lines import (
     comes_from,
     conditions_of,
     goes_on,
-    is_portion,
+    is_even,
     is_rope,
     is_turned,
     lines_of,
@@ -84,7 +84,7 @@ def take_pulls(system, k):
     numbers, w, border = numbers_at(system, k), scratch_of(system, k), single_at(system, k, BORDER)
     parts, accelerations = parts_of(system, k), single_at(system, k, ACCELERATIONS)
     chain, nodes = portion_gaining(system, k, 1.0), (w.x, single_at(system, k, VELOCITIES), w.held)
-    (pull_a, pull_b), (own_aa, own_ab, own_bb) = take_segments(chain, False, is_portion(system, k), nodes, border, border)
+    (pull_a, pull_b), (own_aa, own_ab, own_bb) = take_segments(chain, False, is_even(system, k), nodes, border, border)
     for i in range(chain.n + 1):
         along = dot(get(border, i), get(accelerations, i))
         pull_a += parts[i] * along
@@ -128,7 +128,7 @@ def put_column(system, k, side, step, column):
     put_reeling_column(system, k, step, column)
     for i in range(len(column)):
         column[i] = sign * column[i] + part_of(parts, side, i // 3) * border[i] / step.h
-    own, is_uniform = rope.rope_of(chain, 0), is_portion(system, k)
+    own, is_uniform = rope.rope_of(chain, 0), is_even(system, k)
     for s in range(chain.n):
         r, u = sub(get(w.x, s + 1), get(w.x, s)), sub(get(velocities, s + 1), get(velocities, s))
         if not is_uniform:

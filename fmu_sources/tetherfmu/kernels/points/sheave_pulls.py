@@ -13,7 +13,7 @@ from ..equations.lines import (
     conditions_of,
     goes_on,
     is_at_point,
-    is_portion,
+    is_even,
     is_turned,
     lines_of,
     load_at,
@@ -150,7 +150,7 @@ def take_pulls(system, k, time):
     )
     n, parts, gain = conditions.n, parts_of(system, k), 0.0
     nodes = w.stage_x, w.stage_v, w.modes
-    (pull_a, pull_b), own = take_segments(portion_in_step(system, k), True, is_portion(system, k), nodes, pulled, w.force)
+    (pull_a, pull_b), own = take_segments(portion_in_step(system, k), True, is_even(system, k), nodes, pulled, w.force)
     if not comes_from(system, k) and not is_turned(system, k):
         gain = numbers[at_sheave.INTO_GAIN]
         push(n, gain, 0.0, parts, pulled, w.force)

@@ -24,7 +24,6 @@ from ..equations.lines import (
     number_of_line,
     parameters_of,
     segments_of,
-    sheaves_of,
 )
 from ..equations.plan import number_in
 from ..equations.properties import chain_with_flow, property_of
@@ -208,9 +207,9 @@ def shared_with(system, count, first):
 
 
 @view
-def shared_at_rest(system):
-    """As many of the sheaves alone, for `variants/rope_shares.py`; and room for one number more of each."""
-    count, first = sheaves_of(system), number_in(system.plan, places.SHEAVES_WORK)
+def shared_at_rest(system, count):
+    """As many of so many of them, for `variants/rope_shares.py`; and room for one number more of each."""
+    first = number_in(system.plan, places.SHEAVES_WORK)
     behind_them = part(system.work, first + count * (2 * count + 3), count)
     return shared_with(system, count, first), behind_them
 

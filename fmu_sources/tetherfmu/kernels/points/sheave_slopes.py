@@ -13,7 +13,7 @@ from ..equations.lines import (
     clear,
     comes_from,
     conditions_of,
-    is_portion,
+    is_even,
     motion_of,
     parameters_of,
     segments_of,
@@ -57,7 +57,7 @@ def form_slopes(system, k, time):
         portion_at_start(system, k, time),
         chain_with(conditions, length, 1.0),
     )
-    gained, own, is_uniform = single_at(system, k, ACCELERATIONS), rope.rope_of(chain, 0), is_portion(system, k)
+    gained, own, is_uniform = single_at(system, k, ACCELERATIONS), rope.rope_of(chain, 0), is_even(system, k)
     assembly.rate_from_reeling(growing, w.start_x, w.start_v, w.records, by_length)
     if has_ground(conditions.parameters):
         contact.add_rate(growing, x, v, w, by_length)
@@ -109,7 +109,7 @@ def take_row(system, k, side, weight, nodes):
     clear(by_velocity)
     chain, holder = portion_gaining(system, k, 1.0), 0 if side == IN else n
     by_length, by_a, by_b = 0.0, 0.0, 0.0
-    accelerations, own, is_uniform = single_at(system, k, ACCELERATIONS), rope.rope_of(chain, 0), is_portion(system, k)
+    accelerations, own, is_uniform = single_at(system, k, ACCELERATIONS), rope.rope_of(chain, 0), is_even(system, k)
     a_p = get(accelerations, 0)
     for s in range(n):
         a_q = get(accelerations, s + 1)

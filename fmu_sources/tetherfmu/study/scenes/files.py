@@ -16,7 +16,7 @@ from tetherfmu.lean import Lean
 from tetherfmu.results import StepRefused
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.inputs import COUNT, by_name
-from tetherfmu.runtime.naming import meant_or_all
+from tetherfmu.runtime.naming import meant_or_all, prefixed
 from tetherfmu.runtime.parameters import Environment, Ground, Tether, Winch
 from tetherfmu.runtime.plausibility import LARGEST_STRETCH, UNDER
 from tetherfmu.runtime.quantities import check, doubts_of, quantities, quantity
@@ -185,6 +185,8 @@ class Scene:
             given["winch_force"] = self.force_of_winch(time + 0.5 * step * exact)[:, np.newaxis]
         if self.flight.has_length and not exact:
             given["winch_length"] = (self.tether.initial_length + motion.reeled)[:, np.newaxis]
+        if self.flight.has_release:
+            given["release"] = (time >= self.flight.release_time - 1e-6)[:, np.newaxis]
         if self.kite_is_free:
             given["kite_position"] = self.flight.at_rest(self.tether, self.environment.gravity)
             given["kite_load"] = self.flight.load()
@@ -212,14 +214,10 @@ def load(path, settings=()):
     path : of the file, or the name of one of `named.named_scenes`.
     settings : pairs (name, value) of what is different from the file, see `settings.with_settings`.
     """
-    try:
+    with prefixed("", SceneError):
         path = path_of(path)
-    except ValueError as error:
-        raise SceneError(str(error)) from None
-    try:
+    with prefixed(f"{path}: ", SceneError):
         scene = read(with_settings(tables_of(path), settings), path.parent, path.stem)
-    except ValueError as error:
-        raise SceneError(f"{path}: {error}") from None
     for doubt in scene.doubts():
         print(f"{path}: {doubt}", file=sys.stderr)
     return scene
@@ -227,6 +225,8 @@ def load(path, settings=()):
 
 def read(table, folder, name):
     """`Scene` from the table of a file in a folder; ValueError names the key."""
+    if "points" in table:
+        raise ValueError("describes a system of tethers, no scene; tetherfmu fly, advise and build --system take it")
     require(table, "", ("name", "duration", "flight", *RECORDS, "build"), REQUIRED[""])
     flight = read_flight(table["flight"], folder)
     if flight.initial_length is not None and isinstance(table["tether"], dict):
@@ -246,6 +246,8 @@ def read(table, folder, name):
         raise ValueError(
             "wind.file is given to a free end, of which it is not known where it will be; give wind.velocity alone"
         )
+    if flight.has_release:
+        raise ValueError("the series has a column release; only tetherfmu fly FLIGHT.csv takes one")
     length, first = records["tether"].initial_length, flight.initial_length
     if first is not None and not np.isclose(first, length, rtol=1e-6):
         raise ValueError(f"tether.initial_length is {length!r} m; tether_length of the series begins with {first!r} m")

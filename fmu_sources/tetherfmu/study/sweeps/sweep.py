@@ -1,8 +1,9 @@
 """The sweep of a scene: all flights on any executor, kept as they finish, in one table."""
 
 import math
+import sys
 from concurrent.futures import as_completed
-from itertools import chain
+from contextlib import suppress
 from pathlib import Path
 
 import pandas as pd
@@ -15,7 +16,7 @@ from tetherfmu.runtime.variants import VARIANTS
 from tetherfmu.study.measuring.executors import executor_of, progress_bar
 from tetherfmu.study.measuring.runs import Config, least_cost
 from tetherfmu.study.measuring.store import Store, key
-from tetherfmu.study.scenes.files import load
+from tetherfmu.study.scenes.files import load, read
 from tetherfmu.study.scenes.named import path_of
 from tetherfmu.study.scenes.settings import with_settings
 
@@ -52,8 +53,7 @@ def tasks_of(task, scene, missing):
     task : `Task` without flights.  missing : pairs (key, values).
     """
     cost = max(1e-4, least_cost(scene, task.config) * scene.duration)
-    size = min(math.ceil(TASK / cost), MOST_PER_TASK, math.ceil(len(missing) / FEWEST_TASKS))
-    size = max(1, size)
+    size = max(1, min(math.ceil(TASK / cost), MOST_PER_TASK, math.ceil(len(missing) / FEWEST_TASKS)))
     return [task._replace(flights=tuple(missing[k : k + size])) for k in range(0, len(missing), size)]
 
 
@@ -64,15 +64,10 @@ def collect(tasks, executor, store, name):
     else:
         futures = [executor.submit(fly_all, task) for task in tasks]
         done = (future.result() for future in as_completed(futures))
-    total = sum(len(task.flights) for task in tasks)
-    for _ in progress_bar(chain.from_iterable(kept(found, store) for found in done), total, name):
-        pass
-
-
-def kept(found, store):
-    """Flights of a task, once they are kept."""
-    store.add_all(found)
-    return found
+    with progress_bar(None, sum(len(task.flights) for task in tasks), name) as bar:
+        for found in done:
+            store.add_all(found)
+            bar.update(len(found))
 
 
 def fly_missing(task, scene, flights, store, executor, processes, dask):
@@ -92,6 +87,19 @@ def fly_missing(task, scene, flights, store, executor, processes, dask):
         except WorkersLost:
             if dask is not None or len(store.points) == before:
                 raise
+
+
+def doubts_of_extremes(task, quantities, values):
+    """Sentences on what is hardly meant in the flights with the least and the largest value of each quantity, no doubles.
+
+    task : `Task`.  quantities, values : of all flights, as of `varied.points`.
+    """
+    found = {}
+    for k in (k for k, each in enumerate(quantities) if each.unit is not None):
+        for extreme in (least(values, key=lambda flight, k=k: flight[k][1]) for least in (min, max)):
+            with suppress(ValueError):  # said in the row of that flight
+                found |= dict.fromkeys(read(with_settings(task.table, extreme), task.folder, task.name).doubts())
+    return list(found)
 
 
 def sweep(
@@ -181,6 +189,9 @@ def sweep(
     config = config_of(base, tether, segments, step)
     task = Task(table, path.parent, base.name, config, statistics, ())
     values = points(quantities, int(samples), method, seed)
+    for doubt in doubts_of_extremes(task, quantities, values):
+        if doubt not in base.doubts():  # which `load` has said
+            print(f"{path}: {doubt}", file=sys.stderr)
     keys = [key(base.digest, *config, *statistics, each) for each in values]
     store = Store(Path(out) / FLIGHTS) if out is not None else Memory()
     if hasattr(executor, "get_executor"):  # a Dask client
