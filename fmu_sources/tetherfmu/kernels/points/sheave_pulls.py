@@ -89,15 +89,15 @@ def loss_at_stage(system, k):
 
 
 @view
-def take_segments(chain, are_interleaved, is_uniform, nodes, pulled, force):
+def take_segments(chain, are_interleaved, is_uniform, last_part, nodes, pulled, force):
     """R_a and R_b of a portion without accelerations [N], what is in minus their slopes by a', b' of rope alone: aa, ab, bb.
 
     And col of its nodes into `pulled` (modified). Two segments at a time, as in `assembly.node_forces`.
     are_interleaved : whether positions and velocities are, as a constant; then `force`, too, which gets the forces of rope
-    that flows (modified).  nodes : as of `sheave_slopes.take_row`.
+    that flows (modified).  last_part : w of the last node.  nodes : as of `sheave_slopes.take_row`.
     """
     n, (x, v, modes), nothing = chain.n, nodes, pair(0.0, 0.0)
-    own, part, col = rope.rope_of(chain, (0, n - 1)), pair(1.0, 0.0), pair(ZERO_VECTOR, ZERO_VECTOR)
+    own, part, col = rope.rope_of(chain, (0, n - 1)), pair(1.0, last_part), pair(ZERO_VECTOR, ZERO_VECTOR)
     flows = are_interleaved and (chain.reeling != 0.0 or chain.leaving != 0.0)
     lowest, highest = (get_node(n, 0, x), get_node(n, n, x)) if are_interleaved else (get(x, 0), get(x, n))
     at_ends = rope.of_speed(own, pair(1.0, -1.0), pair(chain.reeling + chain.leaving, chain.leaving))
@@ -149,8 +149,8 @@ def take_pulls(system, k, time):
         single_at(system, k, PULLED),
     )
     n, parts, gain = conditions.n, parts_of(system, k), 0.0
-    nodes = w.stage_x, w.stage_v, w.modes
-    (pull_a, pull_b), own = take_segments(portion_in_step(system, k), True, is_even(system, k), nodes, pulled, w.force)
+    given = is_even(system, k), parts[n], (w.stage_x, w.stage_v, w.modes)
+    (pull_a, pull_b), own = take_segments(portion_in_step(system, k), True, *given, pulled, w.force)
     if not comes_from(system, k) and not is_turned(system, k):
         gain = numbers[at_sheave.INTO_GAIN]
         push(n, gain, 0.0, parts, pulled, w.force)

@@ -19,6 +19,7 @@ from ..equations.lines import (
     coordinates_in,
     goes_on,
     has_coordinates,
+    is_freed,
     is_rope,
     is_turned,
     number_of_line,
@@ -173,7 +174,7 @@ def take_parts(system, k):
     for i in range(conditions.n):
         parts[i] = part_of_a
         part_of_a -= property_of(conditions, i, at.SHARE)
-    parts[conditions.n] = 0.0
+    parts[conditions.n] = part_of_a if is_freed(system, k) else 0.0  # beyond a gap it is below 0
 
 
 @view
