@@ -88,11 +88,6 @@ def checked_masses(point_masses, segments):
     return masses
 
 
-def node_vectors(name, given, segments):
-    """A vector for each node, array (segments + 1, 3); ValueError for another shape, or numbers that no input may have."""
-    return numbers_in_shape(name, given, (segments + 1, 3))
-
-
 def numbers_in_shape(name, given, shape):
     """Array of this shape; ValueError for another one, or numbers that no input may have."""
     found = np.asarray(given, dtype=float)
@@ -106,15 +101,15 @@ def numbers_in_shape(name, given, shape):
 def motion_of_nodes(positions, velocities, segments):
     """Positions [m] and velocities [m/s] of all nodes, array (2, segments + 1, 3), at rest if None; None without positions.
 
-    ValueError as of `node_vectors`.
+    ValueError as of `numbers_in_shape`.
     """
     if positions is None:
         if velocities is not None:
             raise ValueError("velocities of nodes are given without their positions")
         return None
-    positions = node_vectors("positions", positions, segments)
-    moving = np.zeros_like(positions) if velocities is None else node_vectors("velocities", velocities, segments)
-    return np.stack((positions, moving))
+    shape = segments + 1, 3
+    velocities = np.zeros(shape) if velocities is None else numbers_in_shape("velocities", velocities, shape)
+    return np.stack((numbers_in_shape("positions", positions, shape), velocities))
 
 
 def length_with(slack, chord, segments):

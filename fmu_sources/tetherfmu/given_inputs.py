@@ -121,7 +121,7 @@ def _put_wind(to, wind):
     if to.wind_points and np.any(wind):
         raise ValueError(f"wind_velocity is given to a {to.name} with wind points; give wind_at")
     if shape == (nodes, 3) and to.variant.has_nodes:
-        compiled_flight.put_node_winds(to.instance, arguments.node_vectors("wind_velocity", wind, nodes - 1))
+        compiled_flight.put_node_winds(to.instance, arguments.numbers_in_shape("wind_velocity", wind, shape))
     elif shape == (3,):
         to.inputs[at.WIND_VELOCITY : at.WIND_VELOCITY + 3] = wind
         to.instance.parameters[at.WIND_PROFILE] = at.AT_NODES if to.wind_points else to.wind_profile

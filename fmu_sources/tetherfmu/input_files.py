@@ -11,7 +11,7 @@ from dataclasses import field, fields, make_dataclass
 from pathlib import Path
 
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime.naming import LONGEST_NAME, meant, meant_or_all, shortened
+from tetherfmu.runtime.naming import LONGEST_NAME, meant, meant_or_all, prefixed, shortened
 from tetherfmu.runtime.parameters import GROUND_WITHOUT_GRAVITY, Ground
 from tetherfmu.runtime.quantities import can_be_given, check
 
@@ -112,10 +112,8 @@ def record(kind, table, section, needed=(), left_out=()):
     """A record from a table of a file; ValueError names the key. left_out : quantities that the file has not."""
     require(table, section, [name for name in keys_of(kind) if name not in left_out], needed)
     given = {key: value_of(kind, key, value, f"{section}.") for key, value in table.items()}
-    try:
+    with prefixed(f"{section}."):
         return kind(**given)
-    except ValueError as error:
-        raise ValueError(f"{section}.{error}") from None
 
 
 def value_of(kind, key, value, label):

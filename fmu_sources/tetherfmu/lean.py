@@ -9,7 +9,7 @@ from fnmatch import fnmatchcase
 
 from tetherfmu.fmi.selection import GROUPS, own_name
 from tetherfmu.input_files import in_si, require
-from tetherfmu.runtime.naming import meant_or_all
+from tetherfmu.runtime.naming import meant_or_all, prefixed
 from tetherfmu.runtime.parameters import SCALED
 from tetherfmu.runtime.quantities import NOT_WHOLE, checked
 from tetherfmu.runtime.variables import CALCULATED, INPUT, PARAMETER
@@ -185,8 +185,6 @@ def read(table):
     starts = table.get("set", {})
     if not isinstance(starts, dict):
         raise ValueError(f"build.set is {starts!r}; it must be a table [build.set] of start values")
-    try:
-        lists = {key: tuple(table[key]) for key in LISTS if key in table}
+    lists = {key: tuple(table[key]) for key in LISTS if key in table}
+    with prefixed("build."):
         return Lean(**lists, starts=tuple(starts.items()), preset=table.get("preset"))
-    except ValueError as error:
-        raise ValueError(f"build.{error}") from None

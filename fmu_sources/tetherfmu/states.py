@@ -9,6 +9,7 @@ from array import array
 import numpy as np
 
 from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.naming import prefixed
 from tetherfmu.runtime.refusals import STATE_IMPOSSIBLE
 from tetherfmu.runtime.status import OK
 from tetherfmu.runtime.variants import EVERY_VARIANT
@@ -57,10 +58,8 @@ def take(variant, instance, state):
 def _take_own(instance, state):
     """Set an `Instance` (modified) to a state array; ValueError, and nothing is changed, if no tether is in such a state."""
     before = instance.state[:]
-    try:
+    with prefixed("state "):
         instance.take(state)
-    except ValueError as problem:
-        raise ValueError(f"state {problem}") from None
     if instance.take_outputs() != OK:
         instance.state[:] = before
         instance.take_outputs()

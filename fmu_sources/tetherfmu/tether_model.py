@@ -310,8 +310,7 @@ class TetherModel(Running):
         inputs : those of `energy.WITH_POWER`, which are those of the last step where they are not given. The powers explain
         the change of the energy of the dynamic tether; `energy.EnergyAudit` adds them up along a run.
         """
-        found, _, _ = self._account(**inputs)
-        return found
+        return self._account(**inputs)[0]
 
     @property
     def positions(self) -> NDArray[np.float64]:
@@ -322,8 +321,7 @@ class TetherModel(Running):
     def velocities(self) -> NDArray[np.float64]:
         """Node velocities [m/s], array (segments + 1, 3); of a `TetherQuasiSteady` those of its rotation with the kite."""
         if self._variant.has_nodes and not self._variant.has_waves:
-            _, _, velocities = self._account()
-            return velocities
+            return self._account()[2]
         return self._motion()[1].copy()
 
     @property
@@ -334,8 +332,7 @@ class TetherModel(Running):
     @property
     def segment_tensions(self) -> NDArray[np.float64]:
         """Tensions of the segments [N], array (segments,), negative where one is slack; tethers with nodes only."""
-        _, tensions, _ = self._account()
-        return tensions
+        return self._account()[1]
 
     @property
     def most_factorizations(self) -> int:

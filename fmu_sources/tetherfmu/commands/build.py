@@ -22,7 +22,7 @@ from tetherfmu.materials import MATERIALS, tether_of
 from tetherfmu.results import PlausibilityWarning
 from tetherfmu.runtime.kernel_library import PYTHONFMU, this_platform
 from tetherfmu.runtime.limits import MAX_WIND_POINTS
-from tetherfmu.runtime.naming import meant_or_all
+from tetherfmu.runtime.naming import meant_or_all, prefixed
 from tetherfmu.runtime.parameters import Tether
 from tetherfmu.runtime.quantities import Quantity, quantities
 from tetherfmu.runtime.variants import class_name, library_of, variant_of
@@ -37,10 +37,8 @@ OF_THE_ROPE = ("diameter", "density", "axial_stiffness", "axial_damping")
 
 def fmu(text):
     """Type of a name of an FMU, in any spelling."""
-    try:
+    with prefixed("", argparse.ArgumentTypeError):
         return class_name(variant_of(text))
-    except ValueError as error:
-        raise argparse.ArgumentTypeError(str(error)) from None
 
 
 def platforms(text):

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from tetherfmu.console.ending import WrongUse, command
 from tetherfmu.libraries.examples import example
+from tetherfmu.runtime.naming import prefixed
 
 
 def is_scene(flight):
@@ -21,10 +22,8 @@ def fly_scene(given, parser):
     from tetherfmu.study.scenes.systems import is_system
 
     scene, system = example("first_flight.scene_flight"), example("first_flight.system_flight")
-    try:
+    with prefixed("", WrongUse):
         given.log = path_of(given.log, named_scenes() | named_systems())
-    except ValueError as error:
-        raise WrongUse(str(error)) from None
     what, module = ("system", system) if is_system(given.log) else ("scene", scene)
     for name, instead in module.IN_PLACE.items():
         if getattr(given, name):

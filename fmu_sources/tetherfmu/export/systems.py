@@ -11,6 +11,7 @@ from tetherfmu.fmi.wiring import of_system
 from tetherfmu.runtime.inputs import ZERO
 from tetherfmu.runtime.kernel_library import SYSTEM
 from tetherfmu.runtime.layout import START_AT_REST, START_GIVEN
+from tetherfmu.runtime.naming import prefixed
 from tetherfmu.runtime.quantities import quantities
 from tetherfmu.systems import files
 from tetherfmu.systems.ordering import ordered
@@ -47,17 +48,12 @@ def build(path, folder, options=None, native=None, with_header=False, with_sourc
     of an FMU without Python; None for PythonFMU's.  with_header, with_sources : of a native one, see `fmus.written`.
     """
     options = options or BuildOptions(shape_points=None)
-    found, positions = read(path)
-    try:
+    (found, positions), folder = read(path), Path(folder)
+    with prefixed(f"{path}: "):
         check_with_sheaves(found.lines, found.winches)
-    except ValueError as error:
-        raise ValueError(f"{path}: {error}") from None
-    structure, folder = structure_from(found, positions, options.shape_points, options.wind_points), Path(folder)
-    try:
+        structure = structure_from(found, positions, options.shape_points, options.wind_points)
         own = chosen(options.lean.over(found.build), table_of(structure))
         check_start(None, {"system": asdict(structure), **own})
-    except ValueError as error:
-        raise ValueError(f"{path}: {error}") from None
     starts, left_out = own.get("starts", ()), own.get("left_out", ())
     table = with_starts(table_of(structure), starts)
     points, lines, free = len(structure.points), len(structure.lines), len(structure.free)

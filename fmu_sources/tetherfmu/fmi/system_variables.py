@@ -48,7 +48,6 @@ TURNED = {  # their outputs: the output of a tether that they are made of
     "winch_speed": ("winch_speed", "reel-out speed of a line with the ratio 1"),
     "payout": ("tether_length", "length of a line with the ratio 1 that it has paid out since the start"),
 }
-PARTING = ("broken", "break_time")  # outputs that a line has not which cannot break or let go
 # outputs of the portions and the sheaves of a line, in the order of `layout.PORTION_LENGTH`, ...: unit, meaning
 OF_PORTIONS = {
     "portion_length": ("m", "unstretched length of portion {}"),
@@ -103,11 +102,6 @@ class Line:
     through: tuple = ()
     sheaves: dict = field(default_factory=dict)
 
-    @property
-    def ends(self):
-        """Pairs of the end of a tether, "ground" or "kite", and the point there."""
-        return tuple(zip(ENDS, (self.start, self.end), strict=True))
-
 
 @dataclass(frozen=True)
 class SharedWinch:
@@ -147,10 +141,6 @@ class Structure:
     def holding(self, line):
         """The shared winches that hold a line with this name."""
         return [each for each in self.winches if line in dict(each.ratios)]
-
-    def can_part(self, line):
-        """Whether a line can break and let go: not over sheaves, or at a shared winch that is controlled by force."""
-        return not line.through and not any(each.carrier for each in self.holding(line.name))
 
     @property
     def has_wind_points(self):
@@ -225,8 +215,6 @@ def _inputs(structure):
         start = getattr(winch, winch.input, declared.start[0])
         yield Variable(f"{winch.name}.{winch.input}", INPUT, "Real", quantity, 0, start, group=declared.group)
     for line in structure.lines:
-        if not structure.can_part(line):
-            continue
         declared = inputs.BY_NAME[RELEASE]
         quantity = Quantity("", _RELEASE.format(line))
         yield Variable(f"{line.name}.{RELEASE}", INPUT, declared.kind, quantity, 0, 0.0, group=declared.group)
@@ -360,10 +348,9 @@ def _outputs(structure, known):
 def _outputs_of_line(structure, line, known):
     """Outputs of a line."""
     for name, own in OF_A_LINE.items():
-        if name in PARTING and not structure.can_part(line):
-            continue
         each = outputs.BY_NAME[name]
-        meaning = MEANINGS[own].format(dict(line.ends)[name.partition("_")[0]]) if own in MEANINGS else each.quantity.meaning
+        end = line.start if name.startswith(ENDS[0]) else line.end
+        meaning = MEANINGS[own].format(end) if own in MEANINGS else each.quantity.meaning
         found = _known(structure, line, each, name, known)
         quantity = replace(each.quantity, meaning=meaning)
         yield Variable(f"{line.name}.{own}", OUTPUT, each.kind, quantity, 0, depends_on=found, group=each.group)

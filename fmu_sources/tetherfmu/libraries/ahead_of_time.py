@@ -45,10 +45,6 @@ def object_files(folder, variant, platforms, code=None):
     code : `intermediate_code.Code`, which a folder needs once. What is found on the way is kept there: kernels for other
     platforms need no numba, and platforms with the same processor share what is optimized. Equal code gives equal bytes.
     """
-    import llvmlite.binding as llvm
-
-    llvm.initialize_all_targets()
-    llvm.initialize_all_asmprinters()
     plain = _kept(folder, CODE, lambda: whole_module(code))
     for platform in platforms:
         architecture, cpu = platform.partition("-")[0], TARGETS[platform].cpu

@@ -62,10 +62,6 @@ class Writer:
             if wanted(value):
                 self.name(place)
 
-    def keep_all(self):
-        """Give names to all values of the stack that may change."""
-        self.keep(lambda value: value.variables or value.reads_memory)
-
     def set(self, variable, text):
         """Give a variable a value; expressions on the stack that read the old one get names first."""
         self.keep(lambda value: variable in value.variables)
@@ -219,7 +215,7 @@ class Writer:
         """Begin a block."""
         assert kind is None, "a block with a result"
         condition = self.pop(1)[0][0] if code == wasm.IF else ""
-        self.keep_all()
+        self.keep(lambda value: value.variables or value.reads_memory)  # what may change
         label = Label(self.fresh("L"), code, len(self.stack))
         self.labels.append(label)
         if code == wasm.LOOP:

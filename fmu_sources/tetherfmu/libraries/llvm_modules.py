@@ -57,12 +57,14 @@ def as_one_module(texts):
     return modules[0]
 
 
-def machine_of(target):
-    """LLVM's machine of a target."""
+def machine_of(target, **more):
+    """LLVM's machine of a target; more : other options of it."""
     import llvmlite.binding as llvm
 
+    llvm.initialize_all_targets()
+    llvm.initialize_all_asmprinters()
     found = llvm.Target.from_triple(target.triple)
-    return found.create_target_machine(cpu=target.cpu, opt=3, reloc="pic", codemodel="small")
+    return found.create_target_machine(cpu=target.cpu, opt=3, **{"reloc": "pic", "codemodel": "small"} | more)
 
 
 def for_target(text, target, machine):

@@ -115,7 +115,10 @@ def _compile(folders, platforms, browser):
 
 
 def run(module, arguments, root):
-    """Run a module beside this one, which compiles below the folder `root` and writes a line for what is done."""
+    """Run a module beside this one, which compiles below the folder `root` and writes a line for what is done.
+
+    RuntimeError with what it wrote to stderr if it fails.
+    """
     began = monotonic()
     # -P: a file of the user with the name of a module that numba imports is not imported
     command = [sys.executable, "-P", "-m", f"tetherfmu.libraries.{module}", *arguments]
@@ -126,14 +129,9 @@ def run(module, arguments, root):
         tempfile.TemporaryFile("w+") as problems,
     ):
         own = {"PYTHONPATH": os.pathsep.join(path), **dict.fromkeys(TEMPORARY, unfinished)}
-        _follow(command, os.environ | FOR_NUMBA | own, problems, began)
-
-
-def _follow(command, environment, problems, began):
-    """Run what compiles, and say which variants are done; RuntimeError with what it wrote to the file `problems`."""
-    with child(command, env=environment, stdout=subprocess.PIPE, stderr=problems) as started:
-        for line in started.stdout:
-            print(f"  {line.strip()} after {monotonic() - began:.0f} s", file=sys.stderr, flush=True)
-        if started.wait() != 0:
-            problems.seek(0)
-            raise RuntimeError(f"compiling the kernels failed: {problems.read().strip()}")
+        with child(command, env=os.environ | FOR_NUMBA | own, stdout=subprocess.PIPE, stderr=problems) as started:
+            for line in started.stdout:
+                print(f"  {line.strip()} after {monotonic() - began:.0f} s", file=sys.stderr, flush=True)
+            if started.wait() != 0:
+                problems.seek(0)
+                raise RuntimeError(f"compiling the kernels failed: {problems.read().strip()}")

@@ -10,8 +10,7 @@ from typing import NamedTuple
 TYPES = {0x7F: "i32", 0x7E: "i64", 0x7D: "f32", 0x7C: "f64"}
 EMPTY = 0x40  # block without a result
 FUNCTION, TABLE, MEMORY, GLOBAL = range(4)  # kinds of imports and exports
-VARIABLE, BRANCHES = "variable", "branches"
-NO_OPERAND, INDEX, BLOCK, PLACE = "", "index", "block", "place"
+NO_OPERAND, INDEX, BLOCK, PLACE, BRANCHES = "", "index", "block", "place", "branches"
 # instructions with operands, by their code; those without are all others
 OPERANDS = {
     **dict.fromkeys((0x02, 0x03, 0x04), BLOCK),

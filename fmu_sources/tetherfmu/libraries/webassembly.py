@@ -87,11 +87,7 @@ def object_file(text, exported, features=FEATURES):
     """
     import llvmlite.binding as llvm
 
-    llvm.initialize_all_targets()
-    llvm.initialize_all_asmprinters()
-    machine = llvm.Target.from_triple(TARGET.triple).create_target_machine(
-        cpu=TARGET.cpu, features=features, opt=3, reloc="static", codemodel="default"
-    )
+    machine = llvm_modules.machine_of(TARGET, features=features, reloc="static", codemodel="default")
     module = llvm_modules.for_target(_with_instructions(text), TARGET, machine)
     llvm_modules.optimize(module, machine, level=3)
     llvm_modules.check_names(module, exported)
@@ -146,10 +142,6 @@ def _declared_once(text):
 
 def write(path, codes):
     """Write the file for browsers; codes : `intermediate_code.Code` of each variant, of which equal texts are there once."""
-    import llvmlite.binding as llvm
-
-    llvm.initialize_all_targets()
-    llvm.initialize_all_asmprinters()
     texts = dict.fromkeys(text for code in codes for text in code.texts)
     names = {name: exported for code in codes for name, exported in code.names.items()}
     text = str(llvm_modules.whole_module(Code(list(texts), names)))

@@ -1,6 +1,7 @@
-"""Names that users give, and that do not exist: what was probably meant."""
+"""Names that users give, and that do not exist: what was probably meant; and what an error is about."""
 
 import re
+from contextlib import contextmanager
 from dataclasses import fields
 from functools import wraps
 
@@ -39,6 +40,15 @@ ELSEWHERE = {each: " ".join(name for name, words in OTHERS.items() if each in wo
 MOST, SHORTEST = 4, 3  # names that are asked for, letters of a word that is cut short
 LONGEST_NAME = 100  # characters: file systems allow some 255 for the name of a file, which has more than this in it
 WORDS = re.compile("[a-z0-9]+")
+
+
+@contextmanager
+def prefixed(text, kind=ValueError):
+    """A ValueError of the block becomes one of a kind whose message begins with a text: what it is about."""
+    try:
+        yield
+    except ValueError as problem:
+        raise kind(f"{text}{problem}") from None
 
 
 def begins(word, words):

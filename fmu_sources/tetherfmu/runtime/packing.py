@@ -6,6 +6,7 @@ from itertools import accumulate
 from . import layout as at
 from . import status
 from .instance import address, zeros
+from .naming import prefixed
 from .parameters import QUANTITIES_OF_TETHER, Ground, Winch, numbers_of
 from .variables import PARAMETERS
 
@@ -46,10 +47,8 @@ def pack_lines(kernels, lines, tolerance=0.0, kites=0):
     """
     counts, found = (), array("d")
     for name, numbers, tethers, free_ends, (first, last) in lines:
-        try:
+        with prefixed(f"the line {name}: " if name else ""):
             segments, parameters = pack(kernels, numbers, tethers, kites, tolerance)
-        except ValueError as problem:
-            raise ValueError(f"the line {name}: {problem}" if name else str(problem)) from None
         if any(free_ends):
             put_ends(segments, parameters, free_ends, ((0, first), (segments, last)))
         counts, found = (*counts, segments), found + parameters

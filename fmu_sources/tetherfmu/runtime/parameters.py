@@ -3,7 +3,6 @@
 Each quantity: default, unit, meaning, minimum, maximum (of an enumeration its choices).
 """
 
-from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import wraps
 from math import inf, pi
@@ -11,6 +10,7 @@ from typing import ClassVar
 
 from .enumerations import EXPLOG, LOGARITHMIC, WITH_DRUM
 from .limits import MAX_SEGMENTS, MIN_SEGMENT_LENGTH
+from .naming import prefixed
 from .quantities import Quantity, check, checked, choice, documented, quantities, quantity
 
 DEFAULT_TOLERANCE, LOOSEST_TOLERANCE = 1e-4, 0.1
@@ -140,14 +140,10 @@ class Tether:
         return changed(self, {"diameter": diameter})
 
 
-@contextmanager
 def allowed_by(diameter):
     """For what follows from a diameter [m]: ValueError names it, whether it or what follows is out of range."""
     checked("diameter", diameter, dict(quantities(Tether))["diameter"])
-    try:
-        yield
-    except ValueError as problem:
-        raise ValueError(f"diameter is {diameter!r} m (4 mm are 0.004): with it {problem}") from None
+    return prefixed(f"diameter is {diameter!r} m (4 mm are 0.004): with it ")
 
 
 def changed(record, given):

@@ -50,14 +50,9 @@ IGNORED_WITH_WIND_AT = "(ignored: the wind is that of wind_at)"
 INPUT_NAMES = tuple(name for each in INPUT_TABLE for name in components(each.name, each.size))  # by their places
 
 
-def input_names(wind_points):
-    """FMI names of all inputs by their places, with so many points at which the wind is given."""
-    return INPUT_NAMES + wind_at_names(wind_points)
-
-
 def line_of_tether(shape_points, wind_points=0):
     """The `instance.Line` of a tether alone."""
-    return Line("", input_names(wind_points), shape_points, wind_points)
+    return Line("", INPUT_NAMES + wind_at_names(wind_points), shape_points, wind_points)
 
 
 def elements(name, meaning, shape, shape_points):

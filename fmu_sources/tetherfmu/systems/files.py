@@ -22,6 +22,7 @@ from tetherfmu.lean import Lean
 from tetherfmu.materials import tether_of
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.inputs import INPUT_TABLE
+from tetherfmu.runtime.naming import prefixed
 from tetherfmu.runtime.outputs import OUTPUT_TABLE
 from tetherfmu.runtime.parameters import Environment, FreeKite, Ground, Solver, Tether, Winch
 from tetherfmu.runtime.quantities import quantities, quantity
@@ -121,10 +122,8 @@ class SystemFile:
 def load(path: str | Path) -> SystemFile:
     """`SystemFile` of a file; ValueError says in one line what is wrong: file, key, value and what is allowed."""
     path = Path(path)
-    try:
+    with prefixed(f"{path}: "):
         return read(tables_of(path), path.stem)
-    except ValueError as error:
-        raise ValueError(f"{path}: {error}") from None
 
 
 def read(table, name):
@@ -182,11 +181,8 @@ def line_of(name, table):
     given = {key: value_of(TableOfLine, key, value, f"{section}.") for key, value in others.items()}
     speed = given.pop("reel_out_speed", 0.0)
     of_winch = {key: given.pop(key) for key, _ in quantities(Winch) if key in given}
-    try:
-        winch = Winch(**of_winch)
-    except ValueError as error:
-        raise ValueError(f"{section}.{error}") from None
-    tether = tether_in(table, given, section)
+    with prefixed(f"{section}."):
+        winch, tether = Winch(**of_winch), tether_in(table, given)
     return Line(name, table["from"], table["to"], tether, speed, winch, **of_sheaves)
 
 
@@ -197,19 +193,14 @@ def winch_of(name, table):
     require(table, section, ("lines", "control", *NUMBERS_OF_A_WINCH), ("lines",))
     given = {key: table[key] for key in ("lines", "control") if key in table}
     given |= {key: value_of(TableOfWinch, key, table[key], f"{section}.") for key in NUMBERS_OF_A_WINCH if key in table}
-    try:
+    with prefixed("winches."):
         return SharedWinch(name, **given)
-    except ValueError as error:
-        raise ValueError(f"winches.{error}") from None
 
 
-def tether_in(table, given, section):
+def tether_in(table, given):
     """`Tether` with the quantities that are given, of the material in a table of a file; ValueError names the key."""
-    try:
-        if "material" in table:
-            if "diameter" not in given:
-                raise ValueError("material is given without a diameter, on which its stiffness, damping and mass depend")
-            return tether_of(table["material"], given.pop("diameter"), **given)
+    if "material" not in table:
         return Tether(**given)
-    except ValueError as error:
-        raise ValueError(f"{section}.{error}") from None
+    if "diameter" not in given:
+        raise ValueError("material is given without a diameter, on which its stiffness, damping and mass depend")
+    return tether_of(table["material"], given.pop("diameter"), **given)

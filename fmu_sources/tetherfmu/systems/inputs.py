@@ -7,7 +7,7 @@ from typing import TypedDict
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tetherfmu.arguments import check_release, node_vectors
+from tetherfmu.arguments import check_release, numbers_in_shape
 from tetherfmu.compiled_flight import put_node_winds
 from tetherfmu.fmi.portions import portions_of
 from tetherfmu.fmi.system_variables import GIVEN, RELEASE
@@ -168,7 +168,8 @@ def _put_wind(wind, arrays, rows, names, at_start):
         _check_known("wind_velocity of a line", name, [line.name for line in arrays.lines if line.number == 0])
         first = names.index(name)
         own = range(first, first + sum(line.line.name == name for line in arrays.lines))
-        value, node = node_vectors(f"wind_velocity of {name}", value, sum(instance.counts[k] for k in own)), 0
+        shape, node = (sum(instance.counts[k] for k in own) + 1, 3), 0
+        value = numbers_in_shape(f"wind_velocity of {name}", value, shape)
         for k in own:
             winds.append((k, value[node : node + instance.counts[k] + 1]))
             node += instance.counts[k]

@@ -18,7 +18,7 @@ import numpy as np
 from tetherfmu.fmi import system_variables
 from tetherfmu.fmi.system_variables import OF_A_DRUM
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime.naming import meant_or_all, names_checked
+from tetherfmu.runtime.naming import meant_or_all, names_checked, prefixed
 from tetherfmu.runtime.parameters import Winch
 from tetherfmu.runtime.quantities import quantities
 
@@ -100,10 +100,8 @@ class SharedWinch:
                 raise ValueError(
                     f"{self.name}.{name} is {getattr(self, name)!r} and has no effect: control is {self.control!r}"
                 )
-        try:
+        with prefixed(f"{self.name}."):
             self.drum  # noqa: B018 (that it can be)
-        except ValueError as problem:
-            raise ValueError(f"{self.name}.{problem}") from None
 
     @property
     def input(self) -> str:

@@ -121,8 +121,6 @@ def check_drum(line, why):
     """ValueError if the drum of a line has what it cannot have yet in a system with sheaves; why : it has these."""
     if line.winch.winch_control != at.WINCH_BY_FORCE:
         return
-    if line.winch.winch_start != at.WINCH_GIVEN:
-        raise ValueError(f"{line.name}.winch_start is equilibrium, and {why}; it must be given")
     for name in ("shortest_length", "longest_length"):
         stop = getattr(line.winch, name)
         if line.through and stop:

@@ -17,6 +17,7 @@ from tetherfmu.fmi.portions import all_portions, joined
 from tetherfmu.results import StepRefused, outputs_of
 from tetherfmu.running import Running
 from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.naming import prefixed
 from tetherfmu.runtime.parameters import Environment, Ground, Solver
 from tetherfmu.runtime.status import OK
 
@@ -116,10 +117,8 @@ class TetherSystem(Running):
         docs/use/systems.md has the keys.
         """
         found = files.load(path)
-        try:
+        with prefixed(f"{path}: "):
             return cls(found.points, found.lines, found.environment, found.solver, found.ground, winches=found.winches)
-        except ValueError as error:
-            raise ValueError(f"{path}: {error}") from None
 
     @contextmanager
     def _all_or_nothing(self):
@@ -286,10 +285,8 @@ class TetherSystem(Running):
             raise ValueError("state belongs to another system: its points, lines, environment or solver differ")
         if not np.all(np.isfinite(state)):
             raise ValueError("state has a number that is not finite")
-        try:
+        with prefixed("state "):
             self._instance.take(array("d", own))
-        except ValueError as problem:
-            raise ValueError(f"state {problem}") from None
         arrays.inputs[:], ours[:], arrays.turned.told = inputs, array("d", parameters), told
         self._runs = True
 

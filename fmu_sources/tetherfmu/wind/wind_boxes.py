@@ -28,6 +28,7 @@ import numpy as np
 
 HEADER = struct.Struct("<h4i12fi")  # of a TurbSim file, up to its description
 PERIODIC, NOT_PERIODIC = 8, 7  # first number of a TurbSim file
+AXES = ("along", "across", "upwards")
 LARGEST_FILE = 2**42  # bytes, 4 TiB
 MOST_POINTS = 10_000_000  # of a box along an axis
 LARGEST_SPACING = 1e5  # of the points of a box [m], and of its planes in time [s]
@@ -67,18 +68,14 @@ def open_box(file: str | os.PathLike, points: Sequence[int] = (0, 0, 0), spacing
     """
     name = str(file)
     try:
-        return _opened(name, points, spacing)
+        if name.lower().endswith(".bts"):
+            return turbsim_box(name)
+        if name.lower().endswith(".npz"):
+            return numpy_box(name)
+        if re.search(r"u\.(bin|turb)$", name, re.IGNORECASE):
+            return mann_box(name, points, spacing)
     except OSError as problem:  # permissions, a file that vanishes
         raise WrongBox(f"{name!r} cannot be read: {problem.strerror or problem}") from None
-
-
-def _opened(name, points, spacing):
-    if name.lower().endswith(".bts"):
-        return turbsim_box(name)
-    if name.lower().endswith(".npz"):
-        return numpy_box(name)
-    if re.search(r"u\.(bin|turb)$", name, re.IGNORECASE):
-        return mann_box(name, points, spacing)
     allowed = "it must end in .bts (TurbSim), in .npz (numpy), or in u.bin or u.turb (Mann, with v and w beside it)"
     raise WrongBox(f"{name!r} is not the name of a wind box: {allowed}")
 
@@ -94,7 +91,7 @@ def turbsim_box(file):
     if kind not in (PERIODIC, NOT_PERIODIC):
         allowed = f"it must begin with {NOT_PERIODIC}, or with {PERIODIC} for a periodic box"
         raise WrongBox(f"{file} is no TurbSim file with a full field: it begins with {kind}; {allowed}")
-    check_points(file, (nt, ny, nz))
+    check_grid(file, (nt, ny, nz))
     check_number(file, "number of tower points", towers, 0, MOST_POINTS)
     check_number(file, "length of the description", described, 0, LONGEST_DESCRIPTION)
     for what, value in (("time step", dt), ("spacing across", dy), ("spacing upwards", dz)):
@@ -124,9 +121,7 @@ def mann_box(file, points, spacing):
     if not any(points):
         missing = "how many points it has, along, across and upwards, nor their spacing"
         raise WrongBox(f"{file} does not say {missing}; give both")
-    check_points(file, points)
-    for axis, value in zip(("along", "across", "upwards"), spacing, strict=True):
-        check_number(file, f"spacing {axis}", value, 1e-6, LARGEST_SPACING)
+    check_grid(file, points, spacing)
     stem, _, ending = file.rpartition(".")
     names = [f"{stem[:-1]}{letter.upper() if stem[-1] == 'U' else letter}.{ending}" for letter in "uvw"]
     count = math.prod(points)
@@ -154,14 +149,12 @@ def numpy_box(file):
     if velocity.ndim != 4 or velocity.shape[3] != 3 or spacing.shape != (3,):
         shapes = f"velocity is {velocity.shape} and spacing {spacing.shape}"
         raise WrongBox(f"{file}: {shapes}; they must be (points along, across, up, 3) and (3,)")
-    points = velocity.shape[:3]
-    check_points(file, points)
-    for axis, value in zip(("along", "across", "upwards"), spacing, strict=True):
-        check_number(file, f"spacing {axis}", float(value), 1e-6, LARGEST_SPACING)
+    points, spacing = velocity.shape[:3], spacing.tolist()
+    check_grid(file, points, spacing)
     *strides, of_component = (each // velocity.itemsize for each in velocity.strides)
     numbers = velocity.ravel(order="K")  # a view: the memory in its order
     components = [numbers[component * of_component :] for component in range(3)]
-    return of_space(file, components, strides, points, [float(value) for value in spacing])
+    return of_space(file, components, strides, points, spacing)
 
 
 def of_space(file, components, strides, points, spacing):
@@ -205,10 +198,12 @@ def size_of(file):
     return found.st_size
 
 
-def check_points(file, points):
-    """WrongBox unless the numbers of points along, across and up are those of a box."""
-    for axis, count in zip(("along", "across", "upwards"), points, strict=True):
+def check_grid(file, points, spacing=()):
+    """WrongBox unless the numbers of points along, across and up are those of a box, and their spacing [m], if given."""
+    for axis, count in zip(AXES, points, strict=True):
         check_number(file, f"number of points {axis}", count, 2, MOST_POINTS)
+    for axis, distance in zip(AXES, spacing, strict=len(spacing) > 0):
+        check_number(file, f"spacing {axis}", distance, 1e-6, LARGEST_SPACING)
 
 
 def check_number(file, what, value, least, most):

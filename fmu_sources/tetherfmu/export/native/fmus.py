@@ -67,7 +67,9 @@ def written(files, model, folder, platforms, fmi, with_header=False, with_source
     """
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
-    wiring, kernels = model.wiring, kernels_of(model.wiring.library, platforms)
+    wiring = model.wiring
+    compiled = ready.folders([wiring.library], platforms)[wiring.library]
+    kernels = {platform: (compiled / object_name(platform)).read_bytes() for platform in platforms}
     if fmi == 3:
         files[TERMINALS] = model.terminals.encode("utf-8")
     describe = partial((description_fmi3 if fmi == 3 else description).text, model)
@@ -85,12 +87,6 @@ def written(files, model, folder, platforms, fmi, with_header=False, with_source
     if with_header:
         host_header.write(made, model.name, wiring, fmi, token)
     return made
-
-
-def kernels_of(library, platforms):
-    """Object files (bytes) of the kernels of a library: dict by platform."""
-    folder = ready.folders([library], platforms)[library]
-    return {platform: (folder / object_name(platform)).read_bytes() for platform in platforms}
 
 
 def binaries(name, kernels, tables, fmi):

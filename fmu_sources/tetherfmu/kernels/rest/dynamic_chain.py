@@ -18,12 +18,6 @@ from .rigid_body import straighten
 
 
 @kernel
-def is_at_rest(ground_velocity, kite_velocity):
-    """Whether both ends have the velocity 0 [m/s]."""
-    return norm(ground_velocity) + norm(kite_velocity) == 0.0
-
-
-@kernel
 def initialize(n, parameters, shape, state, work):
     """Give a new state (modified) a shape, as `initial_shape` has it; returns a status: OK or NO_EQUILIBRIUM.
 
@@ -39,7 +33,7 @@ def initialize(n, parameters, shape, state, work):
     w = newton.workspace(n, work)
     if shape == at.QUASI_STEADY:
         status = solve.settle(n, parameters, state, False, w)
-        if status == OK or is_at_rest(get(v, 0), get(v, n)):
+        if status == OK or norm(get(v, 0)) + norm(get(v, n)) == 0.0:  # at rest it is that shape
             return status
         note(state, limits.STARTED_AT_REST, 1.0, 0.0)
     ground_velocity, kite_velocity = get(v, 0), get(v, n)

@@ -17,7 +17,7 @@ from tetherfmu.study.scenes.files import flown_from, load
 from .fixed import advise_fixed, explain_fixed
 from .ground import hanging, is_of_ground, lying
 from .reasons import numbers, reasons
-from .tradeoff import SEGMENTS, TOLERANCES, Measured, ladder, measure, steps
+from .tradeoff import CLEARLY, SEGMENTS, TOLERANCES, Measured, ladder, measure, steps
 
 BUDGET, FAST_BUDGET = 15.0, 0.7  # of all flights for an advice [s], of the machine of costs.csv
 HANDLING, HANDLING_OF_STEP = 2e-3, 1.5e-6  # what a flight and each of its steps take besides the kernel [s]
@@ -27,7 +27,6 @@ CHECK_SEGMENTS = 1.8  # of the finer model to begin with: this over the root of 
 CHECK_STEP = 0.017  # its communication step to begin with [s], about
 FIRST_SEGMENTS = 11  # of the search
 MOST_SHAKING = 0.5  # [m/s2] by noise of positions: below it is not mentioned
-CLEARLY = 1.5  # a tether that is wrong by so many times the allowed error: nothing coarser is tried
 
 
 class Search:

@@ -18,12 +18,11 @@ from tetherfmu.study.measuring.runs import FIXED, SHAPE_POINTS, UNITS, UNWARNED,
 from tetherfmu.study.measuring.tables import page
 from tetherfmu.study.scenes.start import tether_at_start
 
-from .tradeoff import SEGMENTS, STEPS
+from .tradeoff import CLEARLY, SEGMENTS, STEPS
 
 PARTS = (1, 2, 4, 8, 16)  # fixed steps in a communication step that is given
 LEAST = STAGES  # iterations of a fixed step of order 2
 BLOCK = 50  # compared outputs that are flown at once: all communication steps between them are kept meanwhile
-CLEARLY = 1.5  # what is wrong by so many times the allowed error: nothing coarser is tried
 
 
 class Fixed(NamedTuple):

@@ -19,6 +19,7 @@ import pandas as pd
 from tetherfmu.console.progress import now
 from tetherfmu.results import StepRefused
 from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.naming import prefixed
 from tetherfmu.runtime.parameters import DEFAULT_TOLERANCE
 from tetherfmu.study.measuring.errors import TOLERANCE, even_part, refined, rms, settled, size
 from tetherfmu.study.measuring.runs import FIXED, UNITS, Run
@@ -171,10 +172,8 @@ def explain(flight, advice):
 
 def run_command(options):
     """Print the advice for the file of a system, or of a scene; returns 1 if nothing meets what is asked for."""
-    try:
+    with prefixed("", SceneError):
         path = path_of(options.scene, named_scenes() | named_systems())
-    except ValueError as error:
-        raise SceneError(str(error)) from None
     if not is_system(path):
         return of_scenes.run(options)
     flight = load(path, options.settings)

@@ -21,6 +21,7 @@ STEPS = (0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001, 0.0005)  # communication st
 SHORT_STEP = 0.002  # [s]
 LEVELS = (0.1, 0.03, 0.01, 0.003)  # errors for which the cheapest configuration is named
 REFERENCE_ERROR = 3e-4  # asked of the reference: a tenth of the smallest level
+CLEARLY = 1.5  # what is wrong by so many times the allowed error: nothing coarser is tried
 LONG_RUN = 0.05  # [s], not repeated
 
 

@@ -1,9 +1,10 @@
 """What an imported file becomes: the text of a scene or a system, and what of the file has no place there."""
 
 import json
-from contextlib import contextmanager
 from math import isfinite, nan
 from typing import NamedTuple
+
+from tetherfmu.runtime.naming import prefixed
 
 
 class Imported(NamedTuple):
@@ -15,13 +16,9 @@ class Imported(NamedTuple):
     defaults: list  # what the file does not say, with the value that is taken
 
 
-@contextmanager
 def row(number):
     """ValueError names the row of a file that the block is about."""
-    try:
-        yield
-    except ValueError as problem:
-        raise ValueError(f"row {number}: {problem}") from None
+    return prefixed(f"row {number}: ")
 
 
 def number(name, text):

@@ -15,7 +15,7 @@ from tetherfmu.console.ending import WorkersLost
 
 
 def progress_bar(iterable, total, text):
-    """The iterable, of this length, with a bar that shows how far it is; silent where nobody sees it."""
+    """The iterable, of this length, with a bar that shows how far it is; None: a bar to update. Silent if nobody sees it."""
     return tqdm(iterable, total=total, desc=text, disable=None, leave=False)
 
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from tetherfmu.input_files import GROUND, factors, ground_of, record, require, tables_of
-from tetherfmu.runtime.naming import meant_or_all
+from tetherfmu.runtime.naming import meant_or_all, prefixed
 from tetherfmu.runtime.parameters import SCALED, Environment, Ground, Tether, changed
 from tetherfmu.runtime.quantities import check, quantity
 from tetherfmu.study.scenes import csv_files
@@ -219,10 +219,8 @@ class Columns:
             if section not in (known := (*OWN, *OF_SCENES)):
                 raise MapError(f"{key} is no constant of a map{meant_or_all(section, known, 'sections are {}')}")
             records.setdefault(section, {})[name] = value
-        try:
+        with prefixed("", MapError):
             return replace(self, **read_records(records, self))
-        except ValueError as error:
-            raise MapError(str(error)) from None
 
 
 def load(name):

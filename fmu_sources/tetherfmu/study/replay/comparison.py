@@ -56,13 +56,12 @@ def errors(found, start, lead):
 def of_length(part):
     """What is said of the length in a part of `residuals`, by the heads of its columns."""
     scatter = rms(part.length - part.length.mean())
-    band = part.band.mean()
     return {
         "measured tension [N]": part.measured.mean(),
         "length: mean [m]": part.length.mean(),
         "length: rms about mean [m]": scatter,
         "equivalent tension [N]": scatter * part.stiffness.mean(),
-        "equivalent position noise [N]": band,
+        "equivalent position noise [N]": part.band.mean(),
     }
 
 

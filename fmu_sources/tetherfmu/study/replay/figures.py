@@ -123,16 +123,14 @@ def draw_length(axes, made):
 
 def draw_speed(axes, made):
     """Reel-out speed: logged, and of the length that each tether has."""
-    times, flight = made.flight.times, made.flight
-    measured = smooth(flight.measured("reel_out_speed", times))
+    times = made.flight.times
+    measured = smooth(made.flight.measured("reel_out_speed", times))
     axes.plot(times, measured, **LOGGED)
     curves = {name: smooth(np.gradient(each.table.tether_length, EVERY)) for name, each in made.flown.items()}
-    if made.lead == "tension":
-        for name, values in curves.items():
-            axes.plot(times, values, **line_of(name))
+    for name, values in curves.items():
+        axes.plot(times, values, **line_of(name))
     axes.axhline(0.0, color=GREY, linewidth=0.8)
-    shown = curves.values() if made.lead == "tension" else []
-    axes.set(ylabel="reel-out speed\n(mean over 1 s) [m/s]", ylim=limits(times, [measured], shown))
+    axes.set(ylabel="reel-out speed\n(mean over 1 s) [m/s]", ylim=limits(times, [measured], curves.values()))
 
 
 def draw_height(axes, made):

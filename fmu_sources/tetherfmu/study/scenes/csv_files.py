@@ -140,9 +140,9 @@ def split(header):
     return (found["name"], found["unit"] or found["angle"]) if found else (header, "")
 
 
-def factor(spelled, unit, column, more=None):
-    """Factor to its unit of what a column has; ValueError if it cannot be measured so.  more : units beside `factors`."""
-    known = factors(unit) | (more or {})
+def factor(spelled, unit, column):
+    """Factor to its unit of what a column has; ValueError if it cannot be measured so."""
+    known = factors(unit)
     if (spelled or unit) not in known:
         raise ValueError(f"the unit of {shown([column])} is {spelled!r}; it must be one of {', '.join(known)}")
     return known[spelled or unit]

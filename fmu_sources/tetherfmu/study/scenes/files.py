@@ -16,7 +16,7 @@ from tetherfmu.lean import Lean
 from tetherfmu.results import StepRefused
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.inputs import COUNT, by_name
-from tetherfmu.runtime.naming import meant_or_all
+from tetherfmu.runtime.naming import meant_or_all, prefixed
 from tetherfmu.runtime.parameters import Environment, Ground, Tether, Winch
 from tetherfmu.runtime.plausibility import LARGEST_STRETCH, UNDER
 from tetherfmu.runtime.quantities import check, doubts_of, quantities, quantity
@@ -214,14 +214,10 @@ def load(path, settings=()):
     path : of the file, or the name of one of `named.named_scenes`.
     settings : pairs (name, value) of what is different from the file, see `settings.with_settings`.
     """
-    try:
+    with prefixed("", SceneError):
         path = path_of(path)
-    except ValueError as error:
-        raise SceneError(str(error)) from None
-    try:
+    with prefixed(f"{path}: ", SceneError):
         scene = read(with_settings(tables_of(path), settings), path.parent, path.stem)
-    except ValueError as error:
-        raise SceneError(f"{path}: {error}") from None
     for doubt in scene.doubts():
         print(f"{path}: {doubt}", file=sys.stderr)
     return scene

@@ -9,7 +9,7 @@ from scipy.interpolate import CubicHermiteSpline, CubicSpline, PchipInterpolator
 from tetherfmu.input_files import contents_of
 from tetherfmu.runtime.inputs import components, inputs_of
 from tetherfmu.runtime.limits import LARGEST_INPUT
-from tetherfmu.runtime.naming import meant
+from tetherfmu.runtime.naming import meant, prefixed
 
 from . import csv_files
 from .flights import Motion
@@ -142,11 +142,9 @@ class Series:
     kite_is_free = False
 
     def __init__(self, path):
-        try:
+        with prefixed(f"{path}: "):
             self.contents = contents_of(path)
             table = read_columns(self.contents)
-        except ValueError as error:
-            raise ValueError(f"{path}: {error}") from None
         self.columns = tuple(table)
         time = table["time"].to_numpy() - table["time"].iloc[0]
         given = {name: table[[*each]].to_numpy() for name, each in VECTORS.items() if each[0] in table}

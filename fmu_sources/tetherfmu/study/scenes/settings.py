@@ -7,7 +7,7 @@ from math import atan2, cos, hypot, sin
 import numpy as np
 
 from tetherfmu.input_files import in_si, keys_of, value_of
-from tetherfmu.runtime.naming import meant, meant_or_all
+from tetherfmu.runtime.naming import meant, meant_or_all, prefixed
 from tetherfmu.runtime.parameters import Environment, Ground, Tether, Winch
 from tetherfmu.wind.frozen_turbulence import PERIODIC
 
@@ -83,10 +83,8 @@ def set_wind(table, name, value):
 
     Without wind in the file it blows along x.
     """
-    try:
+    with prefixed(f"{name} is {value!r}; "):
         given = float(in_si(value, OF_THE_WIND[name]))
-    except ValueError as error:
-        raise ValueError(f"{name} is {value!r}; {error}") from None
     wind = table.setdefault("wind", {})
     if not isinstance(wind, dict):
         raise ValueError(f"wind is {wind!r}; it must be a table [wind]")

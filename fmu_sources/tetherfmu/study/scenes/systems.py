@@ -8,7 +8,7 @@ import numpy as np
 from tetherfmu.input_files import record, require, tables_of, value_of, vector_in
 from tetherfmu.results import PlausibilityWarning
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime.naming import meant_or_all
+from tetherfmu.runtime.naming import meant_or_all, prefixed
 from tetherfmu.runtime.parameters import changed
 from tetherfmu.runtime.quantities import check, quantity
 from tetherfmu.systems import files
@@ -104,7 +104,7 @@ def load(path, settings=()):
     ``wanted.allowed_error`` and ``wanted.communication_step``, as of a scene file, and ``loads.NAME`` of a free point.
     """
     of_flight = [pair for pair in settings if pair[0].partition(".")[0] in OF_THE_FLIGHT]
-    try:
+    with prefixed(f"{path}: ", SceneError):
         table, flight = tables_of(path), with_settings({}, of_flight)
         for key, value in (pair for pair in settings if pair not in of_flight):
             put(table, key, value)
@@ -116,8 +116,6 @@ def load(path, settings=()):
         found = SystemFlight(files.read(table, path.stem), **given)
         refuse(found)
         return found
-    except ValueError as error:
-        raise SceneError(f"{path}: {error}") from None
 
 
 def loads_in(table):
@@ -125,10 +123,8 @@ def loads_in(table):
     require(table, "loads", table)
     read, found = vector_in("N", at.LARGEST_INPUT), {}
     for name, value in table.items():
-        try:
+        with prefixed(f"loads.{name} is {value!r}; "):
             found[name] = read(value)
-        except ValueError as error:
-            raise ValueError(f"loads.{name} is {value!r}; {error}") from None
     return found
 
 

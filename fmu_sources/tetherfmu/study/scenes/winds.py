@@ -14,9 +14,9 @@ import numpy as np
 from tetherfmu.console.ending import WrongUse
 from tetherfmu.input_files import record, require, vector_in
 from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.naming import prefixed
 from tetherfmu.runtime.quantities import check, quantity
 from tetherfmu.wind.frozen_turbulence import MeanWind, Reading, turbulence
-from tetherfmu.wind.wind_boxes import WrongBox
 
 PROFILES = {at.UNIFORM: "uniform", at.POWER_LAW: "power_law"}  # those of the mean wind of a box
 
@@ -65,10 +65,8 @@ class BoxedWind:
 
         WrongUse if the box does not reach so far, or has a number that is no wind.
         """
-        try:
+        with prefixed("", WrongUse):
             return opened(self).between(time, ground, kite, self.box.wind_points)
-        except WrongBox as problem:
-            raise WrongUse(str(problem)) from None
 
 
 @lru_cache(maxsize=4)
@@ -101,9 +99,7 @@ def read_wind(table, folder, environment):
     box = record(Box, table.get("box", {}), "wind.box")
     file = folder / table["file"]
     blowing = MeanWind(hypot(x, y), atan2(y, x), environment.wind_reference_height, exponent)
-    try:
+    with prefixed("wind.file: "):
         turbulence(file, box, blowing, box.origin)
-    except WrongBox as problem:
-        raise ValueError(f"wind.file: {problem}") from None
     status = file.stat()
     return BoxedWind(str(file), box, blowing, (status.st_size, status.st_mtime_ns))

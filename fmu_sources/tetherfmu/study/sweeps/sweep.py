@@ -4,7 +4,6 @@ import math
 import sys
 from concurrent.futures import as_completed
 from contextlib import suppress
-from itertools import chain
 from pathlib import Path
 
 import pandas as pd
@@ -54,8 +53,7 @@ def tasks_of(task, scene, missing):
     task : `Task` without flights.  missing : pairs (key, values).
     """
     cost = max(1e-4, least_cost(scene, task.config) * scene.duration)
-    size = min(math.ceil(TASK / cost), MOST_PER_TASK, math.ceil(len(missing) / FEWEST_TASKS))
-    size = max(1, size)
+    size = max(1, min(math.ceil(TASK / cost), MOST_PER_TASK, math.ceil(len(missing) / FEWEST_TASKS)))
     return [task._replace(flights=tuple(missing[k : k + size])) for k in range(0, len(missing), size)]
 
 
@@ -66,15 +64,10 @@ def collect(tasks, executor, store, name):
     else:
         futures = [executor.submit(fly_all, task) for task in tasks]
         done = (future.result() for future in as_completed(futures))
-    total = sum(len(task.flights) for task in tasks)
-    for _ in progress_bar(chain.from_iterable(kept(found, store) for found in done), total, name):
-        pass
-
-
-def kept(found, store):
-    """Flights of a task, once they are kept."""
-    store.add_all(found)
-    return found
+    with progress_bar(None, sum(len(task.flights) for task in tasks), name) as bar:
+        for found in done:
+            store.add_all(found)
+            bar.update(len(found))
 
 
 def fly_missing(task, scene, flights, store, executor, processes, dask):

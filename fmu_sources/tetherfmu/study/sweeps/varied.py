@@ -18,7 +18,7 @@ from warnings import catch_warnings
 import numpy as np
 
 from tetherfmu.input_files import in_si, keys_of
-from tetherfmu.runtime.naming import check_names, meant_or_all
+from tetherfmu.runtime.naming import check_names, meant_or_all, prefixed
 from tetherfmu.runtime.quantities import can_be_given
 from tetherfmu.study.scenes.files import NOT_OF_A_SCENE, RECORDS, Scene
 from tetherfmu.study.scenes.flights import KINDS
@@ -79,10 +79,8 @@ def number_of(text, unit):
     for kind in (int, float):
         with suppress(ValueError):
             return kind(text)
-    try:
+    with prefixed(f"{text.strip()!r} is not possible; "):
         return float(in_si(text.strip(), unit))
-    except ValueError as error:
-        raise ValueError(f"{text.strip()!r} is not possible; {error}") from None
 
 
 def grid(first, last, count, unit):
@@ -113,16 +111,14 @@ def distribution(name, texts, unit):
     if any(each <= 0.0 for each in positive) or (not positive and (given != sorted(given) or given[0] == given[-1])):
         rule = "above 0" if positive else "in ascending order"
         raise ValueError(f"its parameters {', '.join(list(wanted)[-len(positive or given) :])} must be {rule}")
-    if name == "uniform":
-        return stats.uniform(given[0], given[1] - given[0])
-    if name == "normal":
-        return stats.norm(*given)
-    if name == "lognormal":
-        return stats.lognorm(given[1], scale=given[0])
-    if name == "weibull":
-        return stats.weibull_min(given[0], scale=given[1])
-    width = given[2] - given[0]
-    return stats.triang((given[1] - given[0]) / width, given[0], width)
+    made = {
+        "uniform": lambda least, largest: stats.uniform(least, largest - least),
+        "normal": stats.norm,
+        "lognormal": lambda median, deviation: stats.lognorm(deviation, scale=median),
+        "weibull": lambda shape, scale: stats.weibull_min(shape, scale=scale),
+        "triangular": lambda least, mode, largest: stats.triang((mode - least) / (largest - least), least, largest - least),
+    }
+    return made[name](*given)
 
 
 def listed(text, unit, folder):
@@ -152,7 +148,7 @@ def varied(text, flight="circle", folder=Path()):
         raise ValueError(f"{text!r} is not possible; it must be {HOW}")
     name, how, rest = found.groups()
     unit = unit_of(name, flight)
-    try:
+    with prefixed(f"{text!r}: "):
         if how == "~":
             written = DISTRIBUTION.fullmatch(rest)
             if not written or unit is None:
@@ -164,8 +160,6 @@ def varied(text, flight="circle", folder=Path()):
         if between and unit is not None:
             return Varied(name, unit, grid(*between.groups(), unit))
         return Varied(name, unit, listed(rest, unit, folder))
-    except ValueError as error:
-        raise ValueError(f"{text!r}: {error}") from None
 
 
 def all_varied(given, flight, folder):
