@@ -5,13 +5,13 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
+from tetherfmu.fmi.wiring import IDLE_BREAKING
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.inputs import BY_NAME, PLACES
 from tetherfmu.runtime.naming import check_names
 from tetherfmu.runtime.parameters import Tether, changed
 from tetherfmu.runtime.quantities import can_be_given, doubts_of
 from tetherfmu.runtime.variables import RECORDS
-from tetherfmu.runtime.variants import IDLE_BREAKING
 
 
 def tethers_of(model, given):

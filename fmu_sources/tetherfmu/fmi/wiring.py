@@ -20,7 +20,7 @@ from ..runtime.parameters import Ground, Tether, Winch
 from ..runtime.quantities import doubts_in
 from ..runtime.sheaves import SHEAVE_QUANTITIES
 from ..runtime.variables import INPUT, INPUT_NAMES, PARAMETER, line_of_tether, parameters_at, references, wind_points_in
-from ..runtime.variants import BY_NAME, IDLE_BREAKING, Variant, library_of
+from ..runtime.variants import BY_NAME, Variant, library_of
 from .portions import all_portions, portions_of
 from .selection import shown, with_starts
 from .system_variables import (
@@ -36,6 +36,7 @@ from .system_variables import (
 )
 
 IDLE_PROFILE = "wind_profile has no effect: the wind is that of wind_at"
+IDLE_BREAKING = "breaking_force is {value:g} N and has no effect: this tether cannot break; the dynamic one can"
 CONTROLS = {  # of lines at shared winches
     "reel_out_speed": at.WINCH_BY_SPEED,
     "winch_length": at.WINCH_BY_LENGTH,

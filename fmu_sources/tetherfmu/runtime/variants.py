@@ -32,7 +32,6 @@ _IGNORED_WITHOUT_WAVES = {
     "breaking_force": "this tether cannot break: it has no inertia that would move what is left",
     "initial_shape": "this tether is in equilibrium from the start",
 }
-IDLE_BREAKING = "breaking_force is {value:g} N and has no effect: this tether cannot break; the dynamic one can"
 _IGNORED_WITHOUT_NODES = {
     **_IGNORED_WITHOUT_WAVES,
     "slack_stiffness_ratio": "no part of this tether is in compression",
