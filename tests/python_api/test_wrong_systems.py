@@ -71,7 +71,10 @@ WRONG = {
         lambda: Line("a", "pod", "left", ROPE, through=["right"], initial_portions=[None, 10.1]),
         "a.initial_portions is [None, 10.1]; it must be 2 lengths above 0",
     ),
-    "a wind for winds": (lambda: running().step(0.02, wind_at=np.zeros((11, 3))), "wind_at is array([[0., 0., 0.],"),
+    "a wind for winds": (
+        lambda: running().step(0.02, wind_at=np.zeros((11, 3))),
+        "; it must be a dict by the names of points or lines",
+    ),
     "a state of other ratios": (
         lambda: running().set_state(running(2.0).get_state()),
         "state belongs to another system: its points, lines,",
