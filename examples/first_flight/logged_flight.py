@@ -56,7 +56,8 @@ DECIDED = {  # parameters that nobody can --set: what they follow from
 setting = setting_but(DECIDED)  # of the option --set
 COLUMNS = (
     "CSV file with the columns time, kite_position[1], kite_position[2] and kite_position[3]. It may also have those of "
-    "kite_velocity, ground_position, ground_velocity and wind_velocity, and one of reel_out_speed, winch_length, winch_force"
+    "kite_velocity, ground_position, ground_velocity, wind_velocity and release, and one of reel_out_speed, winch_length, "
+    "winch_force"
 )
 
 
@@ -148,12 +149,19 @@ def fly(fmu_file, scene, inputs, parameters):
     variables = variables_of(fmu_file)
     outputs = outputs_of(variables)
     references = [each for vector in outputs.values() for each in vector]
-    moved = variables.of(*inputs)
+    moved, released = variables.of(*inputs), variables.of("release") if scene.flight.has_release else []
     with running(fmu_file, variables.description) as (fmu, stop_if_pressed):
         fmu.setupExperiment(startTime=0.0)
         NamedFmu(variables, fmu).set(**variables.completed(parameters))
         fmu.enterInitializationMode()
-        given, wall_time = co_simulate(fmu, moved, references, rows.__getitem__, step, len(rows), stop_if_pressed)
+
+        def motion(k):
+            """Numbers of the inputs at the start of step k, and the release, which is none of them."""
+            if columns["release"][k]:
+                fmu.setBoolean(released, [True])
+            return rows[k]
+
+        given, wall_time = co_simulate(fmu, moved, references, motion, step, len(rows), stop_if_pressed)
         fmu.terminate()
     return flight_of(step * np.arange(len(rows) + 1), given, outputs, wall_time)
 

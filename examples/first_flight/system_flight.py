@@ -25,7 +25,8 @@ from tetherfmu.runtime import layout as at
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # the folder of the rooms
 from first_flight.circular_flight import Flight
 
-STEP, DURATION, COUNT = 0.02, 20.0, 12  # communication step [s], of the flight [s], shapes that are drawn
+COUNT = 12  # shapes that are drawn
+OPTIONS = {"wind": "wind", "duration": "duration", "step": "wanted.communication_step"}  # and what --set has for them
 IN_PLACE = {  # options of the circle: what a system has in their place
     "length": "--set lines.NAME.initial_length=L",
     "ground": "--set ground.contact=flat",
@@ -38,36 +39,39 @@ NOTE = "<p>Arrows: forces of the lines on their points.</p>\n"
 
 
 def read(path, settings=()):
-    """`SystemFile` of a file (Path), and its `TetherSystem`; WrongUse says in one line what is wrong with it.
+    """`SystemFlight` of a file (Path), and its `TetherSystem`; WrongUse says in one line what is wrong with it.
 
-    settings : pairs of keys of the file and values in their place.
+    settings : pairs of keys of the file, or of the flight, and values in their place.
     """
     from tetherfmu.study.scenes.systems import load  # needs the extra `study`, as `fly`
 
-    found = load(path, settings).found
+    flight = load(path, settings)
+    found = flight.found
     try:
         options = {"winches": found.winches}
-        return found, TetherSystem(found.points, found.lines, found.environment, found.solver, found.ground, **options)
+        return flight, TetherSystem(found.points, found.lines, found.environment, found.solver, found.ground, **options)
     except ValueError as error:
         raise WrongUse(f"{path}: {error}") from None
 
 
-def fly(found, system, wind=(0.0, 0.0, 0.0), duration=DURATION, step=STEP):
+def fly(flight, system, wind=None, duration=None, step=None):
     """Fly a system of `read`; a `Flight` of each line by name, its start as ground end, and positions of points by name.
 
-    wind [m/s] : at the reference height.  duration, step [s] : of the flight and of a communication step. Rows are those of
-    `Flight`, the first at the start.
+    wind [m/s] : at the reference height.  duration, step [s] : of the flight and of a communication step.  None : those of
+    the `SystemFlight`, which has loads, too. Rows are those of `Flight`, the first at the start.
     """
     from tetherfmu.study.scenes.systems import straight_on
 
+    duration, step = duration or flight.duration, step or flight.wanted.communication_step
     count = round(duration / step)
     if count == 0:
         raise WrongUse(f"the flight of {duration:g} s is shorter than a communication step of {step:g} s")
     time = step * np.arange(count + 1)
-    positions = straight_on(found, time[:-1])
+    positions = straight_on(flight.found, time[:-1])
+    winds = flight.wind(time[:-1]) if wind is None else np.tile(wind, (count, 1))
     with catch_warnings(action="ignore", category=PlausibilityWarning):  # `run` says them
-        start = system.initialize(wind)
-        flown = system.fly(count, step, positions, wind_velocity=wind)
+        start = system.initialize(winds[0], loads=flight.loads)
+        flown = system.fly(count, step, positions, wind_velocity=winds, loads=flight.loads)
     flights = {}
     for name, nodes in flown.positions.items():
         first, rows = start.lines[name], flown.outputs[name]
@@ -125,10 +129,15 @@ def run(given):
     """Fly the system that the options name, print a line on each of its lines, write the figures, print where they are."""
     if getattr(given, "tether", "dynamic") != "dynamic":
         raise WrongUse(f"--tether is {given.tether}; the lines of a system are dynamic")
-    found, system = read(Path(given.log), list(map(setting, given.settings)))
+    settings = list(map(setting, given.settings))
+    for option, key in OPTIONS.items():
+        if getattr(given, option) and any(name.startswith(key) for name, _ in settings):
+            raise WrongUse(f"--{option} and --set {key} are both given; give one of them")
+    flight, system = read(Path(given.log), settings)
+    found = flight.found
     now(f"flying {given.log}")
     try:
-        flights, places = fly(found, system, given.wind or (0.0, 0.0, 0.0), given.duration or DURATION, given.step or STEP)
+        flights, places = fly(flight, system, given.wind, given.duration, given.step)
     except StepRefused as refusal:
         raise WrongUse(f"{given.log}: this system cannot be flown: {refusal}") from None
     for sentence in system.implausible:
@@ -160,9 +169,9 @@ def main(arguments=None, prog=None):
     option("log", metavar="SYSTEM", help="file of a system (TOML)")
     wind = {"type": number(unit="m/s"), "nargs": 3, "metavar": ("WX", "WY", "WZ")}
     option("--wind", **wind, help="wind at the reference height [m/s] (default: none)")
-    option("--step", type=number(1e-6, 1e3, "s"), metavar="H", help=f"communication step [s] (default: {STEP:g})")
-    option("--duration", type=number(1e-6, 1e6, "s"), metavar="T", help=f"of the flight [s] (default: {DURATION:g})")
-    about = "a value of the file, such as lines.rope.reel_out_speed=0.1; may be repeated"
+    option("--step", type=number(1e-6, 1e3, "s"), metavar="H", help="communication step [s] (default: 0.02)")
+    option("--duration", type=number(1e-6, 1e6, "s"), metavar="T", help="of the flight [s] (default: 20)")
+    about = "a value of the file, such as lines.rope.reel_out_speed=0.1, or wind.velocity and loads.NAME; may be repeated"
     option("--set", dest="settings", action="append", default=[], metavar="NAME=VALUE", help=about)
     option("--out", type=folder, default=Path("plots"), metavar="DIR", help="folder of the figures (default: plots)")
     option("--html", action="store_true", help="also write an interactive page (needs plotly)")

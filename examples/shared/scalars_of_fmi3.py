@@ -8,7 +8,8 @@ from typing import NamedTuple
 
 from fmpy.fmi3 import FMU3Slave
 
-TYPES = {"Float64": "Real", "Int32": "Integer", "Enumeration": "Enumeration"}  # in FMI 2; variables of others are left out
+# in FMI 2; variables of others are left out
+TYPES = {"Float64": "Real", "Int32": "Integer", "Enumeration": "Enumeration", "Boolean": "Boolean"}
 
 
 class Element(NamedTuple):
@@ -67,6 +68,10 @@ class ScalarsOfFmi3(FMU3Slave):
         for each, value in zip(references, values, strict=True):
             found[each.array][each.place] = value
         self.setFloat64(list(found), [value for array in found.values() for value in array])
+
+    def setBoolean(self, references, values):
+        """Set truth values, which are scalars."""
+        super().setBoolean([each.array for each in references], values)
 
     def setInteger(self, references, values):
         """Set integers and enumerations, which are scalars."""

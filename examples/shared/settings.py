@@ -3,6 +3,7 @@
 import argparse
 from contextlib import suppress
 
+from tetherfmu.input_files import value_of
 from tetherfmu.runtime.naming import meant_or_all
 from tetherfmu.runtime.quantities import quantities
 from tetherfmu.runtime.variables import RECORDS
@@ -36,12 +37,13 @@ def setting_but(decided):
 def checked_value(name, value):
     """Value of a parameter, an integer where the parameter is one; ValueError if it is out of range.
 
-    value : a number, a text of one, or the name of a choice.
+    value : a number, a text of one, perhaps with a unit, or the name of a choice.
     """
-    with suppress(ValueError):  # perhaps the name of a choice
+    with suppress(ValueError):  # perhaps the name of a choice, or with a unit
         value = float(value)
-    found = getattr(RECORD_OF[name](**{name: value}), name)
-    return int(found) if isinstance(RECORD_OF[name].__dataclass_fields__[name].default, int) else found
+    record = RECORD_OF[name]
+    found = getattr(record(**{name: value_of(record, name, value, "")}), name)
+    return int(found) if isinstance(record.__dataclass_fields__[name].default, int) else found
 
 
 def add_settings(parser, decided, about):

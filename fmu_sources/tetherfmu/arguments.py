@@ -1,7 +1,7 @@
 """What users give to a tether of the Python API: checked, and refused in words."""
 
 from array import array
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
@@ -29,8 +29,23 @@ def record_of(model, given, kind):
     if not isinstance(given, kind):
         name = kind.__name__
         an = "an" if name == "Environment" else "a"
-        raise TypeError(f"{name.lower()} is {given!r}; it must be {an} {name}, as in {model}(Tether(), {name}())")
+        raise TypeError(f"{name.lower()} is {given!r}; it must be {an} {name}, as in {model}(..., {name.lower()}={name}())")
     return given
+
+
+def records_of(name, given, kind):
+    """A tuple of records of this kind from a sequence of them; TypeError for anything else."""
+    found = tuple(given) if isinstance(given, Iterable) else (given,)
+    if not isinstance(given, Iterable) or not all(isinstance(each, kind) for each in found):
+        raise TypeError(f"{name} is {given!r}; it must be a sequence of {kind.__name__}")
+    return found
+
+
+def check_release(value, label="release"):
+    """ValueError unless a release, a number or an array, is true or false; what is not finite a step refuses."""
+    for each in np.ravel(np.asarray(value, dtype=float)):
+        if each not in (0.0, 1.0) and np.isfinite(each):
+            raise ValueError(f"{label} is {each:g}; it must be true or false")
 
 
 def check_wind(environment, wind_points):

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime.inputs import DRIVEN_KITE, INPUT_TABLE, WIND_AT
+from tetherfmu.runtime.inputs import DRIVEN_KITE, INPUT_TABLE, PLACES, WIND_AT
 from tetherfmu.runtime.instance import Instance
 from tetherfmu.runtime.naming import check_names
 from tetherfmu.runtime.variants import Variant
@@ -105,6 +105,8 @@ def put(to, given, at_start=False):
         to.places[start:end] = values
     for name, value in numbers.items():
         check_effect(name, value, to.instance.parameters, at_start)
+    if numbers.get("release"):
+        arguments.check_release(numbers["release"])
     if numbers.get("release") and not to.variant.has_waves:
         raise ValueError(f"release is {numbers['release']!r} and has no effect: a {to.name} cannot let go")
     if given.get("wind_velocity") is not None:
@@ -144,6 +146,7 @@ def rows(to, inputs, wind_at):
     inputs = np.ascontiguousarray(inputs, dtype=float)
     if inputs.ndim != 2 or inputs.shape[1] != at.INPUTS:
         raise ValueError(f"inputs has the shape {inputs.shape}; it must be (steps, {at.INPUTS})")
+    arguments.check_release(inputs[:, PLACES["release"]])
     if wind_at is not None:
         winds = wind_at_points(to, wind_at, (len(inputs),)).reshape(len(inputs), -1)
     elif to.wind_points:

@@ -50,7 +50,7 @@ def contents_of(path):
 def tables_of(path):
     """Tables of a TOML file, dict; ValueError without the name of the file says why it is none."""
     try:
-        return tomllib.loads(contents_of(path).decode("utf-8"))
+        return tomllib.loads(contents_of(path).decode("utf-8-sig"))
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise ValueError(f"is no TOML file ({error})") from None
     except RecursionError:

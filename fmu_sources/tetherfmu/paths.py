@@ -99,6 +99,9 @@ def end_along(name, given, times, step):
     if callable(given):
         raise ValueError(f"{name} is a function; make a MovingEnd of it")
     positions = values_along(name, given, times, 3, "or a MovingEnd")
+    if not np.all(np.isfinite(positions)):  # of which differences would be blamed
+        k, i = np.argwhere(~np.isfinite(positions))[0]
+        raise ValueError(f"{name} is {positions[k, i]} in row {k}, column {i}, counted from 0; it must be a finite number")
     if np.ndim(given) == 1 or len(times) < 2:
         return positions, np.zeros_like(positions)
     return positions, np.gradient(positions, step, axis=0, edge_order=min(2, len(times) - 1))

@@ -78,6 +78,8 @@ WRONG = [  # what is typed, status, what must be said
     ("build --out text.txt/deeper/out", 2, ("--out", "'text.txt/deeper/out'", "text.txt is a file")),
     ("build --out ''", 2, ("--out", "''", "is no folder")),
     ("build --fmi 3", 2, ("--fmi 3 goes with --native",)),
+    ("build --fmi 2.0", 2, ("--fmi", "'2.0' is not possible")),
+    ("build --diameter 0.01 --set diameter=0.008", 2, ("--diameter and --set diameter are both given",)),
     ("build --header", 2, ("--header", "goes with --native")),
     ("build --sources", 2, ("--sources goes with --native",)),
     ("build --sources --system none.toml", 2, ("--sources goes with --native",)),

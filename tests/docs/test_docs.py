@@ -94,10 +94,10 @@ def test_readme_begins_with_an_animation_that_loads_fast():
     assert (ROOT / first).stat().st_size < 1e6
 
 
-@pytest.mark.parametrize("fact", ["18 µs", "1100 times real time", "5.76 to 6.12 times", "4.97 to 10.6 times"])
-def test_speeds_in_the_readme_were_measured(fact):
-    assert fact in " ".join(README.split())
-    assert fact in " ".join(page("benchmarks").split())
+def test_speeds_in_the_readme_were_measured():
+    speeds = r"takes (\S+ µs) in FMPy, (\d+ times real time)\. .*? takes (\S+ to \S+ times) .*? error, (\S+ to \S+ times)"
+    for fact in re.search(speeds, " ".join(README.split())).groups():
+        assert fact in " ".join(page("benchmarks").split())
 
 
 def test_errors_in_the_readme_were_measured():

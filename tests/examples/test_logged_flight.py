@@ -28,6 +28,7 @@ LOGS = {  # columns of files
     "logged length": {"kite_position": KITE, "kite_velocity": VELOCITY, "tether_length": 502.0 + 0.4 * np.sin(TIME)},
     "force": {"kite_position": KITE, "winch_force": 400.0 + 30.0 * np.sin(TIME)},
     "ship": {"kite_position": KITE + SHIP, "ground_position": SHIP, "reel_out_speed": 0.2 * np.cos(TIME)},
+    "released": {"kite_position": KITE, "release": (TIME > 1.95) * 1.0},
     "drone": {"kite_position": np.column_stack([0.0 * TIME, 0.0 * TIME, 30.0 + TIME]), "winch_length": 30.5 + TIME},
 }
 
@@ -114,6 +115,14 @@ def test_the_winch_follows_a_force(fmu_folder, logs):
         due = 400.0 + 30.0 * np.sin(0.02 * np.arange(2, 201))  # from the second step on: nobody knows the rate in the first
         # within a step of h the force goes on linearly, h^2 30 N/s2; and the curve between the rows is not the sine
         np.testing.assert_allclose(tensions[1:], due, rtol=0, atol=0.02**2 * 30.0 + 0.05)
+
+
+def test_the_kite_is_let_go(fmu_folder, logs):
+    """From the row on whose release is 1: the winch then holds a rope that falls, an end of which pulls at nobody."""
+    ((_, tensions),) = as_in_python(fmu_folder, logs / "released.csv", 500.0, variants=["dynamic"])
+    assert tensions[:100].min() > 100.0  # N: taut until 2 s
+    # the rope whips, but once the waves have passed, what falls pulls with less than its weight in the mean
+    assert np.abs(tensions[120:]).mean() < 0.25 * np.pi * 0.004**2 * 724.0 * 500.0 * 9.81
 
 
 def test_the_ground_station_moves(fmu_folder, logs):

@@ -99,13 +99,28 @@ def test_a_system_moves_as_its_file_says():
     """A driven point goes straight on with its velocity, and a line is paid out at its speed."""
     flight = example("first_flight.system_flight")
     settings = [("points.winch_left.velocity", [0.0, 0.5, 0.0]), ("lines.rope_right.reel_out_speed", 1.0)]
-    found, system = flight.read(named_systems()["hoist"], settings)
-    flights, places = flight.fly(found, system, duration=0.6)
+    what, system = flight.read(named_systems()["hoist"], settings)
+    flights, places = flight.fly(what, system, duration=0.6)
     assert places["winch_left"][-1] == pytest.approx([-6.0, 0.3, 30.0])
     assert np.all(places["winch_right"] == places["winch_right"][0])
     assert places["right"][0, 2] - places["right"][-1, 2] > 0.3
     assert np.array_equal(flights["rope_left"].shape[:, 0], places["winch_left"])
     assert np.allclose(flights["rope_left"].shape[:, -1], flights["beam"].shape[:, 0], rtol=0, atol=1e-9)
+
+
+def test_what_is_set_of_the_flight_of_a_system_has_an_effect():
+    """Wind, duration and step as by the options, and loads."""
+    flight, path = example("first_flight.system_flight"), named_systems()["hoist"]
+    settings = [("wind.velocity", [30.0, 0.0, 0.0]), ("duration", 0.6), ("wanted.communication_step", 0.03)]
+    flights, places = flight.fly(*flight.read(path, settings))
+    assert flights["beam"].time[-1] == pytest.approx(0.6)
+    right, _ = flight.fly(*flight.read(path), (30.0, 0.0, 0.0), 0.6, 0.03)
+    calm, _ = flight.fly(*flight.read(path), duration=0.6, step=0.03)
+    for name, each in flights.items():
+        assert np.array_equal(each.ground_force, right[name].ground_force)
+        assert not np.array_equal(each.ground_force, calm[name].ground_force)
+    _, pushed = flight.fly(*flight.read(path, [*settings, ("loads.left", [0.0, 500.0, 0.0])]))
+    assert pushed["left"][-1, 1] > places["left"][-1, 1] + 0.01
 
 
 def test_the_list_has_the_scenes(capsys):
@@ -128,6 +143,7 @@ WRONG = {
     "parked --step 30": "the flight of 24 s is shorter than a communication step of 30 s",
     "slewing_crane --tether straight": "the free end of slewing_crane is moved by TetherDynamicFree only",
     "hoist --tether straight": "--tether is straight; the lines of a system are dynamic",
+    "hoist --wind 8 0 0 --set wind.speed=3": "--wind and --set wind are both given; give one of them",
     "hoist --length 3": "--length is not for a system: --set lines.NAME.initial_length=L",
     "hoist --set lines.beam.diametre=3": "unknown key lines.beam.diametre; did you mean diameter?",
     "hoist --set lines.rope_left.winch_control=force": "lines.rope_left.winch_control is force, and nothing gives that",

@@ -60,4 +60,4 @@ def test_stops_that_cross_are_refused_with_the_line(winches, native):
 
 
 def test_checks_pass(winches, capfd):
-    assert_checks_pass(winches, capfd, steps=None)
+    assert_checks_pass(winches, capfd)

@@ -219,24 +219,12 @@ WRONG = {
         {},
         "r.longest_length is 20.0, and r runs over",
     ),
-    "a start": (
-        {"winch": Winch(winch_control="force", winch_start="equilibrium")},
-        {},
-        "r.winch_start is equilibrium, and r",
-    ),
     "a law": ({"tether": Tether(initial_length=16.0, damping_law="stretch_rate")}, {}, "damping_law is stretch_rate"),
     "breaking": ({"tether": Tether(initial_length=16.0, breaking_force=1e4)}, {}, "breaking_force is 10000.0, and r runs"),
     "no point": ({"through": ["x"]}, {}, "point x, which does not exist"),
     "itself": ({"through": ["s", "s"]}, {}, "from the point s to itself"),
     "no effect": ({"through": [], "sheave_mass": 1.0}, {}, "has no effect"),
 }
-
-
-def test_it_does_not_let_go():
-    system = corner(100.0)
-    with pytest.raises(StepRefused, match="rope: release is true for a line over sheaves"):
-        system.step(0.02, releases={"rope": True})
-    system.step(0.02)
 
 
 @pytest.mark.parametrize("case", WRONG)

@@ -186,13 +186,11 @@ def test_what_a_winch_cannot_do_by_force(more, said):
 
 
 def test_inputs_of_a_winch_by_force_that_cannot_be():
-    """A drum without mass cannot push at lines that it only pays out; nor can its lines let go."""
+    """A drum without mass cannot push at lines that it only pays out."""
     system = TetherSystem(POINTS, lines_with(), winches=[SharedWinch("drum", {"a": 1.0}, "force", winch_force=50.0)])
     system.initialize(loads={"right": (0.0, 0.0, 300.0)})
     with pytest.raises(StepRefused, match=r"the line a: .*winch_force"):
         system.step(STEP, winch_forces={"drum": -100.0})
-    with pytest.raises(StepRefused, match="the line a: release is true for a line over sheaves, or with force control"):
-        system.step(STEP, releases={"a": True})
     with pytest.raises(ValueError, match="there is no winch_force of a line or a winch with the name 'a'"):
         system.step(STEP, winch_forces={"a": 1.0})
     system.step(STEP)

@@ -117,6 +117,22 @@ WRONG = {
         "lines.rope.shortest_length is 10",
     ),
     "unknown ground": ('contact = "flat"', "", "the key ground.contact is missing"),
+    "mark of a winch": (
+        r"\[ground\]",
+        '[winches."my drum"]\nlines = {tag = 1}\n[ground]',
+        "the name of a winch is 'my drum'; it must be letters",
+    ),
+    "scene": (r"\[ground\]", "[flight]\n[ground]", "describes a scene, no system of tethers; tetherfmu fly, advise"),
+    "name over sheaves": (
+        "initial_length = 22",
+        'initial_length = 22\nthrough = "hook"',
+        "lines.tag.through is 'hook'; it must be a list of names of points",
+    ),
+    "short portion": (
+        "initial_length = 22",
+        'initial_length = 22\nthrough = ["hook"]\ninitial_portions = [21.99, 0.01]',
+        "tag.initial_portions is [21.99, 0.01]; each must be at least 0.03 m, 0.01 m for each of its 3 segments",
+    ),
     "no table": (r"\[environment\]\ngravity = 9.8", "", "environment is 3; it must be a table [environment]"),
 }
 
@@ -154,6 +170,13 @@ def test_a_wrong_file_is_told_in_one_line(path, pattern, replacement, says):
         TetherSystem.from_file(path)
     assert says in str(refused.value)
     assert "\n" not in str(refused.value)
+
+
+def test_a_file_as_windows_writes_it(path):
+    """With a byte order mark and CR LF."""
+    plain = files.load(path)
+    path.write_bytes(b"\xef\xbb\xbf" + SYSTEM.replace("\n", "\r\n").encode())
+    assert files.load(path) == plain
 
 
 def test_a_missing_file_is_told(tmp_path):

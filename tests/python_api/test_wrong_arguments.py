@@ -150,6 +150,18 @@ WRONG = {
         tetherfmu.StepRefused,
         r"the input kite_velocity\[2\] at the start is 2000000000.0; it must be a finite number, at most 1e\+09",
     ),
+    "number as a text": (lambda: Tether(diameter="0.004"), ValueError, "diameter is '0.004'; it must be at least 1e-06 m"),
+    "half a release": (lambda: running().step(0.02, release=0.5), ValueError, "release is 0.5; it must be true or false"),
+    "release of a flight": (
+        lambda: running().fly(inputs_along(3, 0.02, release=[0.0, 1.0, 2.0]), 0.02),
+        ValueError,
+        "release is 2; it must be true or false",
+    ),
+    "hole in a log": (
+        lambda: inputs_along(3, 0.02, kite=[(300.0, 0.0, 400.0), (300.0, np.nan, 400.0), (300.0, 0.0, 400.0)]),
+        ValueError,
+        "kite is nan in row 1, column 1, counted from 0; it must be a finite number",
+    ),
     "path": (
         lambda: MovingEnd(lambda t: (t, t)).at(1.0),
         ValueError,

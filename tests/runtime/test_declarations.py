@@ -7,7 +7,7 @@ import pytest
 
 import tetherfmu
 from tetherfmu.console.colours import PALETTE
-from tetherfmu.runtime import inputs, layout, outputs
+from tetherfmu.runtime import inputs, layout, outputs, status
 from tetherfmu.runtime.variables import PARAMETER, PARAMETERS, variables
 from tetherfmu.runtime.variants import TABLE
 
@@ -79,3 +79,9 @@ def test_the_record_says_of_each_output_what_it_is():
         assert section[2].startswith(f"    {each.quantity.meaning}")
     with pytest.raises(TypeError, match="missing 27 required"):  # declarations are no defaults
         tetherfmu.Outputs()
+
+
+def test_status_codes_have_a_sentence_each_and_no_gap():
+    """The C shell finds a sentence by its place."""
+    codes = [each for name, each in vars(status).items() if name.isupper() and isinstance(each, int)]
+    assert sorted(codes) == sorted(status.SENTENCES) == list(range(len(codes)))

@@ -1,7 +1,8 @@
 """Peer: the same equations in CasADi, integrated by CVODES (BDF) with the exact sparse Jacobian.
 
-The equations are those of docs/models/theory.md, "One segment" and "The chain", for a uniform tether, uniform wind and
-density. The unknown is y = (positions, velocities) of the nodes that move freely.
+The equations are those of docs/models/theory.md, "One segment", "The chain" and "Rope that flows", for a uniform tether,
+uniform wind and density, a constant reel-out speed and the strain_rate law. The unknown is y = (positions, velocities) of
+the nodes that move freely.
 """
 
 import shutil
@@ -11,7 +12,6 @@ import numpy as np
 
 from tetherfmu.kernels.equations import segment
 from tetherfmu.kernels.equations.end_motion import curve, position_at, velocity_at
-from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.inputs import by_name
 
 from .reference import free_state, right_hand_side
@@ -37,12 +37,21 @@ def segment_forces(x, v, rest, rest_rate, scene):
     e, taut = r / length, length > rest
     k = tether.axial_stiffness / rest * casadi.if_else(taut, 1.0, tether.slack_stiffness_ratio)
     c = tether.axial_damping / rest * casadi.if_else(taut, 1.0, tether.slack_damping_ratio)
-    strained = length / rest * rest_rate if tether.damping_law == at.STRAIN_RATE else 0.0
-    tension = k * (length - rest) + c * (add_scaled(e, u) - strained)
+    tension = k * (length - rest) + c * (add_scaled(e, u) - length / rest * rest_rate)
     relative = casadi.DM(scene.wind.velocity) - 0.5 * (v[:, :-1] + v[:, 1:])
     w = relative - add_scaled(relative, e) * e
     speed = casadi.sqrt(add_scaled(w, w) + segment.STILLEST)
     return tension * e, 0.25 * air.air_density * tether.drag_coefficient * tether.diameter * length * speed * w
+
+
+def flow_forces(x, v, rest, scene):
+    """Forces [N] of the rope that flows past the nodes: of all segments on their first and on their second nodes."""
+    tether, speed = scene.tether, scene.reel_out_speed
+    r, u = casadi.diff(x, 1, 1), casadi.diff(v, 1, 1)
+    rates = speed * casadi.DM(1.0 - np.arange(tether.segments + 1) / tether.segments).T
+    first, second = casadi.repmat(rates[:-1], 3, 1), casadi.repmat(rates[1:], 3, 1)
+    coriolis, centrifugal = (first + second) * u, (first**2 + second**2) * r / rest
+    return -0.5 * tether.mass_per_length * (coriolis + centrifugal), -0.5 * tether.mass_per_length * (coriolis - centrifugal)
 
 
 def slope(scene, time, y, kite, kite_velocity):
@@ -54,7 +63,8 @@ def slope(scene, time, y, kite, kite_velocity):
     half_mass = 0.5 * tether.mass_per_length * rest
     pull, drag = segment_forces(x, v, rest, scene.reel_out_speed / tether.segments, scene)
     nothing = casadi.DM(3, 1)
-    force = casadi.horzcat(pull + drag, nothing) + casadi.horzcat(nothing, drag - pull)
+    on_first, on_second = flow_forces(x, v, rest, scene)
+    force = casadi.horzcat(pull + drag + on_first, nothing) + casadi.horzcat(nothing, drag - pull + on_second)
     mass = casadi.repmat(half_mass * casadi.horzcat(1.0, casadi.DM.ones(1, tether.segments - 1) * 2.0, 1.0), 3, 1)
     accelerations = (force / mass)[:, 1 : free + 1] + casadi.DM([0.0, 0.0, -scene.environment.gravity])
     return casadi.vertcat(y[3 * free :], casadi.vec(accelerations))

@@ -18,6 +18,7 @@ from .races import draw, equal_errors, race
 from .scenes import circle_scene, figure_of_eight_scene, release_scene
 
 HERE = Path(__file__).parent
+SAME_EQUATIONS = 1e-13  # difference of dy/dt by rounding, relative
 QUICK_KERNELS = {"segments": (6, 20), "steps": 100, "repeats": 2}
 
 
@@ -65,6 +66,9 @@ def run(options):
             tables["Kernels"] = kernel_table(**(QUICK_KERNELS if quick else {}))
             tables["FMUs in FMPy"] = host_table(paths, quick)
         raced = scenes(quick, flights)
+        slopes = max(cvodes.largest_difference(scene) for scene in raced) if cvodes else None
+        if cvodes and slopes > SAME_EQUATIONS:
+            raise RuntimeError(f"dy/dt of the peer differs by {slopes:.1e} of the largest; it must have the same equations")
         compiled = not (quick or flights)
         runs = pd.concat([race(scene, cvodes, quick, compiled) for scene in progress_bar(raced, len(raced), "races")])
         shown = {"error": "error m", "seconds": "ms", "steps": "internal steps"}
@@ -76,5 +80,4 @@ def run(options):
             tables["MoorDyn"] = moordyn.moordyn_table(quick)
     if options.figure:
         draw(runs, options.figure)
-    slopes = max(cvodes.largest_difference(scene) for scene in raced) if cvodes else None
     print(write(tables, options.out, options.figure, slopes))

@@ -7,7 +7,7 @@ from dataclasses import replace
 from warnings import catch_warnings, simplefilter
 
 from tetherfmu.console.ending import FAILED, WrongUse, command, one_line
-from tetherfmu.console.options import Parser, amount, folder, named_value, names
+from tetherfmu.console.options import Parser, amount, folder, named_value, names, one_of
 from tetherfmu.console.progress import now
 from tetherfmu.export import archive
 from tetherfmu.export.archive import SLAVES
@@ -28,6 +28,7 @@ from tetherfmu.runtime.quantities import Quantity, quantities
 from tetherfmu.runtime.variants import class_name, library_of, variant_of
 
 MAX_SHAPE_POINTS = 1001
+FMI = "version of FMI, 3 with --native only (default: 2)"
 SEGMENTS = dict(quantities(Tether))["segments"]
 # the stiffness of more is out of its range; the forces of less have too few digits in the evidence set
 DIAMETER = Quantity("m", "", 1e-4, 5.0)
@@ -133,7 +134,7 @@ def _add_flavours(option):
     option("--platforms", type=platforms, default=here, metavar="P,...", help=about)
     option("--examples", action="store_true", help="also build the FMUs and systems (SSP) of the examples")
     option("--native", action="store_true", help="build FMUs that need no Python in their host")
-    option("--fmi", type=int, choices=(2, 3), default=2, help="version of FMI, 3 with --native only (default: 2)")
+    option("--fmi", type=lambda text: int(one_of("23")(text)), default=2, metavar="{2,3}", help=FMI)
     about = "with --native: also write a C header for hosts, with value references and the guid or token"
     option("--header", action="store_true", help=about)
     about = "with --native: also put C sources into the FMU, which importers compile for any other processor"
@@ -156,6 +157,9 @@ def _problems(options):
             "the file of --system has its lines and their start values: it goes without NAME, --segments, --diameter, "
             "--material, --examples and --scene"
         )
+    for name in {"diameter", "segments"} & {each for each, _ in options.starts}:
+        if getattr(options, name) is not None:
+            yield f"--{name} and --set {name} are both given; give one of them"
     if options.fmi == 3 and not options.native:
         yield "PythonFMU makes FMUs for FMI 2; --fmi 3 goes with --native"
     if options.header and not options.native:

@@ -22,6 +22,7 @@ from warnings import catch_warnings
 
 from tetherfmu.fmi.portions import portions_of
 from tetherfmu.results import PlausibilityWarning
+from tetherfmu.runtime.enumerations import WINCH_BY_FORCE, WINCH_BY_LENGTH, WINCH_BY_SPEED
 from tetherfmu.runtime.inputs import KITE_AT_START, ZERO, components, wind_at_names
 from tetherfmu.runtime.parameters import DEFAULT_TOLERANCE, Environment, FreeKite, Solver, Winch
 from tetherfmu.runtime.variables import INPUT, OUTPUT, names_of, variables
@@ -315,6 +316,7 @@ _LIFT = 0.01  # of the force of a winch that holds several lines [-]
 # arguments of `TetherSystem.step`, and the inputs of points and lines that they are
 KINDS = {"positions": "position", "velocities": "velocity", "reel_out_speeds": "reel_out_speed"}
 KINDS |= {"winch_lengths": "winch_length", "winch_forces": "winch_force", "wind_at": "wind_at"}
+_LED_BY = {WINCH_BY_SPEED: "reel_out_speed", WINCH_BY_FORCE: "winch_force", WINCH_BY_LENGTH: "winch_length"}
 _TENSIONS = {"tension_from": "ground_tension", "tension_to": "kite_tension", "tether_length": "tether_length"}
 
 
@@ -329,12 +331,16 @@ def of_system(system, wind_points=0):
         return TetherSystem(system.points, system.lines, system.environment, solver, system.ground, **more)
 
     moves = [name for what in ("position", "velocity") for each in driven for name in components(f"{each}.{what}", 3)]
-    turns = [f"{line.name}.reel_out_speed" for line in lines_alone(system)]
+    turns = [f"{line.name}.{_LED_BY[line.winch.winch_control]}" for line in lines_alone(system)]
     turns += [f"{winch.name}.{winch.input}" for winch in system.winches]
     winds = [f"{line}.{name}" for line, count in lines.items() for name in wind_at_names(count)]
     forces = {each.name: f"{each.name}.{'force' if each.is_driven else 'position'}" for each in system.points}
     of_points = (name for vector in forces.values() for name in components(vector, 3))
-    at = partial(inputs_of_system, system=system)
+    with catch_warnings(action="ignore", category=PlausibilityWarning):
+        by_force = any(line.winch.winch_control == WINCH_BY_FORCE for line in lines_alone(system))
+        start = model(_SYSTEM_TOLERANCE).initialize().lines if by_force else {}
+    pulls = {name: line.ground_tension for name, line in start.items()}
+    at = partial(inputs_of_system, system=system, pulls=pulls)
     return EvidenceSet(
         kind="",
         model=model,
@@ -354,22 +360,25 @@ def lines_alone(system):
     return [line for line in system.lines if not holding(system.winches, line.name)]
 
 
-def inputs_of_system(time, system):
-    """Inputs at a time [s], as a dict of arguments of `TetherSystem.step` (SI units)."""
+def inputs_of_system(time, system, pulls):
+    """Inputs at a time [s], as a dict of arguments of `TetherSystem.step` (SI units); pulls [N] : of lines at the start."""
     share, rate, integral = rise(time, _RISES)
     mean = sum(line.tether.initial_length for line in system.lines) / len(system.lines)
     length = _AMPLITUDE * mean
     sway = length * share * sin(_RATE * time)
     speed = length * (rate * sin(_RATE * time) + share * _RATE * cos(_RATE * time))
     driven = {point.name: point.position for point in system.points if point.is_driven}
-    speeds = {line.name: share * _PAID_OUT * line.tether.initial_length for line in lines_alone(system)}
+    alone = {name: [e for e in lines_alone(system) if _LED_BY[e.winch.winch_control] == name] for name in _LED_BY.values()}
+    speeds = {line.name: share * _PAID_OUT * line.tether.initial_length for line in alone["reel_out_speed"]}
+    lengths = {line.name: line.tether.initial_length * (1.0 + integral * _PAID_OUT) for line in alone["winch_length"]}
+    forces = {line.name: pulls[line.name] * (1.0 + _LIFT * share) for line in alone["winch_force"]}
     winches = {name: [each for each in system.winches if each.input == name] for name in KINDS.values()}
     return {
         "positions": {name: (x, y + sway, z) for name, (x, y, z) in driven.items()},
         "velocities": dict.fromkeys(driven, (0.0, speed, 0.0)),
         "reel_out_speeds": speeds | {each.name: share * _PAID_OUT * mean for each in winches["reel_out_speed"]},
-        "winch_lengths": {each.name: integral * _PAID_OUT * mean for each in winches["winch_length"]},
-        "winch_forces": {each.name: each.winch_force * (1.0 + _LIFT * share) for each in winches["winch_force"]},
+        "winch_lengths": lengths | {each.name: integral * _PAID_OUT * mean for each in winches["winch_length"]},
+        "winch_forces": forces | {each.name: each.winch_force * (1.0 + _LIFT * share) for each in winches["winch_force"]},
         "wind_velocity": (_MEAN * share, _GUSTS * share * sin(_RATE * time), 0.0),
     }
 

@@ -82,7 +82,9 @@ def _evidence_of(found, table, arrays, wind_points, left_out):
         made = evidence.of_system(found, wind_points)
         if left_out:
             made = lean_evidence.of_system(made, table, frozenset(left_out))
-        return evidence.files(found.name, [made], arrays, **words) if made.outputs else {}
+        drums = [name for name in made.inputs if name.endswith(".winch_force")]  # which may stick, and slip
+        is_sound = made.outputs and (not drums or lean_evidence.is_kept(made))
+        return evidence.files(found.name, [made], arrays, **words) if is_sound else {}
     except ValueError:
         return {}
 

@@ -48,7 +48,6 @@ TURNED = {  # their outputs: the output of a tether that they are made of
     "winch_speed": ("winch_speed", "reel-out speed of a line with the ratio 1"),
     "payout": ("tether_length", "length of a line with the ratio 1 that it has paid out since the start"),
 }
-PARTING = ("broken", "break_time")  # outputs that a line has not which cannot break or let go
 # outputs of the portions and the sheaves of a line, in the order of `layout.PORTION_LENGTH`, ...: unit, meaning
 OF_PORTIONS = {
     "portion_length": ("m", "unstretched length of portion {}"),
@@ -143,10 +142,6 @@ class Structure:
         """The shared winches that hold a line with this name."""
         return [each for each in self.winches if line in dict(each.ratios)]
 
-    def can_part(self, line):
-        """Whether a line can break and let go: not over sheaves, or at a shared winch that is controlled by force."""
-        return not line.through and not any(each.carrier for each in self.holding(line.name))
-
     @property
     def has_wind_points(self):
         """Whether the wind is given at points of lines, which then feel no other."""
@@ -220,8 +215,6 @@ def _inputs(structure):
         start = getattr(winch, winch.input, declared.start[0])
         yield Variable(f"{winch.name}.{winch.input}", INPUT, "Real", quantity, 0, start, group=declared.group)
     for line in structure.lines:
-        if not structure.can_part(line):
-            continue
         declared = inputs.BY_NAME[RELEASE]
         quantity = Quantity("", _RELEASE.format(line))
         yield Variable(f"{line.name}.{RELEASE}", INPUT, declared.kind, quantity, 0, 0.0, group=declared.group)
@@ -355,8 +348,6 @@ def _outputs(structure, known):
 def _outputs_of_line(structure, line, known):
     """Outputs of a line."""
     for name, own in OF_A_LINE.items():
-        if name in PARTING and not structure.can_part(line):
-            continue
         each = outputs.BY_NAME[name]
         end = line.start if name.startswith(ENDS[0]) else line.end
         meaning = MEANINGS[own].format(end) if own in MEANINGS else each.quantity.meaning

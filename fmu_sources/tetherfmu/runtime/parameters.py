@@ -16,7 +16,8 @@ from .quantities import Quantity, check, checked, choice, documented, quantities
 DEFAULT_TOLERANCE, LOOSEST_TOLERANCE = 1e-4, 0.1
 IN_METRES = (0.0, 0.2, "diameters are in m: 4 mm are 0.004")  # usual ones, see `Quantity.usual`
 IN_KG_PER_M3 = (20.0, inf, "densities are in kg/m3: 0.97 g/cm3 are 970")
-OF_AIR = (0.01, inf, "densities are in kg/m3: 0.0012 g/cm3 are 1.2")
+OF_AIR = (0.01, 100.0, "densities are in kg/m3: 0.0012 g/cm3 or 1200 g/m3 are 1.2")
+OF_THE_ATMOSPHERE = (100.0, inf, "heights are in m: 8.5 km are 8500")
 IN_SECONDS = (0.0, 1.0, "steps are in s: 5 ms are 0.005")
 OF_THE_WHOLE_CHAIN = ("slack_stiffness_ratio", "slack_damping_ratio", "damping_law")  # the same for all tethers in series
 ROUGHNESS_TOO_LARGE = (
@@ -161,7 +162,12 @@ class Environment:
 
     air_density: float = quantity(1.225, "kg/m3", "air density at z = 0", 0.0, 1e4, usual=OF_AIR)
     air_density_scale_height: float = quantity(
-        0.0, "m", "0: uniform air density; otherwise it falls as exp(-z/H), H = 8550 m for the standard atmosphere", 0.0, 1e9
+        0.0,
+        "m",
+        "0: uniform air density; otherwise it falls as exp(-z/H), H = 8550 m for the standard atmosphere",
+        0.0,
+        1e9,
+        usual=OF_THE_ATMOSPHERE,
     )
     gravity: float = quantity(9.81, "m/s2", "gravity along -z", 0.0, 1000.0)
     wind_profile: int = choice(

@@ -47,7 +47,9 @@ class Quantity:
         return "; ".join(found) or self.range()
 
     def allows(self, value):
-        """Whether a value lies in the allowed range; never for NaN, infinities and what is no number."""
+        """Whether a value lies in the allowed range; never for NaN, infinities and what is no number, as a text."""
+        if isinstance(value, str | bytes):
+            return False
         try:
             number = float(value)
         except (TypeError, ValueError):

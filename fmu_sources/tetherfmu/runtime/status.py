@@ -42,12 +42,10 @@ START_UNDER_GROUND = 27
 # of a line that lets go
 RELEASED_WITHOUT_MASS = 28
 # of lines over sheaves, and of lines whose winch is controlled by force in a system with these or with shared winches
-SHEAVES_WITH_WINCH_START = 29
-SHEAVES_WITH_STRETCH_RATE = 30
-SHEAVES_THAT_BREAK = 31
-RELEASED_OVER_SHEAVES = 32
-NO_SHARES = 33
-SHEAVES_WITH_STOP = 34
+SHEAVES_WITH_STRETCH_RATE = 29
+SHEAVES_THAT_BREAK = 30
+NO_SHARES = 31
+SHEAVES_WITH_STOP = 32
 
 SENTENCES = {
     OK: "done",
@@ -137,10 +135,6 @@ SENTENCES = {
         "release is true, and what the line lets go of moves freely without any mass of its own: give it one (kite_mass; "
         "in a system the mass of the point)"
     ),
-    SHEAVES_WITH_WINCH_START: (
-        "winch_start is 2 (equilibrium) in a system with a line over sheaves or a winch that holds lines by force; it must "
-        "be 1 (given)"
-    ),
     SHEAVES_WITH_STRETCH_RATE: (
         "damping_law is 2 (stretch_rate) for a line over sheaves, or with force control beside such lines or at a winch "
         "that holds several; it must be 1 (strain_rate)"
@@ -149,13 +143,14 @@ SENTENCES = {
         "breaking_force is given for a line over sheaves, or with force control beside such lines or at a winch that holds "
         "several, which cannot break yet: it must be 0"
     ),
-    RELEASED_OVER_SHEAVES: (
-        "release is true for a line over sheaves, or with force control beside such lines or at a winch that holds several, "
-        "which cannot let go yet: it must be false"
-    ),
     NO_SHARES: (
-        "no lengths of the portions were found with which each sheave has the same tension on both sides; give them as "
-        "initial_portions, or check the positions of the points, the loads and initial_length"
+        "no lengths of the portions were found with which each sheave has the same tension on both sides, and, with "
+        "winch_start 2 (equilibrium), the line pulls with winch_force; give them as initial_portions, set winch_start to 1 "
+        "(given), or check the positions of the points, the loads, winch_force and initial_length"
+    ),
+    SHEAVES_WITH_STOP: (
+        "shortest_length or longest_length is given for a line over sheaves with force control, whose drum stops only where "
+        "a portion gets too short: both must be 0"
     ),
 }
 

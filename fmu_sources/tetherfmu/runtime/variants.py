@@ -58,7 +58,7 @@ _ONE_LINE = {
     "slack_segments": "1 if the kite is closer than the unstretched length, else 0",
     "kite_end_mass": "tether mass lumped at the kite end: 0, the mass of this tether is not lumped",
 }
-_WEIGHT = "tension and the component of its half of the weight along the chord; negative at the lower end of a slack tether"
+_WEIGHT = "tension and half of the weight along the chord; negative at the lower end of a slack tether"
 # of descriptions
 _DRIVEN = "In: position and velocity of the kite (and of the ground end), wind, reel-out speed. "
 _DRIVEN += "Out: force of the tether on kite and ground."

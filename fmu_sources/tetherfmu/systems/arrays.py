@@ -73,12 +73,12 @@ class Arrays:
         return inputs[..., first:end]
 
     def topology(self):
-        """Copy of the plan without what the kernels write there, and which points the start has found."""
+        """Copy of the plan without what the kernels write and which points the start has found, and ratios of winches."""
         found = self.plan.copy()
         found[places.STATUS_LINE] = 0
         rows = found[places.PLAN_HEADER :].reshape(-1, places.LINE_NUMBERS)
         rows[:, [places.START_IS_SOUGHT, places.END_IS_SOUGHT]] = 0
-        return found
+        return np.concatenate([found, self.turned.ratios()])
 
     def winds(self):
         """Places in the parameters of all lines: pairs of that of the wind profile, and of the wind at nodes, a slice."""

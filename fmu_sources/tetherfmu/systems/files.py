@@ -128,6 +128,8 @@ def load(path: str | Path) -> SystemFile:
 
 def read(table, name):
     """`SystemFile` from the table of a file; ValueError names the key. name : of the system, if the table has none."""
+    if "flight" in table:
+        raise ValueError("describes a scene, no system of tethers; tetherfmu fly, advise, sweep and build --scene take it")
     require(table, "", ("name", *TABLES), ("points", "lines"))
     name = table.get("name", name)
     if not isinstance(name, str):
@@ -187,6 +189,7 @@ def line_of(name, table):
 def winch_of(name, table):
     """`SharedWinch` of a table of a file; ValueError names the key."""
     section = f"winches.{name}"
+    checked_name("winch", name)
     require(table, section, ("lines", "control", *NUMBERS_OF_A_WINCH), ("lines",))
     given = {key: table[key] for key in ("lines", "control") if key in table}
     given |= {key: value_of(TableOfWinch, key, table[key], f"{section}.") for key in NUMBERS_OF_A_WINCH if key in table}

@@ -6,7 +6,7 @@ from typing import TypedDict
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tetherfmu.arguments import numbers_in_shape
+from tetherfmu.arguments import check_release, numbers_in_shape
 from tetherfmu.compiled_flight import put_node_winds
 from tetherfmu.fmi.portions import portions_of
 from tetherfmu.fmi.system_variables import GIVEN, RELEASE
@@ -70,6 +70,14 @@ def starts(lines, shared, free, wind_points):
     return {"wind_velocity": (0.0, 0.0, 0.0), "loads": dict.fromkeys(free, (0.0, 0.0, 0.0)), **winches, **winds}
 
 
+def check_dicts(given):
+    """TypeError unless inputs that are given exist, and are dicts by the names of points and lines, where they must be."""
+    check_names("TetherSystem", given, _KNOWN)
+    for name, value in given.items():
+        if name != "wind_velocity" and not isinstance(value, Mapping | None):
+            raise TypeError(f"{name} is {value!r}; it must be a dict by the names of points or lines")
+
+
 def completed(given, before):
     """Inputs by name where they are given, and as they were `before` where they are not; names of points and lines alike."""
     found = dict(before)
@@ -87,7 +95,7 @@ def put(given, arrays, points, lines, inputs=None, at_start=False):
     what the winches that hold several lines are told then, an array (steps, winches) or (winches,).
     at_start : of free points, too.  TypeError if there is no such argument.
     """
-    check_names("TetherSystem", given, _KNOWN)
+    check_dicts(given)
     given = {name: value for name, value in given.items() if value is not None}
     whole = arrays.inputs if inputs is None else inputs
     rows = [arrays.inputs_in(k, whole) for k in range(len(lines))]
@@ -118,6 +126,7 @@ def put(given, arrays, points, lines, inputs=None, at_start=False):
         for name, value in given.get(each, {}).items():
             if what == RELEASE:
                 _check_known("release of a line", name, whole_lines)
+                check_release(_numbers(f"{name}.{what}", value, (), steps), f"{name}.{what}")
             else:
                 _check_known(f"{what} of a line or a winch", name, alone + shared)
             numbers = _numbers(f"{name}.{what}", value, (), steps)

@@ -22,7 +22,7 @@ from tetherfmu.runtime.naming import meant_or_all, names_checked, prefixed
 from tetherfmu.runtime.parameters import Winch
 from tetherfmu.runtime.quantities import quantities
 
-from .records import Line, checked_name
+from .records import ANY_INPUT, Line, checked_name
 from .results import WinchEnergy, WinchOutputs
 from .sheaves import check_turned
 
@@ -90,7 +90,7 @@ class SharedWinch:
                 "be above 0: give all of them the other sign"
             )
         for name in STARTS:
-            if not abs(getattr(self, name)) <= at.LARGEST_INPUT:
+            if not ANY_INPUT.allows(getattr(self, name)):
                 raise ValueError(
                     f"{self.name}.{name} is {getattr(self, name)!r}; it must be finite and at most {at.LARGEST_INPUT:g} in "
                     "magnitude"
@@ -120,9 +120,7 @@ def holding(winches, line):
 
 
 def check_winches(winches: Sequence[SharedWinch], lines: Sequence[Line], taken: Sequence[str]) -> None:
-    """TypeError or ValueError, in words, unless winches fit to the lines of a system; taken : names of points and lines."""
-    if not all(isinstance(each, SharedWinch) for each in winches):
-        raise TypeError(f"winches is {winches!r}; it must be a sequence of SharedWinch")
+    """ValueError, in words, unless winches fit to the lines of a system; taken : names of points and lines."""
     known, names = [line.name for line in lines], [*taken, *(each.name for each in winches)]
     for winch in winches:
         if names.count(winch.name) > 1:
@@ -226,6 +224,10 @@ class Turned:
         self._first_lengths = np.array([sum(each.initial_length for each in lines[k].tethers) for k in self.held])
         self._by_length = np.array([each.control == BY_LENGTH for each in winches], dtype=bool)
         self.told = np.zeros(len(winches))
+
+    def ratios(self):
+        """Ratios of all lines that winches hold, a flat array: they tell systems apart."""
+        return self._ratios.ravel()
 
     def by(self, what):
         """Names of the winches with this input."""

@@ -31,6 +31,8 @@ def numbers_in(line, name):
 
 def check_sheaves(line):
     """ValueError if what a line says of sheaves cannot be; what has no effect is refused."""
+    if isinstance(line.through, str):
+        raise ValueError(f'{line.name}.through is {line.through!r}; it must be a list of names of points, as ["block"]')
     object.__setattr__(line, "through", tuple(line.through))
     if not line.through:
         defaults = {"initial_portions": None, "sheave_mass": 0.0, "sheave_friction": 0.0, "sheave_efficiency": 1.0}
@@ -58,6 +60,12 @@ def check_portions(line):
     given, whole, count = tuple(line.initial_portions), line.tethers[0].initial_length, len(line.through) + 1
     if len(given) != count or not all(isfinite(each) and each > 0.0 for each in given):
         raise ValueError(f"{line.name}.initial_portions is {list(given)!r}; it must be {count} lengths above 0")
+    least = at.MIN_SEGMENT_LENGTH * line.tethers[0].segments
+    if min(given) < least:
+        raise ValueError(
+            f"{line.name}.initial_portions is {list(given)!r}; each must be at least {least:g} m, "
+            f"{at.MIN_SEGMENT_LENGTH:g} m for each of its {line.tethers[0].segments} segments"
+        )
     if abs(sum(given) - whole) > 1e-9 * whole:
         raise ValueError(
             f"{line.name}.initial_portions add up to {sum(given):.9g} m; it must be initial_length, {whole!r} m"
@@ -111,8 +119,6 @@ def check_drum(line, why):
     """ValueError if the drum of a line has what it cannot have yet in a system with sheaves; why : it has these."""
     if line.winch.winch_control != at.WINCH_BY_FORCE:
         return
-    if line.winch.winch_start != at.WINCH_GIVEN:
-        raise ValueError(f"{line.name}.winch_start is equilibrium, and {why}; it must be given")
     for name in ("shortest_length", "longest_length"):
         stop = getattr(line.winch, name)
         if line.through and stop:

@@ -23,7 +23,7 @@ from tetherfmu.runtime.status import OK
 
 from . import files
 from .arrays import Arrays, instance_of
-from .inputs import SystemInputs, Vectors, completed, put, starts
+from .inputs import SystemInputs, Vectors, check_dicts, completed, put, starts
 from .records import Line, Point, check_system
 from .results import SystemEnergy, SystemFlown, SystemOutputs, points_of
 from .shared_winches import SharedWinch, check_winches, energies_of, holding, without_drum
@@ -89,7 +89,8 @@ class TetherSystem(Running):
         winches: Sequence[SharedWinch] = (),
         wind_points: int = 0,
     ):
-        points, lines, winches = tuple(points), tuple(lines), tuple(winches)
+        points, lines = arguments.records_of("points", points, Point), arguments.records_of("lines", lines, Line)
+        winches = arguments.records_of("winches", winches, SharedWinch)
         check_system(points, lines)
         check_winches(winches, lines, [each.name for each in (*points, *lines)])
         kinds = {Environment: environment, Solver: solver, Ground: ground}
@@ -163,6 +164,7 @@ class TetherSystem(Running):
         **inputs
             The other ones of `SystemInputs`; where they are not given, reel-out speeds of the records of the lines, and 0.
         """
+        check_dicts({"positions": positions, "velocities": velocities, "loads": loads, **inputs})
         positions = {**{each.name: each.position for each in self.points}, **(positions or {})}
         wanted = [name for name, position in positions.items() if position is None]
         if not set(wanted) <= set(self._instance.free):

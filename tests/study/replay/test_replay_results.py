@@ -165,6 +165,13 @@ def test_steps_that_were_refused(made, tmp_path):
     assert np.isfinite(page.seen(broken.flown["dynamic"]).kite_force).all()
 
 
+def test_a_tether_that_breaks_is_told():
+    """It then holds nothing, and the lengths that are compared are no longer those of a winch that holds the tension."""
+    found = flown(tethers=("dynamic",), tether_breaking_force=500.0)
+    assert any("dynamic broke after 0" in each and "of a broken tether" in each for each in found.doubts)
+    assert not any("broke" in each for each in flown(tethers=("dynamic",)).doubts)
+
+
 def test_page_shows_the_flown_path_and_the_ground(made, monkeypatch, tmp_path):
     seen = {}
 

@@ -10,11 +10,13 @@ import pytest
 
 from study.scenes_of_tests import SCENE, written
 from tetherfmu.__main__ import main
+from tetherfmu.console.ending import WrongUse
 from tetherfmu.input_files import contents_of
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.parameters import Ground, Tether
 from tetherfmu.study.measuring.runs import Config, parameters_of
 from tetherfmu.study.scenes.files import load
+from tetherfmu.study.scenes.named import named_systems
 
 HEAD = "time,kite_position[1],kite_position[2],kite_position[3]\n"
 SERIES = SCENE.replace('kind = "circle"\nrate = "0.5 rad/s"', 'kind = "series"\nfile = "flight.csv"')
@@ -244,3 +246,13 @@ def test_a_series_is_the_flight_that_it_samples(tmp_path):
     assert inputs[:, at.WIND_VELOCITY : at.REEL_OUT_SPEED + 4] == pytest.approx(
         expected[:, at.WIND_VELOCITY : at.REEL_OUT_SPEED + 4]
     )
+
+
+def test_what_is_no_scene_is_told_as_what_it_is(tmp_path):
+    """A system, and a flight whose tether lets go."""
+    with pytest.raises(WrongUse, match=r"hoist\.toml: describes a system of tethers, no scene; tetherfmu fly, advise and"):
+        load(named_systems()["hoist"])
+    rows = "".join(f"{0.1 * k},300,{k},400,{int(k > 5)}\n" for k in range(200))
+    (tmp_path / "flight.csv").write_text(HEAD.replace("\n", ",release\n") + rows)
+    with pytest.raises(WrongUse, match=r"has a column release; only tetherfmu fly FLIGHT\.csv takes one"):
+        load(written(tmp_path, SERIES))

@@ -178,3 +178,12 @@ def test_wrong_use_is_named_in_one_line(options, tmp_path, monkeypatch, capsys):
     assert status_of("sweep", "circle", "--vary", "wind.speed=5,6", *options.split()) == 2
     (line,) = capsys.readouterr().err.splitlines()
     assert WRONG[options] in line
+
+
+def test_what_is_hardly_meant_is_said_of_the_extremes(capsys, tmp_path):
+    """Millimetres taken for metres; and a duration that is varied is not given as that of all flights."""
+    options = ["--vary", "tether.diameter=0.004,4", "--vary", "duration=0.6,0.8", "--segments", "2", "--processes", "1"]
+    assert main(["sweep", "circle", *options, "--out", str(tmp_path)]) == 0
+    said = capsys.readouterr()
+    assert said.err.count("tether.diameter is 4 m, more than 0.2 m; diameters are in m: 4 mm are 0.004") == 1
+    assert said.out.startswith("4 flights, 0 of them refused\n")

@@ -21,6 +21,7 @@ from ..linear_algebra.both_ends import (
     get_matrix_of_pairs,
     get_node,
     get_vector_of_pairs,
+    lower_and_upper,
     next_interleaved,
     put_interleaved,
     put_pairs,
@@ -53,13 +54,6 @@ def node_masses(chain, mass):
         mass[s] = point_mass(chain, s) + below + half
         below = half
     mass[chain.n] = point_mass(chain, chain.n) + below
-
-
-@kernel
-def lower_and_upper(n, s, a):
-    """Vectors of an interleaved array at the lower ends of segment s and its mirror image, as pairs; at their upper ends."""
-    outer, inner = get_interleaved(a, s), next_interleaved(n, s, a)
-    return pair(first(outer), second(inner)), pair(first(inner), second(outer))
 
 
 @kernel
@@ -111,7 +105,7 @@ def node_forces(chain, modes, x, v, mass, segments, force):
     else:
         sum_forces(chain, False, modes, x, v, mass, segments, force)
     if flow.flows(chain):
-        flow.add_forces(chain, x, v, force)
+        flow.add_forces(chain, x, v, segments, force)
 
 
 @view

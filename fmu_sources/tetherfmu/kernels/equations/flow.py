@@ -18,8 +18,9 @@ rope than L' then comes in at the first node. Theory: docs/models/theory.md, "Ro
 from tetherfmu.runtime import layout as at
 
 from ..compilation import kernel
-from ..linear_algebra.both_ends import add_to_node, get_node
-from ..linear_algebra.vectors import add, add_scaled, dot, get, norm, put, scale, sub
+from ..linear_algebra.both_ends import add_to_node, get_interleaved, get_two, lower_and_upper, put_interleaved, put_two
+from ..linear_algebra.pairs import first, number_at, pair, second
+from ..linear_algebra.vectors import NEUTRAL_VECTOR, add, add_scaled, dot, get, norm, put, scale, sub
 from .properties import property_of, rest_length
 
 
@@ -93,17 +94,32 @@ def energy(chain, s, part, x_p, x_q, v_p, v_q):
 
 
 @kernel
-def add_forces(chain, x, v, force):
-    """Add the forces on all nodes [N] to `force` (modified); x, v : positions [m], velocities [m/s]; all interleaved."""
-    n, part = chain.n, 1.0
-    x_p, v_p = get_node(n, 0, x), get_node(n, 0, v)
-    for s in range(n):
-        x_q, v_q = get_node(n, s + 1, x), get_node(n, s + 1, v)
-        of_p, of_q = forces(chain, s, part, x_p, x_q, v_p, v_q)
-        add_to_node(n, s, of_p, force)
-        add_to_node(n, s + 1, of_q, force)
-        part -= property_of(chain, s, at.SHARE)
-        x_p, v_p = x_q, v_q
+def put_parts(chain, parts):
+    """c_i/L' [-] of all nodes into an array (modified), without rope that leaves the last one."""
+    parts[0] = 1.0
+    for s in range(chain.n):
+        parts[s + 1] = parts[s] - property_of(chain, s, at.SHARE)
+
+
+@kernel
+def add_forces(chain, x, v, parts, force):
+    """Add the forces on all nodes [N] to `force` (modified); x, v : positions [m], velocities [m/s]; all interleaved.
+
+    Two segments at a time, as in `assembly.node_forces`.  parts (modified) : n + 1 numbers.
+    """
+    n = chain.n
+    put_parts(chain, parts)
+    of_p, of_q = pair(NEUTRAL_VECTOR, NEUTRAL_VECTOR), pair(NEUTRAL_VECTOR, NEUTRAL_VECTOR)
+    for s in range((n + 1) // 2):
+        both = (s, n - 1 - s)
+        (x_p, x_q), (v_p, v_q) = lower_and_upper(n, s, x), lower_and_upper(n, s, v)
+        before = of_p, of_q
+        of_p, of_q = forces(chain, both, number_at(parts, 0, both), x_p, x_q, v_p, v_q)
+        below, above = pair(first(before[1]), second(of_q)), pair(first(of_p), second(before[0]))
+        put_interleaved(force, s, add(add(get_interleaved(force, s), below), above))
+    if n % 2 == 0:
+        add_to_node(n, n // 2, first(of_q), force)
+        add_to_node(n, n // 2, second(of_p), force)
 
 
 @kernel
@@ -118,33 +134,11 @@ def most_power(chain, x, v):
 
 
 @kernel
-def power(chain, x, v, a, are_free):
+def power(chain, x, v, a, are_free, counted):
     """Power [W] of what accelerates rope that flows: of these forces, and the rate of `energy_of_flow`.
 
     x, v, a : positions [m], velocities [m/s] and accelerations [m/s2] of the nodes.  are_free : of its ends, 1 or 0.
-    """
-    start, end = are_free
-    total, part = 0.0, 1.0
-    for s in range(chain.n):
-        r, u = sub(get(x, s + 1), get(x, s)), sub(get(v, s + 1), get(v, s))
-        free_p, free_q = start if s == 0 else 1.0, end if s == chain.n - 1 else 1.0
-        of_p, of_q = forces(chain, s, part, get(x, s), get(x, s + 1), get(v, s), get(v, s + 1))
-        total += free_p * dot(of_p, get(v, s)) + free_q * dot(of_q, get(v, s + 1))
-        next_part = part - property_of(chain, s, at.SHARE)
-        square, half = part * part + next_part * next_part, 0.5 * property_of(chain, s, at.LINE_DENSITY)
-        crossed = 0.0 if s == 0 else part * rate_of_product(chain, r, u, get(v, s), get(a, s))
-        crossed += free_q * next_part * rate_of_product(chain, r, u, get(v, s + 1), get(a, s + 1))
-        of_square = chain.acceleration * dot(r, r) + chain.reeling * (dot(r, u) - 0.5 * chain.growth * dot(r, r))
-        total += half * (crossed + square * chain.reeling / rest_length(chain, s) * of_square)
-        part = next_part
-    return total
-
-
-@kernel
-def power_in_portion(chain, x, v, a, are_free, counted):
-    """The same of a portion of a line over sheaves, whose rope flows at any rates at its two ends.
-
-    counted : of its ends, 1 or 0: whether the velocity has a part in the kinetic energy, see `energy_in_portion`.
+    counted : as of `energy_of_flow`.
     """
     start, end = are_free
     total, part = 0.0, 1.0
@@ -168,29 +162,8 @@ def power_in_portion(chain, x, v, a, are_free, counted):
 
 
 @kernel
-def rate_of_product(chain, r, u, v, a):
-    """Rate of L' v . r [m3/s3] with r' = u, v' = a."""
-    return chain.acceleration * dot(v, r) + chain.reeling * (dot(a, r) + dot(v, u))
-
-
-@kernel
-def energy_of_flow(chain, x, v, end_is_free):
-    """Kinetic energy [J] that `energy` has of all segments, but for what the velocity of an end has a part in.
-
-    That of the first node, and that of the last one if it is driven (end_is_free is 0, else 1).
-    """
-    total, part = 0.0, 1.0
-    for s in range(chain.n):
-        v_p = scale(0.0 if s == 0 else 1.0, get(v, s))
-        v_q = scale(end_is_free if s == chain.n - 1 else 1.0, get(v, s + 1))
-        total += energy(chain, s, part, get(x, s), get(x, s + 1), v_p, v_q)
-        part -= property_of(chain, s, at.SHARE)
-    return total
-
-
-@kernel
-def energy_in_portion(chain, x, v, counted):
-    """The same of a portion of a line over sheaves; counted : of its ends, 1 or 0: whether their velocities count."""
+def energy_of_flow(chain, x, v, counted):
+    """Kinetic energy [J] that `energy` has of all segments; counted : of its ends, 1 or 0: whether their velocities do."""
     total, part = 0.0, 1.0
     for s in range(chain.n):
         v_p = scale(counted[0] if s == 0 else 1.0, get(v, s))
@@ -232,18 +205,19 @@ def add_end_motion(chain, kite_end, dx, dv, force):
 
 
 @kernel
-def add_damping(chain, factor, velocity, force):
-    """Add factor df/dv velocity [N] to `force` (modified, flat); velocity : interleaved [m/s]."""
-    n, part = chain.n, 1.0
-    at_p = get_node(n, 0, velocity)
-    for s in range(n):
-        _, _, by_rate = slopes(chain, s, part)
-        at_q = get_node(n, s + 1, velocity)
+def add_damping(chain, factor, velocity, parts, force):
+    """Add factor df/dv velocity [N] to `force` (modified, flat); velocity : interleaved [m/s].  parts : see `add_forces`."""
+    n, change = chain.n, pair(NEUTRAL_VECTOR, NEUTRAL_VECTOR)
+    put_parts(chain, parts)
+    for s in range((n + 1) // 2):
+        both = (s, n - 1 - s)
+        at_p, at_q = lower_and_upper(n, s, velocity)
+        before, (_, _, by_rate) = change, slopes(chain, both, number_at(parts, 0, both))
         change = scale(factor * by_rate, sub(at_q, at_p))
-        put(force, s, add(get(force, s), change))
-        put(force, s + 1, add(get(force, s + 1), change))
-        part -= property_of(chain, s, at.SHARE)
-        at_p = at_q
+        below, above = pair(first(before), second(change)), pair(first(change), second(before))
+        put_two(force, s, n - s, add(add(get_two(force, s, n - s), below), above))
+    if n % 2 == 0:
+        put(force, n // 2, add(add(get(force, n // 2), first(change)), second(change)))
 
 
 @kernel

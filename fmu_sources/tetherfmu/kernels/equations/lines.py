@@ -131,9 +131,29 @@ def comes_from(system, k):
 
 
 @kernel
+def first_of(system, k):
+    """The first portion of the rope of which line k is one."""
+    while comes_from(system, k):
+        k -= 1
+    return k
+
+
+@kernel
+def is_freed(system, k):
+    """Whether the arrays of line k are those of a line that has let go at its end."""
+    return number_of_line(system, k, places.FREED) != 0
+
+
+@kernel
 def is_portion(system, k):
     """Whether line k is a portion of one that runs over sheaves."""
     return has_sheaves(system) and (goes_on(system, k) or comes_from(system, k))
+
+
+@kernel
+def is_even(system, k):
+    """Whether all segments of line k are equal: it is a portion, and none is the gap of a line that has let go."""
+    return is_portion(system, k) and not is_freed(system, k)
 
 
 @kernel

@@ -22,6 +22,7 @@ from collections import namedtuple
 from tetherfmu.runtime import layout as at
 
 from ..compilation import kernel, view
+from ..linear_algebra.pairs import select
 from ..linear_algebra.vectors import add, add_scaled, dot, scale
 from . import segment
 from .properties import property_of, rest_length
@@ -29,19 +30,20 @@ from .properties import property_of, rest_length
 Passing = namedtuple("Passing", "sign at_p at_q")
 Passing.__doc__ = """A coordinate y at a segment: e, and its weights W_p and W_q."""
 
-Rope = namedtuple("Rope", "share rest half taut taut_damper slack slack_damper")
+Rope = namedtuple("Rope", "share rest per_rest half taut taut_damper slack slack_damper")
 Rope.__doc__ = """What all segments have of a portion over sheaves, which is of one tether; or one segment of another line.
 
-share, rest : in its length [-], [m].  half : mu/2 [kg/m].  taut, slack : stiffness [N/m], and dampers [N s/m].
+share, rest, per_rest : in its length [-], [m], its inverse [1/m].  half : mu/2 [kg/m].
+taut, slack : stiffness [N/m], and dampers [N s/m].
 """
 
 IN, OUT = 0, 1  # which coordinate: over the first node, over the last one
 
 
 @kernel
-def passing(chain, s, part, which):
-    """`Passing` of a coordinate at segment s; part : w_p."""
-    next_part = part - property_of(chain, s, at.SHARE)
+def passing(rope, part, which):
+    """`Passing` of a coordinate at a segment; part : w_p."""
+    next_part = part - rope.share
     if which == IN:
         return Passing(1.0, part, next_part)
     return Passing(-1.0, 1.0 - part, 1.0 - next_part)
@@ -60,20 +62,25 @@ def rope_of(chain, s):
     taut, taut_damper = segment.stiffness(chain, s, segment.TAUT, rest)
     slack, slack_damper = segment.stiffness(chain, s, segment.SLACK, rest)
     share = property_of(chain, s, at.SHARE)
-    return Rope(share, rest, half_density(chain, s), taut, taut_damper, slack, slack_damper)
+    return Rope(share, rest, 1.0 / rest, half_density(chain, s), taut, taut_damper, slack, slack_damper)
 
 
 @kernel
-def flowing(chain, s, part):
-    """c_p and c_q [m/s] of segment s."""
-    next_part = part - property_of(chain, s, at.SHARE)
+def stiffness_of(rope, mode, square):
+    """Stiffness [N/m] and damping [N s/m] of a segment with this mode and l^2 [m2]."""
+    mode = select(mode * mode, mode, square - rope.rest * rope.rest)
+    return select(mode, rope.taut, rope.slack), select(mode, rope.taut_damper, rope.slack_damper)
+
+
+@kernel
+def flowing(chain, part, next_part):
+    """c_p and c_q [m/s] of a segment."""
     return part * chain.reeling + chain.leaving, next_part * chain.reeling + chain.leaving
 
 
 @kernel
-def gaining(chain, s, part):
-    """c_p' and c_q' [m/s2] of segment s."""
-    next_part = part - property_of(chain, s, at.SHARE)
+def gaining(chain, part, next_part):
+    """c_p' and c_q' [m/s2] of a segment."""
     return part * chain.acceleration + chain.leaving_gain, next_part * chain.acceleration + chain.leaving_gain
 
 
@@ -81,7 +88,7 @@ def gaining(chain, s, part):
 def inertias(rope, part, square):
     """Part of a segment in minus the slopes of R_a by a' and by b', and of R_b by b' [kg]; part : w_p, square : l^2 [m2]."""
     next_part = part - rope.share
-    of_flow = rope.half / rope.rest * square
+    of_flow = rope.half * rope.per_rest * square
     p_out, q_out = 1.0 - part, 1.0 - next_part
     return (
         of_flow * (part * part + next_part * next_part),
@@ -104,14 +111,13 @@ def pulls(rope, chain, part, c, mode, r, u, over_first, over_last):
     last node [m].
     """
     square, both = dot(r, r), dot(r, u)
-    is_taut = mode > 0.0 or (mode == 0.0 and square > rope.rest * rope.rest)
-    k, damper = (rope.taut, rope.taut_damper) if is_taut else (rope.slack, rope.slack_damper)
-    strained = (0.5 * k * (square - rope.rest * rope.rest) + damper * (both - square * chain.growth)) / rope.rest
-    strained += 0.5 * rope.half * dot(u, u)
+    k, damper = stiffness_of(rope, mode, square)
+    strained = (0.5 * k * (square - rope.rest * rope.rest) + damper * (both - square * chain.growth)) * rope.per_rest
+    strained = strained + 0.5 * rope.half * dot(u, u)
     weight = 2.0 * rope.half * chain.gravity
     of_a, of_both = part * c[0] + (part - rope.share) * c[1], c[0] + c[1]
-    turned, squares = 2.0 * both - square * chain.growth, 0.5 * (c[0] * c[0] + c[1] * c[1]) / chain.length * square
-    of_flow = rope.half / rope.rest
+    turned, of_flow = 2.0 * both - square * chain.growth, rope.half * rope.per_rest
+    squares = 0.5 * (c[0] * c[0] + c[1] * c[1]) * rope.share * rope.per_rest * square
     return (
         rope.share * (strained - weight * over_first) - of_flow * (of_a * turned + squares),
         -rope.share * (strained - weight * over_last) - of_flow * ((of_both - of_a) * turned - squares),
@@ -119,49 +125,47 @@ def pulls(rope, chain, part, c, mode, r, u, over_first, over_last):
 
 
 @kernel
-def by_motion(chain, s, y, c, gained, mode, r, u, a_p, a_q):
-    """Slopes of the part of segment s in R_y: by r [N/m], by r' [N s/m], by L [N/m].
+def by_motion(rope, chain, y, c, gained, mode, r, u, a_p, a_q):
+    """Slopes of the part of a segment in R_y: by r [N/m], by r' [N s/m], by L [N/m].
 
     c : c_p, c_q [m/s].  gained : c_p', c_q' [m/s2].  a_p, a_q : accelerations of its nodes [m/s2].
     """
-    share, rest, half = property_of(chain, s, at.SHARE), rest_length(chain, s), half_density(chain, s)
-    square, both, growth, of_flow = dot(r, r), dot(r, u), chain.growth, half / rest
-    k, damping = segment.stiffness(chain, s, mode if mode != 0.0 else square - rest * rest, rest)
-    damper, product = share * damping / rest, y.at_p * c[0] + y.at_q * c[1]
-    squares, gain = (c[0] * c[0] + c[1] * c[1]) / chain.length, y.at_p * gained[0] + y.at_q * gained[1]
-    along = y.sign * (share * k / rest - 2.0 * damper * growth)
+    share, square, both, growth = rope.share, dot(r, r), dot(r, u), chain.growth
+    (k, damping), per_length, of_flow = stiffness_of(rope, mode, square), share * rope.per_rest, rope.half * rope.per_rest
+    damper, product = per_length * damping, y.at_p * c[0] + y.at_q * c[1]
+    squares, gain = (c[0] * c[0] + c[1] * c[1]) * per_length, y.at_p * gained[0] + y.at_q * gained[1]
+    along = y.sign * (per_length * k - 2.0 * damper * growth)
     along += of_flow * (2.0 * product * growth - y.sign * squares - 2.0 * gain)
     across = y.sign * damper - 2.0 * of_flow * product
     by_r = add_scaled(scale(along, r), across, u)
-    by_r = add_scaled(by_r, -half, add(scale(y.at_p, a_p), scale(y.at_q, a_q)))
-    by_u = add_scaled(scale(across, r), y.sign * half * share, u)
-    of_spring = -share * k * square / rest + damper * (3.0 * square * growth - 2.0 * both)
+    by_r = add_scaled(by_r, -rope.half, add(scale(y.at_p, a_p), scale(y.at_q, a_q)))
+    by_u = add_scaled(scale(across, r), y.sign * rope.half * share, u)
+    of_spring = -per_length * k * square + damper * (3.0 * square * growth - 2.0 * both)
     of_inertia = product * (2.0 * both - 2.0 * square * growth) + (y.sign * squares + gain) * square
-    return by_r, by_u, (y.sign * of_spring + of_flow * of_inertia) / chain.length
+    return by_r, by_u, (y.sign * of_spring + of_flow * of_inertia) * per_length
 
 
 @kernel
-def by_rate(chain, s, y, z, c, mode, r, u):
-    """Slope of the part of segment s in R_y by the rate of another coordinate z, or of the same [N s/m]."""
-    share, rest, half, square = property_of(chain, s, at.SHARE), rest_length(chain, s), half_density(chain, s), dot(r, r)
-    _, damping = segment.stiffness(chain, s, mode if mode != 0.0 else square - rest * rest, rest)
+def by_rate(rope, chain, y, z, c, mode, r, u):
+    """Slope of the part of a segment in R_y by the rate of another coordinate z, or of the same [N s/m]."""
+    square, per_length = dot(r, r), rope.share * rope.per_rest
+    _, damping = stiffness_of(rope, mode, square)
     product, crossed = y.at_p * c[0] + y.at_q * c[1], y.at_p * z.at_p + y.at_q * z.at_q
     flow = product * z.sign - y.sign * (c[0] * z.at_p + c[1] * z.at_q)
-    flow = flow * square / chain.length - crossed * (2.0 * dot(r, u) - square * chain.growth)
-    return half / rest * flow - y.sign * z.sign * share * damping / rest * square / chain.length
+    flow = flow * square * per_length - crossed * (2.0 * dot(r, u) - square * chain.growth)
+    return rope.half * rope.per_rest * flow - y.sign * z.sign * per_length * per_length * damping * square
 
 
 @kernel
-def force_by_length(chain, s, c, r):
+def force_by_length(rope, c, r):
     """Slope by L [N/m] of the force of rope that flows on node p, which q has with the other sign."""
     squares = c[0] * c[0] + c[1] * c[1]
-    return scale(half_density(chain, s) / rest_length(chain, s) * squares / chain.length, r)
+    return scale(rope.half * rope.per_rest * squares * rope.share * rope.per_rest, r)
 
 
 @kernel
-def force_by_rate(chain, s, z, c, r, u):
+def force_by_rate(rope, z, c, r, u):
     """Slopes by the rate of a coordinate z [N s/m] of the forces of rope that flows on the nodes p and q."""
-    half = half_density(chain, s)
-    both = scale(-half * (z.at_p + z.at_q), u)
-    along = 2.0 * half / rest_length(chain, s) * (c[0] * z.at_p + c[1] * z.at_q)
+    both = scale(-rope.half * (z.at_p + z.at_q), u)
+    along = 2.0 * rope.half * rope.per_rest * (c[0] * z.at_p + c[1] * z.at_q)
     return add_scaled(both, -along, r), add_scaled(both, along, r)

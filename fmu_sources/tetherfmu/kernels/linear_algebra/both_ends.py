@@ -77,6 +77,13 @@ def next_interleaved(n, k, array):
 
 
 @kernel
+def lower_and_upper(n, s, a):
+    """Vectors of an interleaved array at the lower ends of segment s and its mirror image, as pairs; at their upper ends."""
+    outer, inner = get_interleaved(a, s), next_interleaved(n, s, a)
+    return pair(first(outer), second(inner)), pair(first(inner), second(outer))
+
+
+@kernel
 def get_node(n, i, array):
     """Vector number i of n + 1 in an interleaved array."""
     k = 6 * min(i, n - i) + (1 if 2 * i > n else 0)

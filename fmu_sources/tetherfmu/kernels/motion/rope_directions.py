@@ -42,12 +42,14 @@ from ..points.running_drums import friction_of_drum, has_friction
 from ..points.sheave_pulls import column_of, loss_at_stage
 from ..points.sheave_room import (
     PULLED,
-    array_at,
     is_running,
     longest_of,
     numbers_at,
+    part_of,
+    parts_of,
     shared_of,
     shortest_of,
+    single_at,
     winch_of,
 )
 from ..points.sheaves import hold_row, take_tensions
@@ -219,9 +221,9 @@ def jump_inner(system, k, changes):
     """Let the inner nodes of portion k (modified) take the changes of the speeds of its coordinates [m/s]."""
     w, (_, v) = integrator_of(system, k), motion_of(system, k)
     for side in (IN, OUT):
-        change, col = change_at(system, k, side, changes), array_at(system, k, PULLED, side)
+        change, col, parts = change_at(system, k, side, changes), single_at(system, k, PULLED), parts_of(system, k)
         for i in range(1, segments_of(system, k)):
-            add_at(v, i, scale(change / w.stage_mass[i], get(col, i)))
+            add_at(v, i, scale(change * part_of(parts, side, i) / w.stage_mass[i], get(col, i)))
 
 
 @kernel

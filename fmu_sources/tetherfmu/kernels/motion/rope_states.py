@@ -12,6 +12,7 @@ from ..equations.lines import (
     conditions_of,
     goes_on,
     is_at_point,
+    is_freed,
     is_portion,
     is_rope,
     is_turned,
@@ -33,10 +34,10 @@ from ..points.running_drums import has_friction
 from ..points.sheave_pulls import acceleration_at_sheave, end_acceleration, take_pulls
 from ..points.sheave_room import (
     PULLED,
-    array_at,
     drum_numbers_at,
     numbers_at,
     portion_in_step,
+    single_at,
 )
 from ..points.sheave_stages import take_lengths
 from ..points.sheaves import solve_gains
@@ -97,7 +98,7 @@ def evaluate(system, start, time, is_after):
 def end_tension(system, k, end, time):
     """Tension [N] at an end of portion k where no sheave is, after `evaluate`."""
     numbers, n = numbers_at(system, k), segments_of(system, k)
-    total, col = numbers[at_sheave.PULL + end], get(array_at(system, k, PULLED, end), n * end)
+    total, col = numbers[at_sheave.PULL + end], get(single_at(system, k, PULLED), n * end)
     if end == IN and goes_on(system, k):
         total += numbers[at_sheave.YIELD + 1] * numbers[at_sheave.GAIN]
     if end == OUT and (comes_from(system, k) or is_turned(system, k)):
@@ -125,7 +126,7 @@ def write_tensions(system, time):
             else:
                 state[at.TENSION_FROM] = numbers_at(system, k - 1)[at_sheave.TENSION_AHEAD]
             if not goes_on(system, k):
-                state[at.TENSION_TO] = end_tension(system, k, OUT, time)
+                state[at.TENSION_TO] = 0.0 if is_freed(system, k) else end_tension(system, k, OUT, time)
             else:
                 numbers = numbers_at(system, k)
                 state[at.TENSION_TO] = numbers[at_sheave.TENSION_BEHIND]

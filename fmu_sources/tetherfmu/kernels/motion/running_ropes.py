@@ -43,6 +43,7 @@ from ..points.sheave_room import (
     longest_of,
     numbers_at,
     shortest_of,
+    take_parts,
     through,
     winch_of,
 )
@@ -64,6 +65,7 @@ def begin_ropes(system):
             for i in range(5):
                 numbers[at_sheave.WINCH + i] = reeling[i]
             numbers[at_sheave.HAS_RUN] = 0.0
+            take_parts(system, k)
             begin_coordinate(numbers, state[at.SHEAVE_SPEED] if goes_on(system, k) else 0.0, state[at.SHEAVE_ACCELERATION])
         if carries_drum(system, k):
             state = state_of(system, k)

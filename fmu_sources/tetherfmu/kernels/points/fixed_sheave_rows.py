@@ -12,11 +12,8 @@ so that T_1, T_2 and the angle of wrap change by what p does, kept in the number
 the speeds of all sheaves (`sheave_room.slopes_of`). `fixed_sheaves.py` has the equations of the sheaves.
 """
 
-from tetherfmu.runtime import layout as at
-
 from ..compilation import kernel
 from ..equations import rope_at_sheave as rope
-from ..equations import segment
 from ..equations.boundary import hold_ends
 from ..equations.drum import force_at
 from ..equations.end_motion import acceleration_at
@@ -26,7 +23,7 @@ from ..equations.lines import (
     comes_from,
     conditions_of,
     goes_on,
-    is_portion,
+    is_even,
     is_rope,
     is_turned,
     lines_of,
@@ -34,9 +31,8 @@ from ..equations.lines import (
     segments_of,
     stiffness_of,
 )
-from ..equations.properties import property_of
 from ..equations.rope_at_sheave import IN, OUT
-from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, dot, get, put, scale, sub
+from ..linear_algebra.vectors import add, dot, get, put, scale, sub
 from . import sheave_room as at_sheave
 from .coordinates import (
     coordinate_at,
@@ -48,14 +44,15 @@ from .coordinates import (
 )
 from .running_drums import drum_with_lines
 from .sheave_border import pivot_of, row_times, solve_column
-from .sheave_pulls import loss_with, tension_in
+from .sheave_pulls import loss_with, take_segments, tension_in
 from .sheave_room import (
     ACCELERATIONS,
     BORDER,
     SOLUTIONS,
     VELOCITIES,
-    array_at,
     numbers_at,
+    part_of,
+    parts_of,
     portion_gaining,
     single_at,
     slopes_of,
@@ -84,44 +81,18 @@ def take_motion(system, k, step):
 @kernel
 def take_pulls(system, k):
     """PULL, INERTIA and BORDER of portion k in the iteration (modified)."""
-    numbers, w, n, part = numbers_at(system, k), scratch_of(system, k), segments_of(system, k), 1.0
-    velocities, accelerations = single_at(system, k, VELOCITIES), single_at(system, k, ACCELERATIONS)
-    into, out = array_at(system, k, BORDER, IN), array_at(system, k, BORDER, OUT)
-    chain = portion_gaining(system, k, 1.0)
-    own, is_uniform = rope.rope_of(chain, 0), is_portion(system, k)
-    lowest, highest = get(w.x, 0)[2], get(w.x, n)[2]
-    pull_a = rope.of_speed(own, 1.0, numbers[at_sheave.INTO])
-    pull_b = rope.of_speed(own, -1.0, chain.leaving)
-    inertia_aa, inertia_ab, inertia_bb, below_a, below_b = 0.0, 0.0, 0.0, ZERO_VECTOR, ZERO_VECTOR
-    for s in range(n):
-        if not is_uniform:
-            own = rope.rope_of(chain, s)
-        r, u, next_part = (
-            sub(get(w.x, s + 1), get(w.x, s)),
-            sub(get(velocities, s + 1), get(velocities, s)),
-            part - own.share,
-        )
-        height, c = segment.mean_height(get(w.x, s), get(w.x, s + 1)), rope.flowing(chain, s, part)
-        of_a, of_b = rope.pulls(own, chain, part, c, w.held[s], r, u, height - lowest, height - highest)
-        aa, ab, bb = rope.inertias(own, part, dot(r, r))
-        inertia_aa += aa
-        inertia_ab += ab
-        inertia_bb += bb
-        col = scale(-own.half, r)
-        put(into, s, add_scaled(below_a, part, col))
-        put(out, s, add_scaled(below_b, 1.0 - part, col))
-        below_a, below_b = scale(next_part, col), scale(1.0 - next_part, col)
-        pull_a += of_a + dot(get(into, s), get(accelerations, s))
-        pull_b += of_b + dot(get(out, s), get(accelerations, s))
-        part = next_part
-    put(into, n, below_a)
-    put(out, n, below_b)
-    pull_a += dot(below_a, get(accelerations, n)) - inertia_aa * numbers[at_sheave.INTO_GAIN]
-    pull_b += dot(below_b, get(accelerations, n)) - inertia_ab * numbers[at_sheave.INTO_GAIN]
-    numbers[at_sheave.PULL] = pull_a - inertia_ab * chain.leaving_gain
-    numbers[at_sheave.PULL + 1] = pull_b - inertia_bb * chain.leaving_gain
-    numbers[at_sheave.INERTIA], numbers[at_sheave.INERTIA + 1] = inertia_aa, inertia_ab
-    numbers[at_sheave.INERTIA + 2] = inertia_bb
+    numbers, w, border = numbers_at(system, k), scratch_of(system, k), single_at(system, k, BORDER)
+    parts, accelerations = parts_of(system, k), single_at(system, k, ACCELERATIONS)
+    chain, nodes = portion_gaining(system, k, 1.0), (w.x, single_at(system, k, VELOCITIES), w.held)
+    (pull_a, pull_b), (own_aa, own_ab, own_bb) = take_segments(chain, False, is_even(system, k), nodes, border)
+    for i in range(chain.n + 1):
+        along = dot(get(border, i), get(accelerations, i))
+        pull_a += parts[i] * along
+        pull_b += (1.0 - parts[i]) * along
+    into, leaving = numbers[at_sheave.INTO_GAIN], chain.leaving_gain
+    numbers[at_sheave.PULL] = pull_a - own_aa * into - own_ab * leaving
+    numbers[at_sheave.PULL + 1] = pull_b - own_ab * into - own_bb * leaving
+    numbers[at_sheave.INERTIA], numbers[at_sheave.INERTIA + 1], numbers[at_sheave.INERTIA + 2] = own_aa, own_ab, own_bb
 
 
 @kernel
@@ -152,19 +123,22 @@ def take_portion(system, k, step):
 def put_column(system, k, side, step, column):
     """-dg/du for the speed u of rope at an end of portion k into an array (modified)."""
     w, chain, part = scratch_of(system, k), portion_gaining(system, k, 1.0), 1.0
-    velocities, border = single_at(system, k, VELOCITIES), array_at(system, k, BORDER, side)
-    sign = 1.0 if side == IN else -1.0
+    velocities, border = single_at(system, k, VELOCITIES), single_at(system, k, BORDER)
+    sign, parts = 1.0 if side == IN else -1.0, parts_of(system, k)
     put_reeling_column(system, k, step, column)
     for i in range(len(column)):
-        column[i] = sign * column[i] + border[i] / step.h
+        column[i] = sign * column[i] + part_of(parts, side, i // 3) * border[i] / step.h
+    own, is_uniform = rope.rope_of(chain, 0), is_even(system, k)
     for s in range(chain.n):
         r, u = sub(get(w.x, s + 1), get(w.x, s)), sub(get(velocities, s + 1), get(velocities, s))
-        c = rope.flowing(chain, s, part)
-        of_p, of_q = rope.force_by_rate(chain, s, rope.passing(chain, s, part, side), c, r, u)
-        along = scale(sign * step.h, rope.force_by_length(chain, s, c, r))
+        if not is_uniform:
+            own = rope.rope_of(chain, s)
+        c = rope.flowing(chain, part, part - own.share)
+        of_p, of_q = rope.force_by_rate(own, rope.passing(own, part, side), c, r, u)
+        along = scale(sign * step.h, rope.force_by_length(own, c, r))
         add_at(column, s, add(of_p, along))
         add_at(column, s + 1, sub(of_q, along))
-        part -= property_of(chain, s, at.SHARE)
+        part -= own.share
     hold_ends(conditions_of(system, k), column)
 
 

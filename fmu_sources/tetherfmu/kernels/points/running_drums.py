@@ -20,7 +20,7 @@ from ..linear_algebra.vectors import dot, get, put_at, scale, vector_at
 from . import sheave_room as at_sheave
 from .coordinates import count_of, is_drum, line_of, number_of, own_numbers, runs, weight_of
 from .sheave_pulls import acceleration_with, couple, couple_at_point, force_on_point, has_losses, pull_with, tension_in
-from .sheave_room import BORDER, PULLED, array_at, numbers_at, through
+from .sheave_room import BORDER, PULLED, numbers_at, single_at, through
 
 
 @view
@@ -66,7 +66,7 @@ def take_tensions(system, c, time, matrix, right):
     for k in range(lines_of(system)):
         weight = weight_of(system, c, k, IN)
         if weight != 0.0:
-            pull, col, point = pull_with(system, k, IN), get(array_at(system, k, PULLED, IN), 0), point_at(system, k, 0)
+            pull, col, point = pull_with(system, k, IN), get(single_at(system, k, PULLED), 0), point_at(system, k, 0)
             if is_at_point(system, k, 0):
                 pull += dot(col, acceleration_with(system, point, vector_at(numbers_at(system, k), at_sheave.FORCE_IN)))
             tension = tension_in(stiffness_of(system, k), pull)
@@ -111,15 +111,12 @@ def inertia_times(system, c, which):
 
 @kernel
 def take_right(system, c):
-    """Right-hand side of a stage of a drum from all accelerations (modified)."""
+    """As `sheave_stages.take_right`, of a drum (modified)."""
     total = inertia_times(system, c, at_sheave.GAIN)
     for k in range(lines_of(system)):
         weight = weight_of(system, c, k, IN)
-        if weight != 0.0:
+        if weight != 0.0 and is_at_point(system, k, 0):
             numbers = numbers_at(system, k)
-            crossed = numbers[at_sheave.CROSSED]
-            if is_at_point(system, k, 0):
-                moved = acceleration_with(system, point_at(system, k, 0), vector_at(numbers, at_sheave.FORCE_IN))
-                crossed += dot(get(array_at(system, k, BORDER, IN), 0), moved)
-            total -= weight * numbers[at_sheave.OF_IN] * crossed
+            moved = acceleration_with(system, point_at(system, k, 0), vector_at(numbers, at_sheave.FORCE_IN))
+            total -= weight * numbers[at_sheave.OF_IN] * dot(get(single_at(system, k, BORDER), 0), moved)
     own_numbers(system, c)[at_sheave.RIGHT] = total

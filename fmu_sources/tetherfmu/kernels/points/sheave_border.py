@@ -36,7 +36,7 @@ from ..line.rodas4p import GAMMA, GAMMA_I, STAGES
 from ..linear_algebra import condensed, small_matrix
 from ..linear_algebra.both_ends import get_node
 from ..linear_algebra.point_blocks import solve_blocks
-from ..linear_algebra.vectors import dot, get
+from ..linear_algebra.vectors import add_scaled, dot, get, put, scale
 from . import running_drums
 from . import sheave_room as at_sheave
 from .at_points import take_ends
@@ -63,6 +63,8 @@ from .sheave_room import (
     array_at,
     is_coordinate,
     numbers_at,
+    part_of,
+    parts_of,
     shared_of,
     single_at,
     through,
@@ -146,14 +148,11 @@ def take_equation_of_drum(system, c, d, matrix):
 @kernel
 def put_column(system, k, side, weight, d, column):
     """Column of a coordinate in a portion on which it acts, k, into an array (modified)."""
-    by_length, by_speed, border = (
-        single_at(system, k, FORCE_BY_LENGTH),
-        array_at(system, k, BY_SPEED, side),
-        array_at(system, k, BORDER, side),
-    )
-    sign = d if side == IN else -d
-    for i in range(len(column)):
-        column[i] = weight * (by_speed[i] + sign * by_length[i] + border[i] / d)
+    by_length, by_speed = single_at(system, k, FORCE_BY_LENGTH), array_at(system, k, BY_SPEED, side)
+    border, parts, sign = single_at(system, k, BORDER), parts_of(system, k), d if side == IN else -d
+    for i in range(len(parts)):
+        along = add_scaled(get(by_speed, i), sign, get(by_length, i))
+        put(column, i, scale(weight, add_scaled(along, part_of(parts, side, i) / d, get(border, i))))
 
 
 @view
@@ -252,28 +251,31 @@ def row_of_coordinate(system, c, which):
 
 @kernel
 def subtract_known(system, k, h):
-    """Subtract F_u r and col_0 of what the stages add up to from the right-hand side of portion k (modified)."""
-    q = integrator_of(system, k).q
+    """Subtract F_u r, and col_0 of u' and of what the stages add up to, from the right-hand side of portion k (modified)."""
+    q, border, parts = integrator_of(system, k).q, single_at(system, k, BORDER), parts_of(system, k)
     for side in (IN, OUT):
         if is_coordinate(system, k, side):
-            by_speed, border = array_at(system, k, BY_SPEED, side), array_at(system, k, BORDER, side)
-            rest, added = through(system, k, side, at_sheave.REST), through(system, k, side, at_sheave.ADDED_UP) / h
+            by_speed, rest = array_at(system, k, BY_SPEED, side), through(system, k, side, at_sheave.REST)
             for i in range(len(q)):
-                q[i] -= by_speed[i] * rest + border[i] * added
+                q[i] -= by_speed[i] * rest
+    of_a = through(system, k, IN, at_sheave.GAIN) + through(system, k, IN, at_sheave.ADDED_UP) / h
+    of_b = through(system, k, OUT, at_sheave.GAIN) + through(system, k, OUT, at_sheave.ADDED_UP) / h
+    for i in range(len(parts)):
+        put(q, i, add_scaled(get(q, i), -of_b - (of_a - of_b) * parts[i], get(border, i)))
 
 
 @kernel
 def known_of_portion(system, k, side, weight, h):
     """What portion k adds to the right-hand side of a coordinate at one of its ends, with its solution without any [N]."""
-    conditions, w, total = (
-        conditions_of(system, k),
-        integrator_of(system, k),
-        row_times(system, k, side, integrator_of(system, k).q),
-    )
-    border, by_velocity = array_at(system, k, BORDER, side), array_at(system, k, BY_VELOCITY, side)
+    conditions, w, total = conditions_of(system, k), integrator_of(system, k), 0.0
+    row, border, n = array_at(system, k, ROW, side), single_at(system, k, BORDER), conditions.n
+    by_velocity, parts = array_at(system, k, BY_VELOCITY, side), parts_of(system, k)
     for i in range(conditions.first, conditions.last + 1):
-        total -= weight / h * dot(get(border, i), get_node(conditions.n, i, w.inertia_velocity))
-        total -= dot(get(by_velocity, i), get_node(conditions.n, i, w.r))
+        total += dot(get(row, i), get(w.q, i)) - dot(get(by_velocity, i), get_node(n, i, w.r))
+        gained = scale(1.0 / h, get_node(n, i, w.inertia_velocity))
+        if 0 < i < n:  # `take_right` has free points
+            gained = add_scaled(gained, 1.0 / w.stage_mass[i], get_node(n, i, w.force))
+        total -= weight * part_of(parts, side, i) * dot(get(border, i), gained)
     numbers = numbers_at(system, k)
     for other in (IN, OUT):
         if is_coordinate(system, k, other):

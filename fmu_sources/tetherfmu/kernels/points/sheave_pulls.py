@@ -4,7 +4,7 @@ from math import atan2, exp, sqrt
 
 from tetherfmu.runtime import layout as at
 
-from ..compilation import kernel
+from ..compilation import kernel, view
 from ..equations import rope_at_sheave as rope
 from ..equations import segment
 from ..equations.end_motion import acceleration_at
@@ -13,7 +13,7 @@ from ..equations.lines import (
     conditions_of,
     goes_on,
     is_at_point,
-    is_portion,
+    is_even,
     is_turned,
     lines_of,
     load_at,
@@ -25,17 +25,19 @@ from ..equations.lines import (
 )
 from ..equations.properties import property_of
 from ..equations.rope_at_sheave import IN, OUT
-from ..linear_algebra.both_ends import add_to_node, get_node
+from ..linear_algebra.both_ends import get_interleaved, get_node, get_two, lower_and_upper, put_interleaved, put_two
+from ..linear_algebra.pairs import first, number_at, pair, second
 from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, cross, dot, get, norm, put, scale, sub, vector_at
 from . import sheave_room as at_sheave
 from .coordinates import coordinate_at, count_of, is_drum, number_of, own_numbers, runs, weight_of
 from .sheave_room import (
     PULLED,
-    array_at,
     gain_of,
     numbers_at,
+    parts_of,
     portion_in_step,
     ratio_of,
+    single_at,
 )
 from .system_room import integrator_of
 
@@ -86,62 +88,87 @@ def loss_at_stage(system, k):
     return loss_with(system, k, sub(get_node(n, n - 1, x_1), here), sub(get_node(segments_of(system, k + 1), 1, x_2), here))
 
 
+@view
+def take_segments(chain, are_interleaved, is_uniform, nodes, pulled):
+    """R_a and R_b of a portion without accelerations [N], what is in minus their slopes by a', b' of rope alone: aa, ab, bb.
+
+    And col of its nodes into `pulled` (modified). Two segments at a time, as in `assembly.node_forces`.
+    are_interleaved : whether positions and velocities are, as a constant.  nodes : as of `sheave_slopes.take_row`.
+    """
+    n, (x, v, modes), nothing = chain.n, nodes, pair(0.0, 0.0)
+    own, part, col = rope.rope_of(chain, (0, n - 1)), pair(1.0, 0.0), pair(ZERO_VECTOR, ZERO_VECTOR)
+    lowest, highest = (get_node(n, 0, x), get_node(n, n, x)) if are_interleaved else (get(x, 0), get(x, n))
+    at_ends = rope.of_speed(own, pair(1.0, -1.0), pair(chain.reeling + chain.leaving, chain.leaving))
+    pull_a, pull_b, own_aa, own_ab, own_bb = nothing, nothing, nothing, nothing, nothing
+    for s in range((n + 1) // 2):
+        if are_interleaved:
+            (x_p, x_q), (v_p, v_q) = lower_and_upper(n, s, x), lower_and_upper(n, s, v)
+        else:
+            x_p, x_q = get_two(x, s, n - 1 - s), get_two(x, s + 1, n - s)
+            v_p, v_q = get_two(v, s, n - 1 - s), get_two(v, s + 1, n - s)
+        if not is_uniform:
+            own = rope.rope_of(chain, (s, n - 1 - s))
+        inner = part + pair(-1.0, 1.0) * own.share
+        below, above = pair(first(part), second(inner)), pair(first(inner), second(part))
+        r, height, mode = sub(x_q, x_p), segment.mean_height(x_p, x_q), number_at(modes, 0, (s, n - 1 - s))
+        c = rope.flowing(chain, below, above)
+        of_a, of_b = rope.pulls(own, chain, below, c, mode, r, sub(v_q, v_p), height - lowest[2], height - highest[2])
+        aa, ab, bb = rope.inertias(own, below, dot(r, r))
+        once = pair(1.0, 0.0 if 2 * s + 1 == n else 1.0)  # a segment in the middle is met twice
+        pull_a, pull_b = pull_a + once * of_a, pull_b + once * of_b
+        own_aa, own_ab, own_bb = own_aa + once * aa, own_ab + once * ab, own_bb + once * bb
+        of_nodes = scale(-1.0 * own.half, r)
+        put_two(pulled, s, n - s, add(col, of_nodes))
+        part, col = inner, of_nodes
+    if n % 2 == 0:
+        put(pulled, n // 2, add(first(col), second(col)))
+    pulls = first(pull_a) + second(pull_a) + first(at_ends), first(pull_b) + second(pull_b) + second(at_ends)
+    return pulls, (first(own_aa) + second(own_aa), first(own_ab) + second(own_ab), first(own_bb) + second(own_bb))
+
+
 @kernel
 def take_pulls(system, k, time):
     """PULL and YIELD of portion k at a stage, once its forces are known, and PULLED (all modified); rope's own inertia back.
 
     Without what its ends add where they are free points. The forces on its nodes get what a winch that gains speed does.
     """
-    conditions, numbers, w = conditions_of(system, k), numbers_at(system, k), integrator_of(system, k)
-    into, out = array_at(system, k, PULLED, IN), array_at(system, k, PULLED, OUT)
-    chain, n, part = portion_in_step(system, k), conditions.n, 1.0
-    own, is_uniform = rope.rope_of(chain, 0), is_portion(system, k)
-    x_p, v_p = get_node(n, 0, w.stage_x), get_node(n, 0, w.stage_v)
-    lowest, highest = x_p[2], get_node(n, n, w.stage_x)[2]
-    pull_a = rope.of_speed(own, 1.0, numbers[at_sheave.INTO])
-    pull_b = rope.of_speed(own, -1.0, chain.leaving)
-    own_aa, own_ab, own_bb, below_a, below_b = 0.0, 0.0, 0.0, ZERO_VECTOR, ZERO_VECTOR
-    for s in range(n):
-        x_q, v_q = get_node(n, s + 1, w.stage_x), get_node(n, s + 1, w.stage_v)
-        if not is_uniform:
-            own = rope.rope_of(chain, s)
-        r, height, next_part = sub(x_q, x_p), segment.mean_height(x_p, x_q), part - own.share
-        c = part * chain.reeling + chain.leaving, next_part * chain.reeling + chain.leaving
-        of_a, of_b = rope.pulls(own, chain, part, c, w.modes[s], r, sub(v_q, v_p), height - lowest, height - highest)
-        pull_a += of_a
-        pull_b += of_b
-        aa, ab, bb = rope.inertias(own, part, dot(r, r))
-        own_aa += aa
-        own_ab += ab
-        own_bb += bb
-        col = scale(-own.half, r)
-        put(into, s, add_scaled(below_a, part, col))
-        put(out, s, add_scaled(below_b, 1.0 - part, col))
-        below_a, below_b = scale(next_part, col), scale(1.0 - next_part, col)
-        part, x_p, v_p = next_part, x_q, v_q
-    put(into, n, below_a)
-    put(out, n, below_b)
-    gain = numbers[at_sheave.INTO_GAIN]
-    if gain != 0.0 and not comes_from(system, k) and not is_turned(system, k):
-        for i in range(n + 1):
-            add_to_node(n, i, scale(gain, get(into, i)), w.force)
-        pull_a -= own_aa * gain
-        pull_b -= own_ab * gain
-    yield_aa, yield_ab, yield_bb = -own_aa, -own_ab, -own_bb
+    conditions, numbers, w, pulled = (
+        conditions_of(system, k),
+        numbers_at(system, k),
+        integrator_of(system, k),
+        single_at(system, k, PULLED),
+    )
+    n, parts, gain = conditions.n, parts_of(system, k), 0.0
+    nodes = w.stage_x, w.stage_v, w.modes
+    (pull_a, pull_b), own = take_segments(portion_in_step(system, k), True, is_even(system, k), nodes, pulled)
+    if not comes_from(system, k) and not is_turned(system, k):
+        gain = numbers[at_sheave.INTO_GAIN]
+        push(n, gain, 0.0, parts, pulled, w.force)
+    pull_a, pull_b = pull_a - own[0] * gain, pull_b - own[1] * gain
+    yield_aa, yield_ab, yield_bb = -own[0], -own[1], -own[2]
     for i in range(1, n):
-        share, force, col_a, col_b = 1.0 / w.stage_mass[i], get_node(n, i, w.force), get(into, i), get(out, i)
-        pull_a += share * dot(col_a, force)
-        pull_b += share * dot(col_b, force)
-        yield_aa += share * dot(col_a, col_a)
-        yield_ab += share * dot(col_a, col_b)
-        yield_bb += share * dot(col_b, col_b)
+        col, share, of_a = get(pulled, i), 1.0 / w.stage_mass[i], parts[i]
+        along, square, of_b = share * dot(col, get_node(n, i, w.force)), share * dot(col, col), 1.0 - of_a
+        pull_a += of_a * along
+        pull_b += of_b * along
+        yield_aa += of_a * of_a * square
+        yield_ab += of_a * of_b * square
+        yield_bb += of_b * of_b * square
     if conditions.first == 1:
-        pull_a += dot(get(into, 0), acceleration_at(conditions.ground, time))
+        pull_a += dot(get(pulled, 0), acceleration_at(conditions.ground, time))
     if conditions.last == n - 1:
-        pull_b += dot(get(out, n), acceleration_at(conditions.kite, time))
+        pull_b += dot(get(pulled, n), acceleration_at(conditions.kite, time))
     numbers[at_sheave.PULL], numbers[at_sheave.PULL + 1] = pull_a, pull_b
     numbers[at_sheave.YIELD], numbers[at_sheave.YIELD + 1], numbers[at_sheave.YIELD + 2] = yield_aa, yield_ab, yield_bb
-    return own_aa, own_ab, own_bb
+    return own
+
+
+@kernel
+def push(n, gain_a, gain_b, parts, pulled, force):
+    """Add what a' and b' [m/s2] do to the nodes of a portion to the forces on them (modified, interleaved)."""
+    for i in range(n // 2 + 1):
+        gain = gain_b + (gain_a - gain_b) * number_at(parts, 0, (i, n - i))
+        put_interleaved(force, i, add(get_interleaved(force, i), scale(gain, get_two(pulled, i, n - i))))
 
 
 @kernel
@@ -159,7 +186,7 @@ def force_on_point(system, point, time):
 @kernel
 def column_at_point(system, k):
     """What the sheave at the end of line k does to its point per u' [kg] at a stage."""
-    return add(get(array_at(system, k, PULLED, OUT), segments_of(system, k)), get(array_at(system, k + 1, PULLED, IN), 0))
+    return add(get(single_at(system, k, PULLED), segments_of(system, k)), get(single_at(system, k + 1, PULLED), 0))
 
 
 @kernel
@@ -169,7 +196,7 @@ def column_of_drum(system, c, point):
     for k in range(lines_of(system)):
         weight = weight_of(system, c, k, IN)
         if weight != 0.0 and point_at(system, k, 0) == point:
-            total = add_scaled(total, weight, get(array_at(system, k, PULLED, IN), 0))
+            total = add_scaled(total, weight, get(single_at(system, k, PULLED), 0))
     return total
 
 

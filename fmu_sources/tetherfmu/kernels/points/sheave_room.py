@@ -24,9 +24,9 @@ from ..equations.lines import (
     number_of_line,
     parameters_of,
     segments_of,
-    sheaves_of,
 )
 from ..equations.plan import number_in
+from ..equations.properties import property_of
 from ..equations.rope_at_sheave import IN, OUT
 from ..flat_arrays import part
 from ..line.rodas4p import STAGES
@@ -54,6 +54,8 @@ from ..line.rodas4p import STAGES
     OF_AHEAD,
     TENSION_BEHIND,  # where the rope comes to it and leaves it in the direction of the line [N]
     TENSION_AHEAD,  # of a drum: what sets against the rope but for friction, and what all lines pull [N]
+    PULL_BEHIND,  # R_b of the portion before it and R_a of the one behind it [N], with the present u'
+    PULL_AHEAD,
     KEPT,  # PASSED and STAGE_SPEED of a step that is tried
     STARTED,  # how often rope began to run over it while it was sought over which it does
     BY_OWN,  # slope of its equation by its speed, without that of R_a and R_b [N s/m]
@@ -86,7 +88,6 @@ from ..line.rodas4p import STAGES
     INERTIA,  # the same of the rope alone at the start of the step
     BY_LENGTH,  # slopes of R_a and R_b by L [N/m]
     BY_RATE,  # by a and b [N s/m]: aa, ab, ba, bb
-    CROSSED,  # sums of col_0 . v' over the nodes [N], of a and b
     COUNT,  # of the coordinates, in the first line
     # of a line that drums turn: tension where it leaves them [N], its slope by R_a and the rate of that [N/s], and the
     # force on the free point there as FORCE
@@ -98,17 +99,22 @@ from ..line.rodas4p import STAGES
     BEGAN,  # time of the communication step at which a fixed step began, at which LENGTH_NOW is the length [s]
     _,
     NUMBERS,
-) = places_of(*[1] * 14, 3, *[1] * 6, 2, *[1] * 2, *[1] * 17, *[1] * 5, 2, 3, 3, 2, 4, 2, *[1] * 4, 3, 5, 1, 1)
+) = places_of(*[1] * 14, 3, *[1] * 8, 2, *[1] * 2, *[1] * 17, *[1] * 5, 2, 3, 3, 2, 4, *[1] * 4, 3, 5, 1, 1)
 DRUM_NUMBERS = LENGTH_NOW  # those of a drum are the first ones; its stages follow
 
-BORDER, PULLED, BY_SPEED, BY_VELOCITY, ROW = range(5)  # arrays of 3 (n + 1) numbers, each of a and of b:
-# col at the start of the step and at a stage [kg], slopes of the forces by the rate [N s/m], R_v [N s/m], row of the matrix
-ARRAYS = 10
+BY_SPEED, BY_VELOCITY, ROW = range(3)  # arrays of 3 (n + 1) numbers, each of a and of b:
+# slopes of the forces by the rate [N s/m], R_v [N s/m], row of the matrix
+ARRAYS = 6
 _ARRAYS_AT = NUMBERS + DRUM_NUMBERS + STAGES  # behind the numbers of a line
-FORCE_BY_LENGTH = ARRAYS  # slopes of the forces by L [N/m]
-ACCELERATIONS = ARRAYS + 1  # of the nodes at a stage [m/s2]
-VELOCITIES = ARRAYS + 2  # of the nodes in the iteration of a fixed step [m/s]
-SOLUTIONS = ARRAYS + 3  # of the column of each coordinate
+(
+    BORDER,  # col at the start of the step and at a stage [kg]; that of a has the part w_i of node i in it, of b the rest
+    PULLED,
+    PARTS,  # w of each node, n + 1 numbers
+    FORCE_BY_LENGTH,  # slopes of the forces by L [N/m]
+    ACCELERATIONS,  # of the nodes at the start of the step [m/s2]
+    VELOCITIES,  # of the nodes in the iteration of a fixed step [m/s]
+    SOLUTIONS,  # of the column of each coordinate
+) = range(ARRAYS, ARRAYS + 7)
 
 
 @kernel
@@ -147,10 +153,32 @@ def array_at(system, k, which, side):
 
 @view
 def single_at(system, k, which):
-    """FORCE_BY_LENGTH or ACCELERATIONS of portion k, or SOLUTIONS + j: of the column of coordinate j in line k."""
+    """BORDER, ... of portion k, or SOLUTIONS + j: of the column of coordinate j in line k."""
     size = 3 * (segments_of(system, k) + 1)
     first = number_of_line(system, k, places.PORTION_WORK) + _ARRAYS_AT
     return part(system.work, first + size * which, size)
+
+
+@kernel
+def part_of(parts, side, i):
+    """Part of col at node i that is of a (side IN), or of b; parts : PARTS of the portion."""
+    return parts[i] if side == IN else 1.0 - parts[i]
+
+
+@kernel
+def take_parts(system, k):
+    """PARTS of portion k (modified)."""
+    conditions, parts, part_of_a = conditions_of(system, k), parts_of(system, k), 1.0
+    for i in range(conditions.n):
+        parts[i] = part_of_a
+        part_of_a -= property_of(conditions, i, at.SHARE)
+    parts[conditions.n] = 0.0
+
+
+@view
+def parts_of(system, k):
+    """PARTS of portion k."""
+    return part(single_at(system, k, PARTS), 0, segments_of(system, k) + 1)
 
 
 @view
@@ -178,9 +206,9 @@ def shared_with(system, count, first):
 
 
 @view
-def shared_at_rest(system):
-    """As many of the sheaves alone, for `variants/rope_shares.py`; and room for one number more of each."""
-    count, first = sheaves_of(system), number_in(system.plan, places.SHEAVES_WORK)
+def shared_at_rest(system, count):
+    """As many of so many of them, for `variants/rope_shares.py`; and room for one number more of each."""
+    first = number_in(system.plan, places.SHEAVES_WORK)
     behind_them = part(system.work, first + count * (2 * count + 3), count)
     return shared_with(system, count, first), behind_them
 
@@ -227,7 +255,7 @@ def is_paid_out(system, k):
 def slopes_of(system):
     """Slopes by the speeds of all coordinates, in fixed steps: of T_1, of T_2 [N s/m], of the angle of wrap [s/m].
 
-    Matrices with a row for each coordinate.
+    At a stage of a Rosenbrock step those of R_b and R_a by u' [kg]. Matrices with a row for each coordinate.
     """
     count, first = coordinates_in(system), number_in(system.plan, places.SHEAVES_WORK)
     square = count * count

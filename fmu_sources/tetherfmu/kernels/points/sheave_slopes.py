@@ -13,11 +13,12 @@ from ..equations.lines import (
     clear,
     comes_from,
     conditions_of,
+    is_even,
     motion_of,
     parameters_of,
     segments_of,
 )
-from ..equations.properties import point_mass, property_of
+from ..equations.properties import point_mass
 from ..equations.rope_at_sheave import IN, OUT
 from ..line import contact
 from ..linear_algebra.both_ends import interleave
@@ -33,6 +34,8 @@ from .sheave_room import (
     ROW,
     array_at,
     numbers_at,
+    part_of,
+    parts_of,
     portion_at_start,
     portion_gaining,
     single_at,
@@ -54,7 +57,7 @@ def form_slopes(system, k, time):
         portion_at_start(system, k, time),
         chain_with(conditions, length, 1.0),
     )
-    gained = single_at(system, k, ACCELERATIONS)
+    gained, own, is_uniform = single_at(system, k, ACCELERATIONS), rope.rope_of(chain, 0), is_even(system, k)
     assembly.rate_from_reeling(growing, w.start_x, w.start_v, w.records, by_length)
     if has_ground(conditions.parameters):
         contact.add_rate(growing, x, v, w, by_length)
@@ -64,17 +67,19 @@ def form_slopes(system, k, time):
         out[i] = -into[i]
     for s in range(n):
         r, u = sub(get(x, s + 1), get(x, s)), sub(get(v, s + 1), get(v, s))
-        c = rope.flowing(chain, s, part)
-        along = rope.force_by_length(chain, s, c, r)
+        if not is_uniform:
+            own = rope.rope_of(chain, s)
+        c = rope.flowing(chain, part, part - own.share)
+        along = rope.force_by_length(own, c, r)
         add_at(by_length, s, along)
         put(by_length, s + 1, sub(get(by_length, s + 1), along))
-        of_p, of_q = rope.force_by_rate(chain, s, rope.passing(chain, s, part, IN), c, r, u)
+        of_p, of_q = rope.force_by_rate(own, rope.passing(own, part, IN), c, r, u)
         add_at(into, s, of_p)
         add_at(into, s + 1, of_q)
-        of_p, of_q = rope.force_by_rate(chain, s, rope.passing(chain, s, part, OUT), c, r, u)
+        of_p, of_q = rope.force_by_rate(own, rope.passing(own, part, OUT), c, r, u)
         add_at(out, s, of_p)
         add_at(out, s + 1, of_q)
-        part -= property_of(chain, s, at.SHARE)
+        part -= own.share
     for i in range(n + 1):
         share = (w.mass[i] - point_mass(growing, i)) / length
         put(by_length, i, add_scaled(get(by_length, i), -share, get(gained, i)))
@@ -84,10 +89,10 @@ def form_slopes(system, k, time):
 def add_winch_rates(system, k, time, w):
     """Add what a winch that pays out into portion k does to the forces per second to w.q and w.force_rate (modified)."""
     paid, by_length, into = winch_of(system, k), single_at(system, k, FORCE_BY_LENGTH), array_at(system, k, BY_SPEED, IN)
-    border = array_at(system, k, BORDER, IN)
+    border, parts = single_at(system, k, BORDER), parts_of(system, k)
     speed, gain, jerk = winch.rate_at(paid, time), winch.gain_at(paid, time), winch.jerk_of(paid)
     for i in range(len(into)):
-        w.q[i] += speed * by_length[i] + gain * into[i] + jerk * border[i]
+        w.q[i] += speed * by_length[i] + gain * into[i] + jerk * parts[i // 3] * border[i]
     interleave(segments_of(system, k), w.q, w.force_rate)
 
 
@@ -104,25 +109,26 @@ def take_row(system, k, side, weight, nodes):
     clear(by_velocity)
     chain, holder = portion_gaining(system, k, 1.0), 0 if side == IN else n
     by_length, by_a, by_b = 0.0, 0.0, 0.0
-    accelerations = single_at(system, k, ACCELERATIONS)
+    accelerations, own, is_uniform = single_at(system, k, ACCELERATIONS), rope.rope_of(chain, 0), is_even(system, k)
     a_p = get(accelerations, 0)
     for s in range(n):
         a_q = get(accelerations, s + 1)
         r, u = sub(get(x, s + 1), get(x, s)), sub(get(v, s + 1), get(v, s))
-        a, b, c = rope.passing(chain, s, part, IN), rope.passing(chain, s, part, OUT), rope.flowing(chain, s, part)
-        y, gained = rope.passing(chain, s, part, side), rope.gaining(chain, s, part)
-        by_r, by_u, of_length = rope.by_motion(chain, s, y, c, gained, modes[s], r, u, a_p, a_q)
-        below = -y.sign * property_of(chain, s, at.SHARE) * rope.half_density(chain, s) * chain.gravity
+        if not is_uniform:
+            own = rope.rope_of(chain, s)
+        a, b, next_part = rope.passing(own, part, IN), rope.passing(own, part, OUT), part - own.share
+        y, c, gained = a if side == IN else b, rope.flowing(chain, part, next_part), rope.gaining(chain, part, next_part)
+        by_r, by_u, of_length = rope.by_motion(own, chain, y, c, gained, modes[s], r, u, a_p, a_q)
+        below = -y.sign * own.share * own.half * chain.gravity
         add_at(by_position, s, scale(weight, sub((0.0, 0.0, below), by_r)))
         add_at(by_position, s + 1, scale(weight, add((0.0, 0.0, below), by_r)))
         add_at(by_position, holder, (0.0, 0.0, -2.0 * weight * below))
         add_at(by_velocity, s, scale(-weight, by_u))
         add_at(by_velocity, s + 1, scale(weight, by_u))
         by_length += of_length
-        by_a += rope.by_rate(chain, s, y, a, c, modes[s], r, u)
-        by_b += rope.by_rate(chain, s, y, b, c, modes[s], r, u)
-        part -= property_of(chain, s, at.SHARE)
-        a_p = a_q
+        by_a += rope.by_rate(own, chain, y, a, c, modes[s], r, u)
+        by_b += rope.by_rate(own, chain, y, b, c, modes[s], r, u)
+        part, a_p = next_part, a_q
     if side == IN:
         by_a += 2.0 * rope.half_density(chain, 0) * numbers[at_sheave.INTO]
     else:
@@ -164,7 +170,7 @@ def add_wrap(system, k):
 @kernel
 def finish_row(system, k, side, weight, time, d):
     """Row of R_a or R_b of portion k from ROW and BY_VELOCITY (modified); its explicit time derivative [N/s]."""
-    conditions, numbers, border = conditions_of(system, k), numbers_at(system, k), array_at(system, k, BORDER, side)
+    conditions, numbers, border = conditions_of(system, k), numbers_at(system, k), single_at(system, k, BORDER)
     by_position, by_velocity, n, rate = (
         array_at(system, k, ROW, side),
         array_at(system, k, BY_VELOCITY, side),
@@ -176,7 +182,8 @@ def finish_row(system, k, side, weight, time, d):
         if not conditions.first <= node <= conditions.last:
             rate += dot(get(by_position, node), velocity_at(curve, time))
             rate += dot(get(by_velocity, node), acceleration_at(curve, time))
-            rate += weight * dot(get(border, node), scale(6.0, curve[3]))
+            if end == side:
+                rate += weight * dot(get(border, node), scale(6.0, curve[3]))
     if not comes_from(system, k):
         paid, inertia = winch_of(system, k), numbers[at_sheave.INERTIA + side]
         of_winch = numbers[at_sheave.BY_LENGTH + side] * winch.rate_at(paid, time) - inertia * winch.jerk_of(paid)
@@ -188,8 +195,9 @@ def finish_row(system, k, side, weight, time, d):
 @kernel
 def close_row(system, k, side, weight, d):
     """Row of R_a or R_b of portion k, but for its rate, from ROW and BY_VELOCITY, times a weight (modified)."""
-    conditions, border = conditions_of(system, k), array_at(system, k, BORDER, side)
+    conditions, border, parts = conditions_of(system, k), single_at(system, k, BORDER), parts_of(system, k)
     by_position, by_velocity = array_at(system, k, ROW, side), array_at(system, k, BY_VELOCITY, side)
     for i in range(conditions.n + 1):
-        along = add_scaled(add_scaled(get(by_velocity, i), d, get(by_position, i)), weight / d, get(border, i))
+        inertia = weight / d * part_of(parts, side, i)
+        along = add_scaled(add_scaled(get(by_velocity, i), d, get(by_position, i)), inertia, get(border, i))
         put(by_position, i, along if conditions.first <= i <= conditions.last else ZERO_VECTOR)

@@ -12,22 +12,19 @@ from ..compilation import kernel
 from ..equations import winch
 from ..equations.lines import (
     comes_from,
-    conditions_of,
     goes_on,
     is_at_point,
     is_rope,
     is_turned,
     lines_of,
-    point_at,
-    points_of,
     segments_of,
     sheaves_of,
     stiffness_of,
 )
 from ..equations.rope_at_sheave import IN, OUT
 from ..line.rodas4p import ALPHA, GAMMA, GAMMA_I, INERTIA, R_BY_GAMMA, STAGES, A, P
-from ..linear_algebra.both_ends import add_to_node, get_node
-from ..linear_algebra.vectors import add, add_scaled, dot, get, put, scale
+from ..linear_algebra.both_ends import get_node
+from ..linear_algebra.vectors import add, dot, get, put, scale
 from . import running_drums
 from . import sheave_room as at_sheave
 from .coordinates import (
@@ -41,19 +38,18 @@ from .coordinates import (
     stages_of,
     weight_of,
 )
-from .sheave_pulls import acceleration_at_sheave, density_of, end_acceleration, mass_of, take_pulls
+from .sheave_pulls import acceleration_at_sheave, density_of, end_acceleration, mass_of, push, take_pulls
 from .sheave_room import (
     ACCELERATIONS,
     BORDER,
     PULLED,
-    array_at,
     from_drums,
-    gain_of,
     has_run,
     is_coordinate,
     is_running,
     longest_of,
     numbers_at,
+    parts_of,
     runs_over,
     shortest_of,
     single_at,
@@ -131,26 +127,24 @@ def accelerate(system, stage, time):
             if stage == 0:
                 numbers = numbers_at(system, k)
                 numbers[at_sheave.INERTIA], numbers[at_sheave.INERTIA + 1], numbers[at_sheave.INERTIA + 2] = own
-                for side in (IN, OUT):
-                    copy(array_at(system, k, PULLED, side), array_at(system, k, BORDER, side))
+                copy(single_at(system, k, PULLED), single_at(system, k, BORDER))
     solve_gains(system, time)
     if stage == 0:
         take_slopes(system)
+        for k in range(lines_of(system)):
+            if is_running(system, k):
+                find_end_accelerations(system, k, time)
     for k in range(lines_of(system)):
         if is_running(system, k):
-            find_accelerations(system, k)
+            push_nodes(system, k)
             if stage == 0:
-                find_end_accelerations(system, k, time)
+                find_accelerations(system, k)
     for k in range(lines_of(system)):
         if goes_on(system, k) and runs_over(system, k):
             take_right(system, k)
     for j in range(sheaves_of(system), count_of(system)):
         if runs(system, coordinate_at(system, j)):
             running_drums.take_right(system, coordinate_at(system, j))
-    if stage > 0:
-        for k in range(lines_of(system)):
-            if is_running(system, k):
-                push_nodes(system, k)
 
 
 @kernel
@@ -174,25 +168,15 @@ def take_slopes(system):
 
 @kernel
 def find_accelerations(system, k):
-    """ACCELERATIONS of the inner nodes of portion k at a stage, and CROSSED (both modified)."""
-    numbers, w, n = numbers_at(system, k), integrator_of(system, k), segments_of(system, k)
-    a, b, found = array_at(system, k, BORDER, IN), array_at(system, k, BORDER, OUT), single_at(system, k, ACCELERATIONS)
-    pulled_a, pulled_b = array_at(system, k, PULLED, IN), array_at(system, k, PULLED, OUT)
-    gain_a = gain_of(system, k, IN) if is_coordinate(system, k, IN) else 0.0
-    gain_b = gain_of(system, k, OUT) if is_coordinate(system, k, OUT) else 0.0
-    of_a, of_b = 0.0, 0.0
+    """ACCELERATIONS of the inner nodes of portion k at the start of the step (modified)."""
+    w, n, found = integrator_of(system, k), segments_of(system, k), single_at(system, k, ACCELERATIONS)
     for i in range(1, n):
-        force = add_scaled(get_node(n, i, w.force), gain_a, get(pulled_a, i))
-        gained = scale(1.0 / w.stage_mass[i], add_scaled(force, gain_b, get(pulled_b, i)))
-        of_a += dot(get(a, i), gained)
-        of_b += dot(get(b, i), gained)
-        put(found, i, gained)
-    numbers[at_sheave.CROSSED], numbers[at_sheave.CROSSED + 1] = of_a, of_b
+        put(found, i, scale(1.0 / w.stage_mass[i], get_node(n, i, w.force)))
 
 
 @kernel
 def find_end_accelerations(system, k, time):
-    """ACCELERATIONS of the ends of portion k at a stage (modified)."""
+    """Those of its ends, before `push_nodes` (modified)."""
     found = single_at(system, k, ACCELERATIONS)
     put(found, 0, end_acceleration(system, k, 0, time))
     put(found, segments_of(system, k), end_acceleration(system, k, 1, time))
@@ -217,35 +201,25 @@ def inertia_times(system, k, which):
 
 @kernel
 def take_right(system, k):
-    """Right-hand side of a stage of the sheave at the end of line k from all accelerations (modified)."""
-    numbers, behind, n = numbers_at(system, k), numbers_at(system, k + 1), segments_of(system, k)
-    of_1, of_2 = numbers[at_sheave.OF_BEHIND], numbers[at_sheave.OF_AHEAD]
-    total = inertia_times(system, k, at_sheave.GAIN)
-    total -= of_2 * behind[at_sheave.CROSSED] + of_1 * numbers[at_sheave.CROSSED + 1]
+    """Right-hand side of a stage of the sheave at the end of line k from u' and the acceleration of its point (modified)."""
+    numbers, total = numbers_at(system, k), inertia_times(system, k, at_sheave.GAIN)
     if is_at_point(system, k, 1):
-        col = add(
-            scale(of_1, get(array_at(system, k, BORDER, OUT), n)), scale(of_2, get(array_at(system, k + 1, BORDER, IN), 0))
-        )
+        behind, ahead = get(single_at(system, k, BORDER), segments_of(system, k)), get(single_at(system, k + 1, BORDER), 0)
+        col = add(scale(numbers[at_sheave.OF_BEHIND], behind), scale(numbers[at_sheave.OF_AHEAD], ahead))
         total -= dot(col, acceleration_at_sheave(system, k))
     numbers[at_sheave.RIGHT] = total
 
 
 @kernel
 def push_nodes(system, k):
-    """Let the forces of portion k (modified) have what u' at its ends does: col u', and - col_0 u' of M_0, by masses."""
-    conditions, w, points = conditions_of(system, k), integrator_of(system, k), points_of(system)
-    n = conditions.n
-    at_ends = is_at_point(system, k, 0), is_at_point(system, k, 1)
-    for side in (IN, OUT):
-        if is_coordinate(system, k, side):
-            gain, border = gain_of(system, k, side), array_at(system, k, BORDER, side)
-            pulled = array_at(system, k, PULLED, side)
-            for i in range(conditions.first, conditions.last + 1):
-                ratio = w.stage_mass[i] / w.mass[i]
-                if (i == 0 and at_ends[0]) or (i == n and at_ends[1]):
-                    point = point_at(system, k, 0 if i == 0 else 1)
-                    ratio = points.stage_mass[point] / points.mass[point]
-                add_to_node(n, i, add_scaled(scale(gain, get(pulled, i)), -gain * ratio, get(border, i)), w.force)
+    """Let the forces of portion k (modified) have what u' at its ends does: col u'.
+
+    `sheave_border.subtract_known` has what it does by M_0.
+    """
+    into, out = through(system, k, IN, at_sheave.GAIN), through(system, k, OUT, at_sheave.GAIN)
+    push(
+        segments_of(system, k), into, out, parts_of(system, k), single_at(system, k, PULLED), integrator_of(system, k).force
+    )
 
 
 # --- lengths in fixed steps

@@ -20,11 +20,12 @@ from ..equations.lines import (
     lines_of,
     point_at,
     segments_of,
+    sheaves_of,
     stiffness_of,
 )
 from ..equations.rope_at_sheave import IN, OUT
 from ..linear_algebra import small_matrix
-from ..linear_algebra.vectors import add, dot, get, put_at, scale
+from ..linear_algebra.vectors import dot, get, put_at
 from . import running_drums
 from . import sheave_room as at_sheave
 from .coordinates import coordinate_at, count_of, is_drum, number_of, own_numbers, runs
@@ -39,15 +40,9 @@ from .sheave_pulls import (
     pull_with,
     tension_in,
 )
-from .sheave_room import (
-    PULLED,
-    array_at,
-    from_drums,
-    numbers_at,
-    shared_of,
-)
+from .sheave_room import PULLED, from_drums, numbers_at, shared_of, single_at, slopes_of
 
-MOST_CORRECTIONS, BALANCED = 8, 1e-12  # of Newton's method for u'; what is left over the tensions when it has converged
+MOST_CORRECTIONS, BALANCED = 8, 1e-13  # of Newton's method for u'; what is left over the tensions when it has converged
 TINY = 1e-200  # what keeps a quotient from 0/0
 
 
@@ -64,29 +59,58 @@ def take_tensions(system, c, time, matrix, right):
 
 
 @kernel
+def take_pulls_at_sheave(system, k):
+    """R_b of portion k and R_a of the next one with the present u', and their slopes by all u' (modified)."""
+    numbers, count, (slopes_1, slopes_2, _) = numbers_at(system, k), count_of(system), slopes_of(system)
+    j = number_of(system, k)
+    pull_1, pull_2 = pull_with(system, k, OUT), pull_with(system, k + 1, IN)
+    for i in range(count * j, count * (j + 1)):
+        slopes_1[i] = slopes_2[i] = 0.0
+    couple(system, j, k, OUT, 1.0, slopes_1)
+    couple(system, j, k + 1, IN, 1.0, slopes_2)
+    if is_at_point(system, k, 1):
+        col_1, col_2 = get(single_at(system, k, PULLED), segments_of(system, k)), get(single_at(system, k + 1, PULLED), 0)
+        moved, point = acceleration_at_sheave(system, k), point_at(system, k, 1)
+        pull_1 += dot(col_1, moved)
+        pull_2 += dot(col_2, moved)
+        couple_at_point(system, j, point, col_1, slopes_1)
+        couple_at_point(system, j, point, col_2, slopes_2)
+    numbers[at_sheave.PULL_BEHIND], numbers[at_sheave.PULL_AHEAD] = pull_1, pull_2
+
+
+@kernel
+def change_pulls(system, changes):
+    """Let R_b and R_a at all sheaves (modified) change with all u' [m/s2]."""
+    count, (slopes_1, slopes_2, _) = count_of(system), slopes_of(system)
+    for j in range(sheaves_of(system)):
+        numbers = numbers_at(system, coordinate_at(system, j))
+        for i in range(count):
+            numbers[at_sheave.PULL_BEHIND] += slopes_1[count * j + i] * changes[i]
+            numbers[at_sheave.PULL_AHEAD] += slopes_2[count * j + i] * changes[i]
+
+
+@kernel
 def take_tensions_at_sheave(system, k, matrix, right):
     """The same of the sheave at the end of line k: T_1 and T_2."""
-    numbers, j, at_end = numbers_at(system, k), number_of(system, k), is_at_point(system, k, 1)
-    pull_1, pull_2, gain = pull_with(system, k, OUT), pull_with(system, k + 1, IN), numbers[at_sheave.GAIN]
-    col_2, col_1 = get(array_at(system, k + 1, PULLED, IN), 0), get(array_at(system, k, PULLED, OUT), segments_of(system, k))
-    if at_end:
-        moved = acceleration_at_sheave(system, k)
-        pull_2 += dot(col_2, moved)
-        pull_1 += dot(col_1, moved)
-    stiffness_1, stiffness_2 = stiffness_of(system, k), stiffness_of(system, k + 1)
-    tension_2, tension_1 = tension_in(stiffness_2, pull_2), tension_in(stiffness_1, -pull_1)
+    numbers, count, (slopes_1, slopes_2, _) = numbers_at(system, k), count_of(system), slopes_of(system)
+    stiffness_1, stiffness_2, mass, j = (
+        stiffness_of(system, k),
+        stiffness_of(system, k + 1),
+        mass_of(system, k),
+        number_of(system, k),
+    )
+    tension_1 = tension_in(stiffness_1, -numbers[at_sheave.PULL_BEHIND])
+    tension_2 = tension_in(stiffness_2, numbers[at_sheave.PULL_AHEAD])
     numbers[at_sheave.TENSION_AHEAD], numbers[at_sheave.TENSION_BEHIND] = tension_2, tension_1
     moving = density_of(system, k) * numbers[at_sheave.STAGE_SPEED] ** 2
     e_1 = numbers[at_sheave.BEHIND] if tension_1 > moving else 1.0
     e_2 = numbers[at_sheave.AHEAD] if tension_2 > moving else 1.0
-    right[j] = -(e_2 * (tension_2 - moving) - e_1 * (tension_1 - moving) - mass_of(system, k) * gain)
+    right[j] = -(e_2 * (tension_2 - moving) - e_1 * (tension_1 - moving) - mass * numbers[at_sheave.GAIN])
     by_2 = e_2 / (1.0 + max(tension_2, 0.0) / stiffness_2)
     by_1 = e_1 / (1.0 + max(tension_1, 0.0) / stiffness_1)
-    couple(system, j, k, OUT, by_1, matrix)
-    couple(system, j, k + 1, IN, by_2, matrix)
-    matrix[count_of(system) * j + j] -= mass_of(system, k)
-    if at_end:
-        couple_at_point(system, j, point_at(system, k, 1), add(scale(by_2, col_2), scale(by_1, col_1)), matrix)
+    for i in range(count * j, count * (j + 1)):
+        matrix[i] = by_1 * slopes_1[i] + by_2 * slopes_2[i]
+    matrix[count * j + j] -= mass
 
 
 @kernel
@@ -137,9 +161,11 @@ def solve_gains(system, time):
     """u' of all coordinates that run, and the tensions at all of which pulls are known (modified)."""
     count, (matrix, _, right, _, _) = count_of(system), shared_of(system)
     begin_gains(system, time)
+    pass_gains(system)
+    for j in range(sheaves_of(system)):
+        take_pulls_at_sheave(system, coordinate_at(system, j))
     for _ in range(MOST_CORRECTIONS):
         small_matrix.set_to_zero(count, matrix)
-        pass_gains(system)
         left = 0.0
         for j in range(count):
             c = coordinate_at(system, j)
@@ -152,7 +178,8 @@ def solve_gains(system, time):
             break
         for j in range(count):
             own_numbers(system, coordinate_at(system, j))[at_sheave.GAIN] += right[j]
-    pass_gains(system)
+        change_pulls(system, right)
+        pass_gains(system)
 
 
 @kernel

@@ -39,7 +39,7 @@ from ..equations.rope_at_drum import feels_rope
 from ..line import contact
 from ..line.rodas4p import ALPHA, GAMMA, GAMMA_I, INERTIA, R_BY_GAMMA, STAGES, A, P
 from ..linear_algebra import condensed
-from ..linear_algebra.both_ends import get_node, get_two, put_two
+from ..linear_algebra.both_ends import get_node, get_two, lower_and_upper, put_two
 from ..linear_algebra.matrices import get_matrix, transposed_apply
 from ..linear_algebra.pairs import first
 from ..linear_algebra.vectors import add, add_scaled, dot, get, put, put_at, scale, sub, vector_at
@@ -276,9 +276,9 @@ def solve_drum(system, k, stage, time, h):
     """p of a stage of the drum of line k (modified) but for what q of its ends adds; q of its inner nodes is solved."""
     n, w, numbers, record = segments_of(system, k), integrator_of(system, k), numbers_of(system, k), record_of(system, k)
     drum, chain = drum_at(system, k), chain_in_step(system, k, time)
-    x_p, x_q = assembly.lower_and_upper(n, 0, w.stage_x)
-    v_p, v_q = assembly.lower_and_upper(n, 0, w.stage_v)
-    r_p, r_q = assembly.lower_and_upper(n, 0, w.r)
+    x_p, x_q = lower_and_upper(n, 0, w.stage_x)
+    v_p, v_q = lower_and_upper(n, 0, w.stage_v)
+    r_p, r_q = lower_and_upper(n, 0, w.r)
     length, e = segment.geometry(sub(first(x_q), first(x_p)))
     tension = segment.tension_of(chain, 0, w.modes[0], length, dot(e, sub(first(v_q), first(v_p))))
     inertia = inertia_of_stage(system, k, stage)

@@ -192,7 +192,7 @@ def reduce_line(system, k, stage, time, h, points):
     rosenbrock.right_hand_side(conditions_of(system, k), stage, h, w)
     chain = chain_at_start(system, k, time)
     if flow.flows(chain):
-        flow.add_damping(chain, -1.0, w.r, w.q)
+        flow.add_damping(chain, -1.0, w.r, w.segments, w.q)
     with_rope = turns_with_rope(system, k)
     if has_turning:
         system_drums.subtract_rest(system, k)

@@ -6,17 +6,18 @@ A line lets go at the beginning of the first step in which its input `release` i
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import plan_layout as places
 from tetherfmu.runtime import plausibility as limits
-from tetherfmu.runtime.status import OK, RELEASED_OVER_SHEAVES, RELEASED_WITHOUT_MASS
+from tetherfmu.runtime.status import OK, RELEASED_WITHOUT_MASS
 
 from ..compilation import kernel
 from ..equations import torn
 from ..equations.lines import (
+    first_of,
+    goes_on,
     inputs_of,
     is_at_point,
-    is_rope,
+    is_freed,
     lines_of,
     motion_of,
-    number_of_line,
     parameters_of,
     point_at,
     segments_of,
@@ -32,12 +33,6 @@ from ..linear_algebra.vectors import dot, get
 def mark_freed(system, k, freed):
     """Write into the plan (modified) whether line k has let go."""
     system.plan[places.PLAN_HEADER + places.LINE_NUMBERS * k + places.FREED] = freed
-
-
-@kernel
-def is_freed(system, k):
-    """Whether the arrays of line k are those of a line that has let go."""
-    return number_of_line(system, k, places.FREED) != 0
 
 
 @kernel
@@ -96,6 +91,12 @@ def energy_of_driven_node(system, k):
 
 
 @kernel
+def is_released(system, k):
+    """Whether an input says that line k lets go: of a rope over sheaves its first portion has it, and its last one does."""
+    return not goes_on(system, k) and inputs_of(system, first_of(system, k))[at.RELEASE] != 0.0
+
+
+@kernel
 def let_go(system, before):
     """Let those lines go (modified) whose input says so for the first time; a status.
 
@@ -103,10 +104,7 @@ def let_go(system, before):
     """
     for k in range(lines_of(system)):
         state = state_of(system, k)
-        if inputs_of(system, k)[at.RELEASE] != 0.0 and not torn.has_let_go(state):
-            if is_rope(system, k):
-                system.plan[places.STATUS_LINE] = k
-                return RELEASED_OVER_SHEAVES
+        if is_released(system, k) and not torn.has_let_go(state):
             if not can_let_go(system, k):
                 system.plan[places.STATUS_LINE] = k
                 return RELEASED_WITHOUT_MASS

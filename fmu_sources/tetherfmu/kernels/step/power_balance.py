@@ -86,12 +86,9 @@ def balance_flow(chain, state, x, v, load, mass, a, energies):
     if chain.parameters[at.IS_PORTION] != 0.0:
         put(a, 0, vector_at(state, at.START_ACCELERATION))
         put(a, chain.n, vector_at(state, at.END_ACCELERATION))
-        counted = are_free[0] if chain.parameters[at.IS_PORTION] == at.BEHIND_SHEAVE else 0.0, are_free[1]
-        energies[KINETIC] += flow.energy_in_portion(chain, x, v, counted)
-        energies[WINCH] += flow.power_in_portion(chain, x, v, a, are_free, counted)
-    else:
-        energies[KINETIC] += flow.energy_of_flow(chain, x, v, are_free[1])
-        energies[WINCH] += flow.power(chain, x, v, a, are_free)
+    counted = are_free[0] if chain.parameters[at.IS_PORTION] == at.BEHIND_SHEAVE else 0.0, are_free[1]
+    energies[KINETIC] += flow.energy_of_flow(chain, x, v, counted)
+    energies[WINCH] += flow.power(chain, x, v, a, are_free, counted)
     for kite_end in range(2):  # what is counted as power of the ends that are driven
         s, node = (chain.n - 1) * kite_end, chain.n * kite_end
         push = flow.end_force(chain, kite_end == 1, get(x, s), get(x, s + 1), get(v, s), get(v, s + 1))

@@ -2,7 +2,8 @@
 
 With the lengths of all portions the free points are found as ever (`resting_points.py`), and with these each portion is in
 equilibrium. A rope that passes a sheave by q makes the tension ahead fall and that behind it rise; both are slopes of one
-potential, so that Newton's method on q, with differences for the slopes, goes along its fall.
+potential, so that Newton's method on q, with differences for the slopes, goes along its fall. A drum whose start is
+sought (`winch_start`) is one unknown more: what it pays out, with T - W - c u - F sign(u) for the difference.
 """
 
 from math import inf
@@ -14,6 +15,7 @@ from tetherfmu.runtime.status import NO_SHARES, OK
 from ..compilation import kernel
 from ..equations import rope_at_sheave as rope
 from ..equations import segment, winch
+from ..equations.drum import HELD, INWARDS, OUTWARDS, balance, drum_of
 from ..equations.lines import (
     comes_from,
     goes_on,
@@ -44,9 +46,43 @@ LONGEST_STEP = 0.25  # of a portion beside the sheave
 
 
 @kernel
+def has_sought_drum(system, k):
+    """Whether line k is the first portion of a rope whose drum is to be in balance at the start."""
+    return goes_on(system, k) and winch.is_sought(parameters_of(system, k))
+
+
+@kernel
+def count_unknowns(system):
+    """Number of sheaves, and of these drums."""
+    count = sheaves_of(system)
+    for k in range(lines_of(system)):
+        count += has_sought_drum(system, k)
+    return count
+
+
+@kernel
+def imbalance_of_drum(system, k):
+    """T - W - c u - F sign(u) [N] of the drum of line k, which is at rest or turns with the speed of its start."""
+    inputs = inputs_of(system, k)
+    speed, drum = inputs[at.REEL_OUT_SPEED], drum_of(parameters_of(system, k), inputs[at.WINCH_FORCE], 0.0)
+    direction = HELD if speed == 0.0 else (OUTWARDS if speed > 0.0 else INWARDS)
+    return balance(drum, direction, state_of(system, k)[at.TENSION_FROM], speed, 0.0)
+
+
+@kernel
 def whole_length(system, k):
     """Unstretched length of the rope whose first portion is k at the start [m]."""
     return winch.first_length(parameters_of(system, k), inputs_of(system, k), state_of(system, k))
+
+
+@kernel
+def straight_length(system, k, spans):
+    """Unstretched length [m] with which a straight rope, so long [m], pulls with the force of its winch."""
+    force, stiffness = (
+        inputs_of(system, k)[at.WINCH_FORCE],
+        property_in(parameters_of(system, k), segments_of(system, k), 0, at.STIFFNESS),
+    )
+    return spans / (1.0 + max(force, 0.0) / stiffness)
 
 
 @kernel
@@ -58,8 +94,11 @@ def span_of(system, k):
 
 
 @kernel
-def share_ropes(system):
-    """Lengths of all portions as they are given, or by the distances of their points (modified); how many are sought."""
+def share_ropes(system, is_straight):
+    """Lengths of all portions as they are given, or by the distances of their points (modified); how many are sought.
+
+    is_straight : whether ropes whose drums are sought have their `straight_length`.
+    """
     sought = 0
     for k in range(lines_of(system)):
         if is_portion(system, k) and not comes_from(system, k):
@@ -73,6 +112,9 @@ def share_ropes(system):
                 spans += span_of(system, j)
                 unknown += parameters_of(system, j)[at.GIVEN_PORTION] == 0.0
                 sought += parameters_of(system, j)[at.GIVEN_PORTION] == 0.0
+            if has_sought_drum(system, k):
+                sought += 1
+                whole = straight_length(system, k, spans) if is_straight else whole
             spread = 1.0 / (last + 1 - k)
             for j in range(k, last + 1):
                 length = parameters_of(system, j)[at.GIVEN_PORTION] * whole / given if unknown == 0 else 0.0
@@ -145,7 +187,7 @@ def settle_portion(system, k):
 
 @kernel
 def find_differences(system, as_given, differences):
-    """T ahead - T behind of all sheaves [N] at rest (modified) with these lengths; a status, and the largest tension."""
+    """T ahead - T behind of all sheaves, then of drums [N], at rest (modified); a status, and the largest tension."""
     status = resting_points.find(system, as_given)
     largest = 0.0
     for k in range(lines_of(system)):
@@ -159,28 +201,39 @@ def find_differences(system, as_given, differences):
         if goes_on(system, k):
             differences[j] = state_of(system, k + 1)[at.TENSION_FROM] - state_of(system, k)[at.TENSION_TO]
             j += 1
+    for k in range(lines_of(system)):
+        if has_sought_drum(system, k):
+            differences[j] = imbalance_of_drum(system, k)
+            j += 1
     return status, largest
 
 
 @kernel
 def move_rope(system, factor, moves):
-    """Let rope pass all sheaves by a factor times `moves` [m], in the lengths of the portions (modified)."""
+    """Let rope pass all sheaves and drums by a factor times `moves` [m], in the lengths of the portions (modified)."""
     j = 0
     for k in range(lines_of(system)):
         if goes_on(system, k):
             numbers_at(system, k)[at_sheave.LENGTH_NOW] -= factor * moves[j]
             numbers_at(system, k + 1)[at_sheave.LENGTH_NOW] += factor * moves[j]
             j += 1
+    for k in range(lines_of(system)):
+        if has_sought_drum(system, k):
+            numbers_at(system, k)[at_sheave.LENGTH_NOW] += factor * moves[j]
+            j += 1
 
 
 @kernel
 def part_within(system, moves):
     """Part of `moves` [m] by which no portion changes too much, or gets too short."""
-    part, j = 1.0, 0
+    part, j, drum = 1.0, 0, sheaves_of(system)
     for k in range(lines_of(system)):
         if is_portion(system, k):
             change = moves[j - 1] if comes_from(system, k) else 0.0
             change -= moves[j] if goes_on(system, k) else 0.0
+            if has_sought_drum(system, k):
+                change += moves[drum]
+                drum += 1
             length = numbers_at(system, k)[at_sheave.LENGTH_NOW]
             room = min(LONGEST_STEP * length, 0.5 * (length - shortest_of(system, k)))
             if change < 0.0 and -change * part > room:
@@ -212,7 +265,7 @@ def work_of(moves, differences):
 @kernel
 def find_moves(system, differences, shared, length):
     """A step of Newton's method [m] into shared[3] (modified) from differences [N]; a status.  length : of the ropes [m]."""
-    count, (matrix, _, unit, moves, other) = sheaves_of(system), shared
+    count, (matrix, _, unit, moves, other) = count_unknowns(system), shared
     h, status = DIFFERENCE * length, OK
     for j in range(count):
         for i in range(count):
@@ -280,16 +333,20 @@ def put_stiffness(system, factor):
 def find_shares(system):
     """Put all sought points and the lengths of all portions where they are in equilibrium (modified); a status.
 
-    Where portions of stiff rope do not fit together on the way, with softer rope first.
+    Where drums are sought, from straight ropes if those of `initial_length` do not lead there. Where portions of stiff rope
+    do not fit together on the way, with softer rope first.
     """
-    sought = share_ropes(system)
+    sought, count = share_ropes(system, False), count_unknowns(system)
     if sought == 0:
         return resting_points.find(system, False)
-    shared, differences = shared_at_rest(system)
+    shared, differences = shared_at_rest(system, count)
     status = balance_ropes(system, False, shared, differences)
+    if status != OK and count > sheaves_of(system):
+        share_ropes(system, True)
+        return balance_ropes(system, False, shared, differences)
     if status == OK:
         return OK
-    share_ropes(system)
+    share_ropes(system, False)
     factor, found = SOFTEST, OK
     put_stiffness(system, SOFTEST)
     while factor <= 1.0 and found == OK:

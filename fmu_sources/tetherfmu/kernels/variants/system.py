@@ -13,7 +13,6 @@ from tetherfmu.runtime.status import (
     SHEAVES_THAT_BREAK,
     SHEAVES_WITH_STOP,
     SHEAVES_WITH_STRETCH_RATE,
-    SHEAVES_WITH_WINCH_START,
 )
 
 from ..arrays import copy, inputs_size, outputs_size, parameters_size, state_size
@@ -22,6 +21,7 @@ from ..equations import wind_points
 from ..equations.lines import (
     comes_from,
     conditions_of,
+    first_of,
     free_points,
     goes_on,
     has_coordinates,
@@ -164,7 +164,7 @@ def sum_portions(system, outputs):
             whole, own = outputs_of_line(system, first, outputs), outputs_of_line(system, k, outputs)
             for place in (at.TETHER_LENGTH, at.SLACK_SEGMENTS, at.GROUNDED_LENGTH):
                 whole[place] += own[place]
-            for place in (at.MAX_TENSION, at.PEAK_TENSION):
+            for place in (at.MAX_TENSION, at.PEAK_TENSION, at.BROKEN, at.BREAK_TIME):
                 whole[place] = max(whole[place], own[place])
 
 
@@ -198,7 +198,7 @@ def start_line(system, k):
     n, parameters, state = segments_of(system, k), parameters_of(system, k), state_of(system, k)
     inputs, work = inputs_of(system, k), room_of(system, k)
     status = resting_line.start_state(system, k)
-    if status == OK and is_sought(parameters):
+    if status == OK and is_sought(parameters) and not is_portion(system, k):
         status = find_length(n, parameters, inputs, state, work)
     if status == OK:
         status = settle(n, parameters, inputs, state, work)
@@ -211,17 +211,24 @@ def start_line(system, k):
 
 @kernel
 def check_sought(system):
-    """OK, or KITE_AND_WINCH_SOUGHT about the line whose length is sought as well as the point at an end of it."""
+    """OK, or KITE_AND_WINCH_SOUGHT about the line whose length is sought as well as a point at it."""
     for k in range(lines_of(system)):
-        if is_sought(parameters_of(system, k)) and resting_line.is_any_sought(system, k):
-            system.plan[places.STATUS_LINE] = k
+        if resting_line.is_any_sought(system, k) and is_sought(parameters_of(system, first_of(system, k))):
+            system.plan[places.STATUS_LINE] = first_of(system, k)
             return KITE_AND_WINCH_SOUGHT
     return OK
 
 
 @kernel
+def has_stop(n, parameters):
+    """Whether a drum has a stop of its own, beside that where segments get too short."""
+    shortest = at.MIN_SEGMENT_LENGTH / property_in(parameters, n, 0, at.SHARE)
+    return parameters[at.SHORTEST_LENGTH] > shortest or parameters[at.LONGEST_LENGTH] != at.NO_STOP
+
+
+@kernel
 def check_ropes(system):
-    """OK, or about a line why a system with coordinates cannot be: its law, breaking, its start, its stop."""
+    """OK, or about a line why a system with coordinates cannot be: its law, breaking, its stop."""
     for k in range(lines_of(system)):
         parameters = parameters_of(system, k)
         system.plan[places.STATUS_LINE] = k
@@ -229,9 +236,7 @@ def check_ropes(system):
             return SHEAVES_WITH_STRETCH_RATE
         if is_rope(system, k) and parameters[at.CAN_BREAK] != 0.0:
             return SHEAVES_THAT_BREAK
-        if is_sought(parameters):
-            return SHEAVES_WITH_WINCH_START
-        if goes_on(system, k) and follows_force(parameters) and parameters[at.LONGEST_LENGTH] != at.NO_STOP:
+        if goes_on(system, k) and follows_force(parameters) and has_stop(segments_of(system, k), parameters):
             return SHEAVES_WITH_STOP
     return OK
 

@@ -65,6 +65,8 @@ class Replay:
         for name, each in self.flown.items():
             if each.refusals:
                 yield refused(name, each)
+            if each.break_time >= 0.0:
+                yield f"{name} broke after {each.break_time:.3g} s: what it gives from then on is that of a broken tether"
         yield from self.not_flown
 
 

@@ -41,6 +41,7 @@ class Flown(NamedTuple):
     shapes: np.ndarray
     refusals: tuple
     stopped: float | None = None
+    break_time: float = -1.0  # since the start [s], -1: it did not break
 
 
 def finest(names):
@@ -121,7 +122,7 @@ def flown_of(tether, rows, times, found):
     weight = found.weight * made.tether_length
     air = [made[f"ground_force[{i}]"] + made[f"kite_force[{i}]"] + (weight if i == 3 else 0.0) for i in (1, 2, 3)]
     made["air_force"] = np.linalg.norm(air, axis=0)
-    return Flown(made, filled(shapes, len(times)), tuple(refusals), stopped)
+    return Flown(made, filled(shapes, len(times)), tuple(refusals), stopped, tether.outputs().break_time)
 
 
 def filled(parts, count):

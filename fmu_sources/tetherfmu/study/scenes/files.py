@@ -185,6 +185,8 @@ class Scene:
             given["winch_force"] = self.force_of_winch(time + 0.5 * step * exact)[:, np.newaxis]
         if self.flight.has_length and not exact:
             given["winch_length"] = (self.tether.initial_length + motion.reeled)[:, np.newaxis]
+        if self.flight.has_release:
+            given["release"] = (time >= self.flight.release_time - 1e-6)[:, np.newaxis]
         if self.kite_is_free:
             given["kite_position"] = self.flight.at_rest(self.tether, self.environment.gravity)
             given["kite_load"] = self.flight.load()
@@ -223,6 +225,8 @@ def load(path, settings=()):
 
 def read(table, folder, name):
     """`Scene` from the table of a file in a folder; ValueError names the key."""
+    if "points" in table:
+        raise ValueError("describes a system of tethers, no scene; tetherfmu fly, advise and build --system take it")
     require(table, "", ("name", "duration", "flight", *RECORDS, "build"), REQUIRED[""])
     flight = read_flight(table["flight"], folder)
     if flight.initial_length is not None and isinstance(table["tether"], dict):
@@ -242,6 +246,8 @@ def read(table, folder, name):
         raise ValueError(
             "wind.file is given to a free end, of which it is not known where it will be; give wind.velocity alone"
         )
+    if flight.has_release:
+        raise ValueError("the series has a column release; only tetherfmu fly FLIGHT.csv takes one")
     length, first = records["tether"].initial_length, flight.initial_length
     if first is not None and not np.isclose(first, length, rtol=1e-6):
         raise ValueError(f"tether.initial_length is {length!r} m; tether_length of the series begins with {first!r} m")

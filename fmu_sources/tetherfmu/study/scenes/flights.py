@@ -67,6 +67,7 @@ class Flight:
     duration, contents = np.inf, b""  # ... has an end [s] and a file, ...
     has_velocities, scatter, shaking = True, 0.0, 0.0  # ... may lack velocities of moving ends, have noise, ...
     has_length = has_force = False  # ... and give the unstretched length or the force of the winch instead of the speed
+    has_release = False  # only a series lets go of the kite
     kite_is_free = False  # whether the kite end is a mass that the tether moves
     __post_init__ = check
 

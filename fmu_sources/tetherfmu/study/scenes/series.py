@@ -9,7 +9,7 @@ from scipy.interpolate import CubicHermiteSpline, CubicSpline, PchipInterpolator
 from tetherfmu.input_files import contents_of
 from tetherfmu.runtime.inputs import components, inputs_of
 from tetherfmu.runtime.limits import LARGEST_INPUT
-from tetherfmu.runtime.naming import prefixed
+from tetherfmu.runtime.naming import meant, prefixed
 
 from . import csv_files
 from .flights import Motion
@@ -19,10 +19,15 @@ VECTORS = {each.name: components(each.name, each.size) for each in INPUTS if eac
 KITE = VECTORS["kite_position"]
 LENGTHS = ("tether_length", "winch_length")  # unstretched: as it is logged; by the name of the input of an FMU
 FORCES = ("ground_tension", "winch_force")  # of the winch, likewise
+RELEASE = "release"  # 0 or 1
 REELING = ("reel_out_speed", *LENGTHS, *FORCES)
 UNITS = {"time": "s"} | {name: each.unit for each in INPUTS for name in components(each.name, each.size)}
-UNITS |= dict(zip(csv_files.ANGLES, csv_files.UNITS_OF_ANGLES, strict=True)) | {"tether_length": "m", "ground_tension": "N"}
-COLUMNS = ("time", *chain(*VECTORS.values()), *csv_files.ANGLES, *REELING)
+UNITS |= dict(zip(csv_files.ANGLES, csv_files.UNITS_OF_ANGLES, strict=True)) | {
+    "tether_length": "m",
+    "ground_tension": "N",
+    RELEASE: "",
+}
+COLUMNS = ("time", *chain(*VECTORS.values()), *csv_files.ANGLES, *REELING, RELEASE)
 FEWEST_ROWS = 4  # that a C2 spline needs
 LONGEST_NAME = 40  # characters of a column's name in a message
 JUDGED_ROWS = 10_000  # in which noise is looked for
@@ -58,7 +63,7 @@ def problems_of_names(names):
     for name in names:
         if name not in COLUMNS:
             shown = name if len(name) <= LONGEST_NAME else f"{name[:LONGEST_NAME]}..."
-            yield f"unknown column {shown!r}; known are {', '.join(COLUMNS)}"
+            yield f"unknown column {shown!r}; known are {', '.join(COLUMNS)}{meant(name, COLUMNS)}"
         if names.count(name) > 1:
             yield f"the column {name} is there twice"
     given = {name.partition("[")[0] for name in names}
@@ -82,6 +87,8 @@ def problems(table, numbers):
         yield f"row {row} has more cells than the header"
     for row, column in np.argwhere(~np.isfinite(numbers.to_numpy())):
         yield f"row {numbers.index[row]}, column {numbers.columns[column]} has no number; it must be a finite number"
+    for k in np.flatnonzero(~numbers.get(RELEASE, pd.Series(dtype=float)).isin((0.0, 1.0))):
+        yield f"row {numbers.index[k]}, column {RELEASE} is {numbers[RELEASE].iloc[k]:g}; it must be 0 or 1"
     for k in np.flatnonzero(np.diff(numbers["time"]) <= 0.0):
         before, after = numbers["time"].iloc[k : k + 2]
         yield f"row {numbers.index[k + 1]}: time is {after:.10g} after {before:.10g}; it must grow from row to row"
@@ -127,8 +134,9 @@ class Series:
     speed (or the unstretched length, whose rate it then is) and wind are monotone cubic curves. `wind` and `initial_length`
     [m] are None if the file has none; `has_velocities` is whether the file gives those of all ends that it moves,
     `has_length` whether it gives the unstretched length, `has_force` whether the force of the winch (`force`), with which
-    nothing is known of the length. `scatter` [m] and `shaking` [m/s2] are those of `noise` at the
-    kite. `columns` are the names of the columns, those of a position for angles, `contents` the bytes of the file.
+    nothing is known of the length. `has_release` is whether it says when the tether lets go of the kite, `release_time` [s],
+    infinity if never. `scatter` [m] and `shaking` [m/s2] are those of `noise` at the kite. `columns` are the names of the
+    columns, those of a position for angles, `contents` the bytes of the file.
     """
 
     kite_is_free = False
@@ -155,6 +163,8 @@ class Series:
         forces = next((table[name] for name in FORCES if name in table), None)
         self.has_force = forces is not None
         self.force = PchipInterpolator(time, forces) if self.has_force else None
+        self.has_release = RELEASE in table
+        self.release_time = float(time[table[RELEASE] == 1.0].min(initial=np.inf)) if self.has_release else np.inf
         wind = given.get("wind_velocity")
         self.wind = None if wind is None else PchipInterpolator(time, wind)
 

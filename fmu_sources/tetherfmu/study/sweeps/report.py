@@ -150,7 +150,8 @@ def run(options):
     now("drawing")
     written = write(table, scene, config_of(scene, options.tether, options.segments, options.step), folder)
     refused = int((table.refused != "").sum())
-    print(f"{len(table)} flights of {scene.duration:g} s, {refused} of them refused")
+    duration = "" if "duration" in table.attrs["varied"] else f" of {scene.duration:g} s"
+    print(f"{len(table)} flights{duration}, {refused} of them refused")
     if refused < len(table):
         k = int(table.peak_tension.idxmax())
         numbers = (name for name in table.attrs["varied"] if not isinstance(table[name][k], str))

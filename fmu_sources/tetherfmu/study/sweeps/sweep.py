@@ -1,7 +1,9 @@
 """The sweep of a scene: all flights on any executor, kept as they finish, in one table."""
 
 import math
+import sys
 from concurrent.futures import as_completed
+from contextlib import suppress
 from pathlib import Path
 
 import pandas as pd
@@ -14,7 +16,7 @@ from tetherfmu.runtime.variants import VARIANTS
 from tetherfmu.study.measuring.executors import executor_of, progress_bar
 from tetherfmu.study.measuring.runs import Config, least_cost
 from tetherfmu.study.measuring.store import Store, key
-from tetherfmu.study.scenes.files import load
+from tetherfmu.study.scenes.files import load, read
 from tetherfmu.study.scenes.named import path_of
 from tetherfmu.study.scenes.settings import with_settings
 
@@ -85,6 +87,19 @@ def fly_missing(task, scene, flights, store, executor, processes, dask):
         except WorkersLost:
             if dask is not None or len(store.points) == before:
                 raise
+
+
+def doubts_of_extremes(task, quantities, values):
+    """Sentences on what is hardly meant in the flights with the least and the largest value of each quantity, no doubles.
+
+    task : `Task`.  quantities, values : of all flights, as of `varied.points`.
+    """
+    found = {}
+    for k in (k for k, each in enumerate(quantities) if each.unit is not None):
+        for extreme in (least(values, key=lambda flight, k=k: flight[k][1]) for least in (min, max)):
+            with suppress(ValueError):  # said in the row of that flight
+                found |= dict.fromkeys(read(with_settings(task.table, extreme), task.folder, task.name).doubts())
+    return list(found)
 
 
 def sweep(
@@ -174,6 +189,9 @@ def sweep(
     config = config_of(base, tether, segments, step)
     task = Task(table, path.parent, base.name, config, statistics, ())
     values = points(quantities, int(samples), method, seed)
+    for doubt in doubts_of_extremes(task, quantities, values):
+        if doubt not in base.doubts():  # which `load` has said
+            print(f"{path}: {doubt}", file=sys.stderr)
     keys = [key(base.digest, *config, *statistics, each) for each in values]
     store = Store(Path(out) / FLIGHTS) if out is not None else Memory()
     if hasattr(executor, "get_executor"):  # a Dask client
