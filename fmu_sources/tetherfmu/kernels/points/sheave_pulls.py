@@ -89,14 +89,14 @@ def loss_at_stage(system, k):
 
 
 @view
-def take_segments(chain, are_interleaved, is_uniform, nodes, pulled):
+def take_segments(chain, are_interleaved, is_uniform, last, nodes, pulled):
     """R_a and R_b of a portion without accelerations [N], what is in minus their slopes by a', b' of rope alone: aa, ab, bb.
 
     And col of its nodes into `pulled` (modified). Two segments at a time, as in `assembly.node_forces`.
-    are_interleaved : whether positions and velocities are, as a constant.  nodes : as of `sheave_slopes.take_row`.
+    are_interleaved : whether positions and velocities are, as a constant.  last : PARTS of the last node.  nodes : as of `sheave_slopes.take_row`.
     """
     n, (x, v, modes), nothing = chain.n, nodes, pair(0.0, 0.0)
-    own, part, col = rope.rope_of(chain, (0, n - 1)), pair(1.0, 0.0), pair(ZERO_VECTOR, ZERO_VECTOR)
+    own, part, col = rope.rope_of(chain, (0, n - 1)), pair(1.0, last), pair(ZERO_VECTOR, ZERO_VECTOR)
     lowest, highest = (get_node(n, 0, x), get_node(n, n, x)) if are_interleaved else (get(x, 0), get(x, n))
     at_ends = rope.of_speed(own, pair(1.0, -1.0), pair(chain.reeling + chain.leaving, chain.leaving))
     pull_a, pull_b, own_aa, own_ab, own_bb = nothing, nothing, nothing, nothing, nothing
@@ -140,7 +140,7 @@ def take_pulls(system, k, time):
     )
     n, parts, gain = conditions.n, parts_of(system, k), 0.0
     nodes = w.stage_x, w.stage_v, w.modes
-    (pull_a, pull_b), own = take_segments(portion_in_step(system, k), True, is_even(system, k), nodes, pulled)
+    (pull_a, pull_b), own = take_segments(portion_in_step(system, k), True, is_even(system, k), parts[n], nodes, pulled)
     if not comes_from(system, k) and not is_turned(system, k):
         gain = numbers[at_sheave.INTO_GAIN]
         push(n, gain, 0.0, parts, pulled, w.force)

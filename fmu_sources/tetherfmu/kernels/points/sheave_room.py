@@ -19,6 +19,7 @@ from ..equations.lines import (
     coordinates_in,
     goes_on,
     has_coordinates,
+    is_freed,
     is_rope,
     is_turned,
     number_of_line,
@@ -167,12 +168,14 @@ def part_of(parts, side, i):
 
 @kernel
 def take_parts(system, k):
-    """PARTS of portion k (modified)."""
+    """PARTS of portion k (modified): 0 at the end of the rope, below it behind the gap of a line that has let go."""
     conditions, parts, part_of_a = conditions_of(system, k), parts_of(system, k), 1.0
     for i in range(conditions.n):
         parts[i] = part_of_a
         part_of_a -= property_of(conditions, i, at.SHARE)
     parts[conditions.n] = 0.0
+    if is_freed(system, k):
+        parts[conditions.n - 1], parts[conditions.n] = 0.0, -property_of(conditions, conditions.n - 1, at.SHARE)
 
 
 @view
