@@ -93,7 +93,8 @@ def take_segments(chain, are_interleaved, is_uniform, last, nodes, pulled):
     """R_a and R_b of a portion without accelerations [N], what is in minus their slopes by a', b' of rope alone: aa, ab, bb.
 
     And col of its nodes into `pulled` (modified). Two segments at a time, as in `assembly.node_forces`.
-    are_interleaved : whether positions and velocities are, as a constant.  last : PARTS of the last node.  nodes : as of `sheave_slopes.take_row`.
+    are_interleaved : whether positions and velocities are, as a constant.  last : PARTS of the last node.  nodes : as of
+    `sheave_slopes.take_row`.
     """
     n, (x, v, modes), nothing = chain.n, nodes, pair(0.0, 0.0)
     own, part, col = rope.rope_of(chain, (0, n - 1)), pair(1.0, last), pair(ZERO_VECTOR, ZERO_VECTOR)
