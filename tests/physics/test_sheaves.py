@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 
 from over_sheaves import (
+    LIGHT,
     STIFF,
     Atwood,
     G,
@@ -188,6 +189,21 @@ def test_friction_makes_heat():
     heat = found.speed[0] * (found.tension_from[1] - found.tension_to[0])
     assert energy.sheaves["rope"].friction_loss[0] == pytest.approx(heat, rel=3e-3)
     assert abs(energy.lines["rope"].winch_power) < 1e-6 * heat
+
+
+def test_portions_that_are_given_stay():
+    """Where those of another rope are sought, too: by the tensions of that one alone."""
+    points = [
+        Point("a", (0.0, 0.0, -10.0), mass=20.0),
+        Point("s", (0.0, 0.0, 0.0)),
+        Point("b", (0.0, 0.0, -10.0), mass=30.0),
+    ]
+    points += [Point("c", (5.0, 0.0, -8.0)), Point("e", (15.0, 0.0, -8.0))]
+    lines = [Line("one", "a", "b", rope(20.0, **LIGHT), through=["s"], initial_portions=[9.9, 10.1])]
+    lines.append(Line("two", "s", "e", rope(21.0, **LIGHT), through=["c"]))
+    found = TetherSystem(points, lines).initialize().portions
+    assert found["one"].length == pytest.approx([9.9, 10.1], rel=1e-12)
+    assert found["two"].tension_to[0] == pytest.approx(found["two"].tension_from[1], rel=1e-9)
 
 
 # --- states, what is refused

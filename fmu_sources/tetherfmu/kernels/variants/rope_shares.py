@@ -18,6 +18,7 @@ from ..equations import segment, winch
 from ..equations.drum import HELD, INWARDS, OUTWARDS, balance, drum_of
 from ..equations.lines import (
     comes_from,
+    first_of,
     goes_on,
     inputs_of,
     is_portion,
@@ -26,7 +27,6 @@ from ..equations.lines import (
     parameters_of,
     room_of,
     segments_of,
-    sheaves_of,
     state_of,
 )
 from ..equations.properties import chain_without_flow, property_in, property_of, put_property, rest_length
@@ -52,12 +52,25 @@ def has_sought_drum(system, k):
 
 
 @kernel
+def is_balanced(system, k):
+    """Whether line k goes on over a sheave that is to have the same tension on both sides: not if all portions are given."""
+    j, count = first_of(system, k), 0
+    count += has_sought_drum(system, j)
+    while goes_on(system, j):
+        count += parameters_of(system, j)[at.GIVEN_PORTION] == 0.0
+        j += 1
+    count += parameters_of(system, j)[at.GIVEN_PORTION] == 0.0
+    return goes_on(system, k) and count > 0
+
+
+@kernel
 def count_unknowns(system):
-    """Number of sheaves, and of these drums."""
-    count = sheaves_of(system)
+    """How many of these sheaves there are, and of these drums."""
+    sheaves, drums = 0, 0
     for k in range(lines_of(system)):
-        count += has_sought_drum(system, k)
-    return count
+        sheaves += is_balanced(system, k)
+        drums += has_sought_drum(system, k)
+    return sheaves, drums
 
 
 @kernel
@@ -187,7 +200,7 @@ def settle_portion(system, k):
 
 @kernel
 def find_differences(system, as_given, differences):
-    """T ahead - T behind of all sheaves, then of drums [N], at rest (modified); a status, and the largest tension."""
+    """T ahead - T behind of sheaves, then imbalances of drums [N], at rest (modified); a status, and the largest tension."""
     status = resting_points.find(system, as_given)
     largest = 0.0
     for k in range(lines_of(system)):
@@ -198,7 +211,7 @@ def find_differences(system, as_given, differences):
             largest = max(largest, abs(state[at.TENSION_FROM]), abs(state[at.TENSION_TO]))
     j = 0
     for k in range(lines_of(system)):
-        if goes_on(system, k):
+        if is_balanced(system, k):
             differences[j] = state_of(system, k + 1)[at.TENSION_FROM] - state_of(system, k)[at.TENSION_TO]
             j += 1
     for k in range(lines_of(system)):
@@ -210,10 +223,10 @@ def find_differences(system, as_given, differences):
 
 @kernel
 def move_rope(system, factor, moves):
-    """Let rope pass all sheaves and drums by a factor times `moves` [m], in the lengths of the portions (modified)."""
+    """Let rope pass sheaves and drums by a factor times `moves` [m], in the lengths of the portions (modified)."""
     j = 0
     for k in range(lines_of(system)):
-        if goes_on(system, k):
+        if is_balanced(system, k):
             numbers_at(system, k)[at_sheave.LENGTH_NOW] -= factor * moves[j]
             numbers_at(system, k + 1)[at_sheave.LENGTH_NOW] += factor * moves[j]
             j += 1
@@ -226,11 +239,11 @@ def move_rope(system, factor, moves):
 @kernel
 def part_within(system, moves):
     """Part of `moves` [m] by which no portion changes too much, or gets too short."""
-    part, j, drum = 1.0, 0, sheaves_of(system)
+    part, j, (drum, _) = 1.0, 0, count_unknowns(system)
     for k in range(lines_of(system)):
         if is_portion(system, k):
-            change = moves[j - 1] if comes_from(system, k) else 0.0
-            change -= moves[j] if goes_on(system, k) else 0.0
+            change = moves[j - 1] if comes_from(system, k) and is_balanced(system, k - 1) else 0.0
+            change -= moves[j] if is_balanced(system, k) else 0.0
             if has_sought_drum(system, k):
                 change += moves[drum]
                 drum += 1
@@ -240,7 +253,7 @@ def part_within(system, moves):
                 part = room / -change
             elif change * part > LONGEST_STEP * length:
                 part = LONGEST_STEP * length / change
-        j += goes_on(system, k)
+        j += is_balanced(system, k)
     return part
 
 
@@ -265,7 +278,7 @@ def work_of(moves, differences):
 @kernel
 def find_moves(system, differences, shared, length):
     """A step of Newton's method [m] into shared[3] (modified) from differences [N]; a status.  length : of the ropes [m]."""
-    count, (matrix, _, unit, moves, other) = count_unknowns(system), shared
+    (matrix, _, unit, moves, other), count = shared, len(differences)
     h, status = DIFFERENCE * length, OK
     for j in range(count):
         for i in range(count):
@@ -336,12 +349,12 @@ def find_shares(system):
     Where drums are sought, from straight ropes if those of `initial_length` do not lead there. Where portions of stiff rope
     do not fit together on the way, with softer rope first.
     """
-    sought, count = share_ropes(system, False), count_unknowns(system)
+    sought, (sheaves, drums) = share_ropes(system, False), count_unknowns(system)
     if sought == 0:
         return resting_points.find(system, False)
-    shared, differences = shared_at_rest(system, count)
+    shared, differences = shared_at_rest(system, sheaves + drums)
     status = balance_ropes(system, False, shared, differences)
-    if status != OK and count > sheaves_of(system):
+    if status != OK and drums > 0:
         share_ropes(system, True)
         return balance_ropes(system, False, shared, differences)
     if status == OK:
