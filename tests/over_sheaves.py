@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from tetherfmu import Environment, Line, Point, Solver, Tether, TetherSystem
+from solvers import ADAPTIVE
+from tetherfmu import Environment, Line, Point, Tether, TetherSystem
 
 G, DENSITY, DIAMETER = 9.81, 1.0, 0.01  # [m/s2], of the rope [kg/m], [m]
 HEAVY = {"diameter": DIAMETER, "mass_per_length": DENSITY, "axial_stiffness": 1e7, "axial_damping": 1e4}
 LIGHT = {"diameter": DIAMETER, "mass_per_length": 0.2, "axial_stiffness": 1e5, "axial_damping": 100.0}
 STIFF = {"diameter": 0.012, "mass_per_length": 0.57, "axial_stiffness": 1e7, "axial_damping": 1e5}
-ADAPTIVE = Solver()
 
 
 def rope(length, segments=6, drag=0.0, **of_rope):

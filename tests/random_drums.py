@@ -16,7 +16,7 @@ import numpy as np
 from drums import rope_tension
 from networks import Network
 from random_systems import random_network
-from tetherfmu import Environment, Solver, TetherSystem, Winch
+from tetherfmu import Environment, TetherSystem, Winch
 from tetherfmu.runtime.limits import MIN_SEGMENT_LENGTH
 
 ROUNDING = 1e-11  # of positions [m]
@@ -126,8 +126,3 @@ def _left_of_drum(line, tension, told, before, after, h):
     if speed == 0.0:
         return max(0.0, abs(rest) - winch.winch_friction)
     return abs(rest - np.sign(speed) * winch.winch_friction)
-
-
-def fixed(h, method):
-    """`Solver` with such fixed steps."""
-    return Solver(fixed_step=h, fixed_step_method=method)

@@ -25,7 +25,7 @@ from tetherfmu.runtime import layout as at
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # the folder of the rooms
 from first_flight.circular_flight import Flight
 
-COUNT = 12  # shapes that are drawn
+COUNT, MOST_STEPS = 12, 1_000_000  # shapes that are drawn, communication steps whose rows are kept
 OPTIONS = {"wind": "wind", "duration": "duration", "step": "wanted.communication_step"}  # and what --set has for them
 IN_PLACE = {  # options of the circle: what a system has in their place
     "length": "--set lines.NAME.initial_length=L",
@@ -67,6 +67,8 @@ def fly(flight, system, wind=None, duration=None, step=None):
     if count == 0:
         raise WrongUse(f"the flight of {duration:g} s is shorter than a communication step of {step:g} s")
     time = step * np.arange(count + 1)
+    if count > MOST_STEPS:
+        raise WrongUse(f"the flight of {duration:g} s has {count} communication steps; it may have {MOST_STEPS} at most")
     positions = straight_on(flight.found, time[:-1])
     winds = flight.wind(time[:-1]) if wind is None else np.tile(wind, (count, 1))
     with catch_warnings(action="ignore", category=PlausibilityWarning):  # `run` says them

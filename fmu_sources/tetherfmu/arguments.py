@@ -5,6 +5,7 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
+from tetherfmu.fmi.wiring import IDLE_BREAKING
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.inputs import BY_NAME, PLACES
 from tetherfmu.runtime.naming import check_names
@@ -68,6 +69,12 @@ def with_quantities(model, given, tethers, *records):
 def doubts(*records):
     """Sentences on quantities of records that were probably given in another unit, without doubles."""
     return dict.fromkeys(said for record in records for said in doubts_of(record))
+
+
+def idle_breaking(variant, tethers):
+    """Sentences on what cannot break, one or none."""
+    forces = [each.breaking_force for each in tethers if each.breaking_force and "breaking_force" in variant.ignored]
+    return [IDLE_BREAKING.format(value=force) for force in forces[:1]]
 
 
 def checked_masses(point_masses, segments):

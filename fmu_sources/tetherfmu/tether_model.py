@@ -85,7 +85,7 @@ class TetherModel(Running):
         if self._kite and self._kite.kite_mass:
             masses[segments] = masses.get(segments, 0.0) + self._kite.kite_mass
         points = segments + 1 if shape_points is None else arguments.whole("shape_points", shape_points)
-        for sentence in arguments.doubts(*tethers, *records):
+        for sentence in (*arguments.doubts(*tethers, *records), *arguments.idle_breaking(variant, tethers)):
             warn(sentence, PlausibilityWarning, stacklevel=2 if type(self).__init__ is TetherModel.__init__ else 3)
         self._kernels, self._points = kernels, points
         self.wind_points: int = arguments.wind_points(wind_points)

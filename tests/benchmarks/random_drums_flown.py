@@ -21,7 +21,8 @@ from pathlib import Path
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
-from random_drums import fixed, left, random_drums, started, step
+from random_drums import left, random_drums, started, step
+from solvers import fixed
 from tetherfmu import Solver, StepRefused
 
 WRONG = 1e-5

@@ -144,6 +144,7 @@ WRONG = {
     "slewing_crane --tether straight": "the free end of slewing_crane is moved by TetherDynamicFree only",
     "hoist --tether straight": "--tether is straight; the lines of a system are dynamic",
     "hoist --wind 8 0 0 --set wind.speed=3": "--wind and --set wind are both given; give one of them",
+    "hoist --duration 1e6": "the flight of 1e+06 s has 50000000 communication steps; it may have 1000000 at most",
     "hoist --length 3": "--length is not for a system: --set lines.NAME.initial_length=L",
     "hoist --set lines.beam.diametre=3": "unknown key lines.beam.diametre; did you mean diameter?",
     "hoist --set lines.rope_left.winch_control=force": "lines.rope_left.winch_control is force, and nothing gives that",

@@ -1,4 +1,5 @@
-"""Winches that hold several lines by force, and force control beside sheaves, in fixed steps: as `test_shared_drums.py`.
+"""Winches that hold several lines by force, and force control beside sheaves, in fixed steps, beside what
+`test_shared_drums.py` tests with each solver.
 
 orders     slopes to the adaptive solver at 1e-9: 2 and 1; with stiff damping less, as of the drum of one line
 one line   a winch that holds one line with ratio 1 is the line's own winch in the same fixed steps
@@ -6,18 +7,14 @@ one line   a winch that holds one line with ratio 1 is the line's own winch in t
 
 import numpy as np
 import pytest
-import test_shared_drums as adaptive
-from test_shared_drums import LIGHT, G, rope
 
+import shared_winches as scenes
 from random_shared_drums import random_winches, started, told
+from shared_winches import LIGHT, follows_atwood, own_or_shared, rope
+from solvers import METHODS, fixed
 from tetherfmu import Line, Point, SharedWinch, Solver, StepRefused, TetherSystem, Winch
 
-METHODS = ("second_order", "backward_euler")
 pytestmark = pytest.mark.filterwarnings("ignore::tetherfmu.PlausibilityWarning")
-
-
-def fixed(step, method):
-    return Solver(fixed_step=step, fixed_step_method=method)
 
 
 # --- formulas
@@ -28,49 +25,15 @@ def fixed(step, method):
 )
 def test_atwood(ratios, mass, force):
     """As `test_shared_drums.test_atwood`, with steps of 5 ms of order 2."""
-    loads, length, r = np.array([20.0, 30.0]), 10.0, np.array(ratios)
-    ends = [
-        Point(name, (0.0, 0.0, -length * (1.0 + (m + 5.0) * G / 1e7)), mass=m) for name, m in zip("ab", loads, strict=True)
-    ]
-    lines = [Line(f"to_{name}", "top", name, rope(length)) for name in "ab"]
-    drum = SharedWinch("drum", dict(zip(("to_a", "to_b"), ratios, strict=True)), "force", winch_force=force, winch_mass=mass)
-    system = TetherSystem([Point("top", (0.0, 0.0, 0.0)), *ends], lines, solver=fixed(0.005, "second_order"), winches=[drum])
-    system.initialize()
-    payout, speed = 0.0, 0.0
-
-    def rate(p, _):
-        hanging = loads + length + r * p
-        return (r @ hanging * G - force) / (mass + r**2 @ hanging)
-
-    for _ in range(60):
-        found = system.step(0.02)
-        payout, speed = adaptive.moved(rate, payout, speed, 0.02)
-        assert found.winches["drum"].payout == pytest.approx(payout, abs=3e-4)
-    assert found.winches["drum"].winch_speed == pytest.approx(speed, abs=1e-3)
+    _, _, payout, _ = follows_atwood(ratios, mass, force, fixed(0.005, "second_order"), (3e-4, 1e-3))
     assert abs(payout) > 0.4
-
-
-def own(is_shared, method, friction, mass):
-    """Lengths [m] of a line and heights [m] of its load, from its own drum or from a shared one that holds it alone."""
-    of_drum = {"winch_mass": mass, "winch_friction": friction, "winch_damping": 3.0}
-    points = [Point("top", (0.0, 0.0, 0.0)), Point("load", (0.0, 0.0, -10.0004), mass=30.0)]
-    winch = Winch() if is_shared else Winch(winch_control="force", **of_drum)
-    winches = [SharedWinch("drum", {"line": 1.0}, "force", **of_drum)] if is_shared else []
-    lines = [Line("line", "top", "load", rope(10.0, 5), winch=winch)]
-    system = TetherSystem(points, lines, solver=fixed(0.005, method), winches=winches)
-    system.initialize()
-    rows = []
-    for k in range(60):
-        outputs = system.step(0.02, winch_forces={"drum" if is_shared else "line": 300.0 + 150.0 * np.sin(k / 6.0)})
-        rows.append((outputs.lines["line"].tether_length, outputs.points["load"].position[2]))
-    return np.array(rows)
 
 
 @pytest.mark.parametrize("friction", [0.0, 50.0])
 @pytest.mark.parametrize("method", METHODS)
 def test_one_line_is_the_lines_own_winch(method, friction):
     """Where iterations end."""
-    found = [own(is_shared, method, friction, 20.0) for is_shared in (False, True)]
+    found = [own_or_shared(is_shared, friction, fixed(0.005, method)) for is_shared in (False, True)]
     assert np.ptp(found[0][:, 0]) > 0.3
     assert found[0] == pytest.approx(found[1], abs=1e-6)
 
@@ -88,9 +51,9 @@ def swung(solver):
         SharedWinch("power", {"a": 1.0, "b": 0.5}, "force", winch_mass=20.0, winch_damping=50.0),
     ]
     system = TetherSystem(points, lines, solver=solver, winches=winches)
-    system.initialize(**adaptive.told(0))
+    system.initialize(**scenes.told(0))
     for k in range(25):
-        outputs = system.step(0.02, **adaptive.told(k))
+        outputs = system.step(0.02, **scenes.told(k))
     return (
         np.concatenate([np.ravel(list(outputs.winches.values())), outputs.points["kite"].position]),
         np.array([outputs.lines[name].ground_tension for name in "ab"]),
@@ -106,72 +69,6 @@ def test_orders(method, order):
     assert np.polyfit(np.log(steps), np.log(tensions), 1)[0] == pytest.approx(order, abs=0.05)
     assert np.polyfit(np.log(steps), np.log(motion), 1)[0] > order - 0.07
     assert motion[0] < (1e-5 if order == 2.0 else 0.04)
-
-
-# --- friction, no mass, stops
-
-
-@pytest.mark.parametrize("method", METHODS)
-def test_a_held_drum_is_a_winch_at_rest(method):
-    """Bit for bit."""
-    drum = SharedWinch("drum", {"from_a": 1.0, "from_b": -1.0}, "force", winch_friction=1e3)
-    held, still = between([drum], method), between([], method)
-    for k in range(40):
-        load = {"loads": {"mass": (30.0 * np.sin(0.2 * k), 10.0, 0.0)}}
-        outputs, _ = (system.step(0.02, **load) for system in (held, still))
-        assert all(np.array_equal(held.positions[name], still.positions[name]) for name in still.positions)
-        assert outputs.winches["drum"] == (0.0, 0.0)
-
-
-def between(winches, method, step=0.01):
-    """As `test_shared_drums.between`, in fixed steps [s]."""
-    points = [Point("a", (-6.0, 0.0, 0.0)), Point("mass", (0.0, 0.0, -6.0), mass=40.0), Point("b", (6.0, 0.0, 0.0))]
-    lines = [Line(name, name[-1], "mass", rope(8.47, **{"segments": 4, **LIGHT})) for name in ("from_a", "from_b")]
-    system = TetherSystem(points, lines, solver=fixed(step, method), winches=winches)
-    system.initialize()
-    return system
-
-
-@pytest.mark.parametrize("method", METHODS)
-@pytest.mark.parametrize("way", [1.0, -1.0])
-def test_the_onset(way, method):
-    """The drum begins to turn where its lines pull more than its friction, and that way."""
-    drum = SharedWinch("drum", {"from_a": 1.0, "from_b": -1.0}, "force", winch_mass=2.0, winch_friction=100.0)
-    system, pulls = between([drum], method), [0.0, 0.0]
-    for k in range(400):
-        outputs = system.step(0.02, loads={"mass": (way * 0.5 * k, 0.0, 0.0)})
-        if outputs.winches["drum"].payout != 0.0:
-            break
-        pulls.append(way * (outputs.lines["from_a"].ground_tension - outputs.lines["from_b"].ground_tension))
-    assert pulls[-1] < 100.0 < pulls[-1] + 2.0 * (pulls[-1] - pulls[-2])
-    assert way * outputs.winches["drum"].winch_speed > 0.0
-
-
-@pytest.mark.parametrize("method", METHODS)
-def test_without_mass_the_lines_pull_with_the_force(method):
-    system = between([SharedWinch("drum", {"from_a": 1.0, "from_b": 0.5}, "force", winch_force=500.0)], method)
-    for k in range(1, 40):
-        outputs = system.step(0.02, winch_forces={"drum": 500.0 - 2.0 * k})
-        pull = outputs.lines["from_a"].ground_tension + 0.5 * outputs.lines["from_b"].ground_tension
-        assert pull == pytest.approx(500.0 - 2.0 * k - (2.0 if k > 1 else 0.0), abs=1e-6)
-
-
-@pytest.mark.parametrize("method", METHODS)
-def test_it_stops_where_segments_get_too_short(method):
-    """At 4 segments of 1 cm, and it pays out again."""
-    points = [Point("top", (0.0, 0.0, 0.0)), Point("load", (0.0, 0.0, -1.0), mass=30.0)]
-    lines = [Line(name, "top", "load", rope(1.0, 4, **LIGHT)) for name in "ab"]
-    drum = SharedWinch("drum", {"a": 1.0, "b": 1.0}, "force", winch_mass=5.0, winch_damping=200.0)
-    system = TetherSystem(points, lines, solver=fixed(0.005, method), winches=[drum])
-    system.initialize()
-    for _ in range(200):
-        outputs = system.step(0.02, winch_forces={"drum": 1.3 * 30.0 * G})
-        assert outputs.lines["a"].tether_length >= 0.04 * (1.0 - 1e-6)
-    assert outputs.lines["a"].tether_length == pytest.approx(0.04, rel=1e-6)
-    assert outputs.winches["drum"].winch_speed == 0.0
-    for _ in range(21):
-        outputs = system.step(0.02, winch_forces={"drum": 0.5 * 30.0 * G})
-    assert outputs.winches["drum"].payout > -0.95
 
 
 # --- beside sheaves
@@ -226,27 +123,7 @@ def test_random_drums_are_bounded(method):
     assert flights > 30
 
 
-# --- states
-
-
-@pytest.mark.parametrize("method", METHODS)
-def test_a_state_is_restored(method):
-    """Bit for bit, with drums that turn and one that friction holds at times, and after a step that is refused."""
-    system = adaptive.steered(solver=fixed(0.01, method))
-    system.initialize(**adaptive.told(0))
-    for k in range(20):
-        system.step(0.02, **adaptive.told(k))
-    state = system.get_state()
-    ends = []
-    for _ in range(2):
-        system.set_state(state)
-        for k in range(20, 40):
-            system.step(0.02, **adaptive.told(k))
-        ends.append(system.get_state())
-    assert np.array_equal(*ends)
-    with pytest.raises(StepRefused):
-        system.step(0.02, winch_forces={"steering": np.nan})
-    assert np.array_equal(system.get_state(), ends[1])
+# --- steps that are given up
 
 
 def test_a_step_that_is_given_up_is_done_with_fixed_steps():

@@ -1,7 +1,6 @@
-"""Lines over sheaves in systems with a `fixed_step`; scenes and formulas are those of `test_sheaves.py`.
+"""Lines over sheaves in systems with a `fixed_step`, beside what `test_sheaves.py` tests with each solver.
 
-closed forms      Atwood's machine, capstan, efficiency, falls, hanging pulley: they hold as with adaptive steps
-held              a line that friction holds is two lines, bit for bit
+closed forms      Atwood's machine, hanging pulley: they hold as with adaptive steps
 orders            2 and 1 to the adaptive solution
 stops             a portion stops before its segments get shorter than they may
 random ropes      agree with the adaptive solution, converge to it, and their work is bounded
@@ -10,30 +9,12 @@ random ropes      agree with the adaptive solution, converge to it, and their wo
 import numpy as np
 import pytest
 
-from over_sheaves import (
-    STIFF,
-    Atwood,
-    G,
-    block_system,
-    corner,
-    energy_from_nowhere,
-    flown_held,
-    hanging_pulley,
-    hoisted,
-    moving,
-    reeved,
-    rope,
-    slips_at,
-)
+from over_sheaves import Atwood, block_system, corner, energy_from_nowhere, hanging_pulley, reeved
 from random_sheaves import random_ropes, started, told
-from tetherfmu import Line, Point, Solver, StepRefused, Tether, TetherSystem, Winch
+from solvers import METHODS, fixed
+from tetherfmu import Line, Point, Solver, StepRefused, Tether, TetherSystem
 
 pytestmark = pytest.mark.filterwarnings("ignore::tetherfmu.PlausibilityWarning")
-METHODS = ("second_order", "backward_euler")
-
-
-def fixed(step, method):
-    return Solver(fixed_step=step, fixed_step_method=method)
 
 
 # --- closed forms
@@ -66,38 +47,6 @@ def test_atwood_by_backward_euler():
     assert abs(errors[-1][0]) < 0.02
 
 
-@pytest.mark.parametrize("part", [0.99, 1.01])
-@pytest.mark.parametrize("method", METHODS)
-def test_capstan(method, part):
-    """The ratio to 1e-12, of rounding; below the onset nothing moves."""
-    ratio = np.exp(0.3 * np.pi / 2.0)
-    system = corner(100.0 * ratio * part, friction=0.3, solver=fixed(0.01, method))
-    for _ in range(50):
-        found = system.step(0.02).portions["rope"]
-    if part < 1.0:
-        assert found.payout[0] == 0.0
-        assert system.counters["rejections"] == 0
-    else:
-        moving_rope = 0.2 * found.speed[0] ** 2
-        assert found.speed[0] > 0.01
-        assert (found.tension_from[1] - moving_rope) / (found.tension_to[0] - moving_rope) == pytest.approx(ratio, rel=1e-12)
-
-
-@pytest.mark.parametrize("method", METHODS)
-def test_the_onset(method):
-    """It slips within the communication step in which the load gets greater than friction holds."""
-    assert slips_at(fixed(0.01, method)) == pytest.approx(100.0 * np.exp(0.3 * np.pi / 2.0), abs=0.15)
-
-
-@pytest.mark.parametrize("method", METHODS)
-def test_efficiency(method):
-    system = corner(120.0, efficiency=0.95, solver=fixed(0.01, method))
-    for _ in range(50):
-        found = system.step(0.02).portions["rope"]
-    moving_rope = 0.2 * found.speed[0] ** 2
-    assert (found.tension_to[0] - moving_rope) / (found.tension_from[1] - moving_rope) == pytest.approx(0.95, rel=1e-12)
-
-
 def gained(solver):
     """Speed [m/s] that a rope gains from 0.24 to 0.5 s over a sheave with losses, up to 10 m/s."""
     system = corner(600.0, efficiency=0.8, solver=solver)
@@ -117,52 +66,6 @@ def test_a_hanging_pulley_stays(method):
     for _ in range(20):
         outputs = system.step(0.05)
     assert np.abs(outputs.points["pulley"].position - start.points["pulley"].position).max() < 1e-6  # of rounding, times EA
-
-
-@pytest.mark.parametrize("falls", [2, 4])
-@pytest.mark.parametrize("method", METHODS)
-def test_falls(method, falls):
-    """The block rises by 1/n of the rope, each fall carries 1/n of it: within 0.1 % and the weight of the rope."""
-    start, outputs = hoisted(falls, fixed(0.01, method))
-    paid, share = 20.0 * falls - outputs.lines["hoist"].tether_length, 2000.0 * G / falls
-    risen = outputs.points["block"].position[2] - start.points["block"].position[2]
-    assert paid == pytest.approx(1.255, abs=0.01)
-    assert risen == pytest.approx(paid / falls * (1.0 + share / 1e7), rel=1e-3, abs=5e-4)
-    weight = STIFF["mass_per_length"] * G * 20.0
-    assert outputs.portions["hoist"].tension_to == pytest.approx([share] * falls, rel=1e-3, abs=1.1 * weight)
-
-
-@pytest.mark.parametrize("method", METHODS)
-def test_a_moving_frame(method):
-    still, seen = (moving(velocity, fixed(0.01, method)) for velocity in ((0.0, 0.0, 0.0), (3.0, -2.0, 1.0)))
-    assert np.abs(still[:, -1]).max() > 0.1
-    assert np.abs(seen - still).max() < 1e-3  # of 300 N; where iterations end
-
-
-@pytest.mark.parametrize("method", METHODS)
-def test_a_line_that_is_held_is_two_lines(method):
-    solver = fixed(0.01, method)
-    assert np.array_equal(flown_held(True, solver), flown_held(False, solver))
-
-
-# --- winches
-
-
-@pytest.mark.parametrize("control", ["speed", "length"])
-@pytest.mark.parametrize("method", METHODS)
-def test_a_winch_pays_out_the_whole_line(method, control):
-    points = [Point("winch", (0.0, 0.0, 30.0)), Point("anchor", (1.0, 0.0, 30.0)), Point("block", mass=2000.0)]
-    winch, sheave = Winch(winch_control=control), {"through": ["block"], "sheave_friction": 0.02}
-    line = Line("hoist", "winch", "anchor", rope(40.0, **STIFF), winch=winch, **sheave)
-    system = TetherSystem(points, [line], solver=fixed(0.01, method))
-    system.initialize(winch_lengths={"hoist": 40.0} if control == "length" else None)
-    name = "winch_lengths" if control == "length" else "reel_out_speeds"
-    for k in range(100):
-        time = 0.02 * k
-        value = 40.0 - 0.1 * time**2 if control == "length" else -0.2 * time
-        outputs = system.step(0.02, **{name: {"hoist": value}})
-    assert outputs.lines["hoist"].tether_length == pytest.approx(40.0 - 0.1 * 2.0**2, abs=1e-3)
-    assert outputs.portions["hoist"].length.sum() == pytest.approx(outputs.lines["hoist"].tether_length, abs=1e-12)
 
 
 # --- orders
@@ -257,22 +160,7 @@ def test_wild_ropes_are_bounded(method, seeds):
     assert flights > 40
 
 
-# --- states, steps that are given up
-
-
-@pytest.mark.parametrize("method", METHODS)
-def test_a_state_goes_on_bit_for_bit(method):
-    system = corner(180.0, friction=0.3, solver=fixed(0.005, method))
-    for _ in range(10):
-        system.step(0.02)
-    state = system.get_state()
-    first = [system.step(0.02).portions["rope"].tension_to[0] for _ in range(5)]
-    system.set_state(state)
-    assert [system.step(0.02).portions["rope"].tension_to[0] for _ in range(5)] == first
-    before = system.get_state()
-    with pytest.raises(StepRefused, match=r"loads|load"):
-        system.step(0.02, loads={"b": (np.nan, 0.0, 0.0)})
-    assert np.array_equal(system.get_state(), before)
+# --- steps that are given up
 
 
 def test_a_step_that_is_given_up_is_done_with_fixed_steps():

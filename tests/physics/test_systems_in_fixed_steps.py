@@ -14,11 +14,11 @@ import pytest
 
 from networks import Network
 from random_systems import random_network
+from solvers import METHODS
 from tetherfmu import Ground, Line, Point, Solver, StepRefused, Tether, TetherDynamic, TetherSystem, Winch
 from tetherfmu.runtime.limits import COARSE_WORK, ITERATION_BUDGET, LAST_ITERATIONS, STAGES, WORST_WORK
 
 WIND = (8.0, 1.0, 0.0)
-METHODS = ("second_order", "backward_euler")
 every_method = pytest.mark.parametrize("method", METHODS)
 quiet = pytest.mark.filterwarnings("ignore::tetherfmu.PlausibilityWarning")
 

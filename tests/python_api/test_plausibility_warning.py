@@ -98,3 +98,10 @@ def test_a_refused_start_keeps_what_was_told():
     with pytest.raises(ValueError, match="kite_position"):
         tether.initialize((np.nan, 0.0, 0.0))
     assert warnings_of(lambda: tether.step(0.02)) == []
+
+
+@every_model
+def test_what_cannot_break_says_so(model):
+    said = warnings_of(lambda: model(breaking_force=5e3))
+    cannot = "breaking_force is 5000 N and has no effect: this tether cannot break; the dynamic one can"
+    assert said == ([] if model is TetherDynamic else [cannot])

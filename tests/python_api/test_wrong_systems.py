@@ -55,6 +55,26 @@ WRONG = {
         lambda: Line("a", "pod", "left", through="block"),
         "a.through is 'block'; it must be a list of names of points",
     ),
+    "a point for its name": (
+        lambda: Line("a", POINTS[0], "left"),
+        "the line a goes to Point(name='pod', position=(0.0, 0.0, 0.0), velocity=(0.0, 0.0, 0.0), mass=None); it must be",
+    ),
+    "no efficiency": (
+        lambda: Line("a", "pod", "left", through=["right"], sheave_efficiency=None),
+        "a.sheave_efficiency is None; it must be at least 0.001 and at most 1",
+    ),
+    "a friction as a text": (
+        lambda: Line("a", "pod", "left", through=["right"], sheave_friction=["0.1"]),
+        "a.sheave_friction is '0.1'; it must be at least 0",
+    ),
+    "half of the portions": (
+        lambda: Line("a", "pod", "left", ROPE, through=["right"], initial_portions=[None, 10.1]),
+        "a.initial_portions is [None, 10.1]; it must be 2 lengths above 0",
+    ),
+    "a wind for winds": (
+        lambda: running().step(0.02, wind_at=np.zeros((11, 3))),
+        "; it must be a dict by the names of points or lines",
+    ),
     "a state of other ratios": (
         lambda: running().set_state(running(2.0).get_state()),
         "state belongs to another system: its points, lines,",

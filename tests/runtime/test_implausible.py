@@ -135,3 +135,14 @@ def test_a_refused_step_names_its_time(fmu_folder, fmu):
         with pytest.raises(Exception, match="fmi2"):
             host.step(STEP, kite_position=[wrong, *place[1:]])
         assert f"the step from {10 * STEP} s is refused: the input kite_position[1] is {wrong}; it must" in host.messages[-1]
+
+
+@of_every_flavour("fmu", ["TetherDynamic", "TetherQuasiSteady"], ["TetherCatenary"])
+@in_shared_process
+def test_what_cannot_break_says_so(fmu_folder, fmu):
+    host = started(fmu_folder / f"{fmu}.fmu", breaking_force=5e3)
+    cannot = "breaking_force is 5000 N and has no effect: this tether cannot break; the dynamic one can"
+    assert [cannot in message for message in host.messages] == ([] if fmu == "TetherDynamic" else [True])
+    host.messages.clear()
+    host.step(STEP)
+    assert host.messages == []

@@ -36,6 +36,7 @@ from .system_variables import (
 )
 
 IDLE_PROFILE = "wind_profile has no effect: the wind is that of wind_at"
+IDLE_BREAKING = "breaking_force is {value:g} N and has no effect: this tether cannot break; the dynamic one can"
 CONTROLS = {  # of lines at shared winches
     "reel_out_speed": at.WINCH_BY_SPEED,
     "winch_length": at.WINCH_BY_LENGTH,
@@ -93,7 +94,7 @@ def of_tether(variant, table, shape_points, left_out=()):
         ends=(given, first, first + len(listed)),
         lines=(line_of_tether(shape_points, points),),
         quantities=[[(each.name, own[each.name], 0.0) for each in listed]],
-        doubtful=_doubtful([(own[each.name], each) for each in listed], points),
+        doubtful=_doubtful([(own[each.name], each) for each in listed], points, BY_NAME[variant].ignored),
         slack_segments=[given + at.SLACK_SEGMENTS],
         forces=[given + place + i for place in (at.GROUND_FORCE, at.KITE_FORCE) for i in range(3)],
         sizes={"shape": (shape_points, 3), WIND_AT.name: (points, 3)},
@@ -145,11 +146,13 @@ def of_system(structure, left_out=(), starts=()):
     )
 
 
-def _doubtful(listed, has_wind_points):
-    """What is doubtful of parameters, a list as in `Wiring`; listed : pairs (reference, variable)."""
+def _doubtful(listed, has_wind_points, ignored=()):
+    """What is doubtful of parameters, a list as in `Wiring`; listed : pairs (reference, variable); ignored : names."""
     found = [(place, *row) for place, each in listed for row in doubts_in(each.name, each.quantity)]
     if has_wind_points:
         found += [(place, 1.0, UNIFORM, IDLE_PROFILE) for place, each in listed if each.name == "wind_profile"]
+    if "breaking_force" in ignored:
+        found += [(place, 1.0, 0.0, IDLE_BREAKING) for place, each in listed if each.name == "breaking_force"]
     return found
 
 

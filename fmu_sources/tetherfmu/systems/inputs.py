@@ -1,5 +1,6 @@
 """Inputs of a system of tethers that are given by the names of points and lines: into the rows of its arrays."""
 
+import reprlib
 from collections.abc import Mapping
 from typing import TypedDict
 
@@ -75,7 +76,7 @@ def check_dicts(given):
     check_names("TetherSystem", given, _KNOWN)
     for name, value in given.items():
         if name != "wind_velocity" and not isinstance(value, Mapping | None):
-            raise TypeError(f"{name} is {value!r}; it must be a dict by the names of points or lines")
+            raise TypeError(f"{name} is {reprlib.repr(value)}; it must be a dict by the names of points or lines")
 
 
 def completed(given, before):

@@ -142,6 +142,9 @@ class Line:
         checked_name("line", self.name)
         arguments.record_of("Line", self.winch, Winch).check_effect()
         check_sheaves(self)
+        for point in (self.start, *self.through, self.end):
+            if not isinstance(point, str):
+                raise TypeError(f"the line {self.name} goes to {point!r}; it must be the name of a point")
         if self.start == self.end and not self.through:
             raise ValueError(f"the line {self.name} goes from the point {self.start} to itself; it needs two points")
         if not ANY_INPUT.allows(self.reel_out_speed):

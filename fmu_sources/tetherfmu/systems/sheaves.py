@@ -1,7 +1,6 @@
 """Lines that run over sheaves: what their records say, and what their portions give."""
 
 from itertools import pairwise
-from math import isfinite
 
 import numpy as np
 
@@ -9,24 +8,27 @@ from tetherfmu.energy import Energy
 from tetherfmu.fmi.portions import portions_of
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.outputs import PLACES
+from tetherfmu.runtime.quantities import Quantity
 from tetherfmu.runtime.sheaves import SHEAVE_QUANTITIES
 
 from .results import PortionOutputs, SheaveEnergy
+
+LENGTH = Quantity("m", "a portion", minimum=0.0)
 
 
 def numbers_in(line, name):
     """One number of each sheave of a line, a tuple; ValueError for another count, or if one is not allowed."""
     given, declared = getattr(line, name), SHEAVE_QUANTITIES[name]
     many = np.ndim(given) > 0
-    found = tuple(float(each) for each in given) if many else (float(given),) * len(line.through)
+    found = tuple(given) if many else (given,) * len(line.through)
     if len(found) != len(line.through):
         raise ValueError(
             f"{line.name}.{name} has {len(found)} numbers; it must be one, or one for each of {len(line.through)}"
         )
     for each in found:
-        if not declared.minimum <= each <= declared.maximum:
+        if not declared.allows(each):
             raise ValueError(f"{line.name}.{name} is {each!r}; it must be {declared.range()}")
-    return found
+    return tuple(map(float, found))
 
 
 def check_sheaves(line):
@@ -58,7 +60,7 @@ def check_sheaves(line):
 def check_portions(line):
     """ValueError unless the portions that are given are those of the line."""
     given, whole, count = tuple(line.initial_portions), line.tethers[0].initial_length, len(line.through) + 1
-    if len(given) != count or not all(isfinite(each) and each > 0.0 for each in given):
+    if len(given) != count or not all(LENGTH.allows(each) and each > 0.0 for each in given):
         raise ValueError(f"{line.name}.initial_portions is {list(given)!r}; it must be {count} lengths above 0")
     least = at.MIN_SEGMENT_LENGTH * line.tethers[0].segments
     if min(given) < least:

@@ -34,13 +34,16 @@ def flows(chain):
 def slopes(chain, s, part):
     """a of node p, a of node q [N/m] and b [N s/m] of segment s; part : c_p/L' [-]."""
     half, next_part = 0.5 * property_of(chain, s, at.LINE_DENSITY), part - property_of(chain, s, at.SHARE)
-    c_p, c_q = part * chain.reeling + chain.leaving, next_part * chain.reeling + chain.leaving
-    along = (c_p * c_p + c_q * c_q) / rest_length(chain, s)
-    return (
-        -half * (part * chain.acceleration + chain.leaving_gain + along),
-        -half * (next_part * chain.acceleration + chain.leaving_gain - along),
-        -half * (c_p + c_q),
-    )
+    c = part * chain.reeling + chain.leaving, next_part * chain.reeling + chain.leaving
+    gained = part * chain.acceleration + chain.leaving_gain, next_part * chain.acceleration + chain.leaving_gain
+    return slopes_with(half, rest_length(chain, s), c, gained)
+
+
+@kernel
+def slopes_with(half, rest, c, gained):
+    """The same of a segment with mu/2 [kg/m], l0 [m], c_p and c_q [m/s], and their rates [m/s2]."""
+    along = (c[0] * c[0] + c[1] * c[1]) / rest
+    return -half * (gained[0] + along), -half * (gained[1] - along), -half * (c[0] + c[1])
 
 
 @kernel
@@ -60,8 +63,14 @@ def slope_rates(chain, s, part, acceleration, jerk):
 @kernel
 def forces(chain, s, part, x_p, x_q, v_p, v_q):
     """f_p and f_q [N] of segment s with its nodes there [m, m/s]; part : c_p/L' [-]."""
-    of_p, of_q, by_rate = slopes(chain, s, part)
-    r, along = sub(x_q, x_p), scale(by_rate, sub(v_q, v_p))
+    return forces_of(slopes(chain, s, part), sub(x_q, x_p), sub(v_q, v_p))
+
+
+@kernel
+def forces_of(found, r, u):
+    """f_p and f_q [N] from `slopes`, with r [m] and u [m/s]."""
+    of_p, of_q, by_rate = found
+    along = scale(by_rate, u)
     return add_scaled(along, of_p, r), add_scaled(along, of_q, r)
 
 
@@ -94,32 +103,44 @@ def energy(chain, s, part, x_p, x_q, v_p, v_q):
 
 
 @kernel
-def put_parts(chain, parts):
-    """c_i/L' [-] of all nodes into an array (modified), without rope that leaves the last one."""
-    parts[0] = 1.0
-    for s in range(chain.n):
-        parts[s + 1] = parts[s] - property_of(chain, s, at.SHARE)
-
-
-@kernel
 def add_forces(chain, x, v, parts, force):
     """Add the forces on all nodes [N] to `force` (modified); x, v : positions [m], velocities [m/s]; all interleaved.
 
-    Two segments at a time, as in `assembly.node_forces`.  parts (modified) : n + 1 numbers.
+    Two segments at a time, as in `assembly.node_forces`.  parts (modified) : n + 1 numbers, c_i/L'.
     """
-    n = chain.n
-    put_parts(chain, parts)
-    of_p, of_q = pair(NEUTRAL_VECTOR, NEUTRAL_VECTOR), pair(NEUTRAL_VECTOR, NEUTRAL_VECTOR)
+    n, last = chain.n, no_forces()
+    parts[0] = 1.0
+    for s in range(n):
+        parts[s + 1] = parts[s] - property_of(chain, s, at.SHARE)
     for s in range((n + 1) // 2):
         both = (s, n - 1 - s)
         (x_p, x_q), (v_p, v_q) = lower_and_upper(n, s, x), lower_and_upper(n, s, v)
-        before = of_p, of_q
-        of_p, of_q = forces(chain, both, number_at(parts, 0, both), x_p, x_q, v_p, v_q)
-        below, above = pair(first(before[1]), second(of_q)), pair(first(of_p), second(before[0]))
-        put_interleaved(force, s, add(add(get_interleaved(force, s), below), above))
+        now = forces(chain, both, number_at(parts, 0, both), x_p, x_q, v_p, v_q)
+        add_to_two(s, last, now, force)
+        last = now
     if n % 2 == 0:
-        add_to_node(n, n // 2, first(of_q), force)
-        add_to_node(n, n // 2, second(of_p), force)
+        add_to_middle(n, last, force)
+
+
+@kernel
+def no_forces():
+    """`forces` of two segments beyond the ends."""
+    nothing = pair(NEUTRAL_VECTOR, NEUTRAL_VECTOR)
+    return nothing, nothing
+
+
+@kernel
+def add_to_two(s, last, now, force):
+    """Add to node s and its mirror image (interleaved, modified) `forces` of the outer segments there, and of the inner."""
+    below, above = pair(first(last[1]), second(now[1])), pair(first(now[0]), second(last[0]))
+    put_interleaved(force, s, add(add(get_interleaved(force, s), below), above))
+
+
+@kernel
+def add_to_middle(n, last, force):
+    """The same of the node in the middle of an even n."""
+    add_to_node(n, n // 2, first(last[1]), force)
+    add_to_node(n, n // 2, second(last[0]), force)
 
 
 @kernel
@@ -205,16 +226,22 @@ def add_end_motion(chain, kite_end, dx, dv, force):
 
 
 @kernel
-def add_damping(chain, factor, velocity, parts, force):
-    """Add factor df/dv velocity [N] to `force` (modified, flat); velocity : interleaved [m/s].  parts : see `add_forces`."""
-    n, change = chain.n, pair(NEUTRAL_VECTOR, NEUTRAL_VECTOR)
-    put_parts(chain, parts)
+def put_dampings(chain, dampings):
+    """b [N s/m] of all segments into an array (modified)."""
+    part = 1.0
+    for s in range(chain.n):
+        _, _, dampings[s] = slopes(chain, s, part)
+        part -= property_of(chain, s, at.SHARE)
+
+
+@kernel
+def subtract_damping(n, dampings, velocity, force):
+    """Subtract df/dv velocity [N] from `force` (modified, flat); velocity : interleaved [m/s].  dampings : of segments."""
+    change = pair(NEUTRAL_VECTOR, NEUTRAL_VECTOR)
     for s in range((n + 1) // 2):
-        both = (s, n - 1 - s)
         at_p, at_q = lower_and_upper(n, s, velocity)
-        before, (_, _, by_rate) = change, slopes(chain, both, number_at(parts, 0, both))
-        change = scale(factor * by_rate, sub(at_q, at_p))
-        below, above = pair(first(before), second(change)), pair(first(change), second(before))
+        last, change = change, scale(-1.0 * number_at(dampings, 0, (s, n - 1 - s)), sub(at_q, at_p))
+        below, above = pair(first(last), second(change)), pair(first(change), second(last))
         put_two(force, s, n - s, add(add(get_two(force, s, n - s), below), above))
     if n % 2 == 0:
         put(force, n // 2, add(add(get(force, n // 2), first(change)), second(change)))

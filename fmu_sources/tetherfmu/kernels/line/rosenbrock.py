@@ -43,7 +43,7 @@ from .rodas4p import ALPHA, GAMMA, GAMMA_I, INERTIA, R_BY_GAMMA, STAGES, A, P
 Workspace = namedtuple(
     "Workspace",
     "x v q velocity_error start_x start_v stage_x stage_v r inertia_velocity force force_rate "
-    "velocities matrix segments records mass stage_mass modes touching grip",
+    "velocities matrix segments records mass stage_mass modes dampings touching grip",
 )
 Workspace.__doc__ = """Scratch arrays of a step.
 
@@ -58,6 +58,7 @@ velocities : V of all stages [m/s], those of two nodes beside each other: number
 
 matrix, records, mass : see `arrays.shared_arrays`; at the start of the step.  segments : see `assembly.find_segments`.
 stage_mass : node masses at the stage [kg], n + 1.  modes : n, which stiffness each segment has, see `segment.TAUT`.
+dampings : b of `flow.slopes` at the start of the step [N s/m], n, where rope flows.
 touching, grip : which nodes touch the ground, n + 1, and dF/dv of these [N s/m], 9 (n + 1); see `contact.py`.
 """
 
@@ -66,7 +67,7 @@ touching, grip : which nodes touch the ground, n + 1, and dF/dv of these [N s/m]
 def workspace_size(n):
     """Length of the work array that `workspace` needs."""
     vectors = (8 + STAGES) * interleaved_size(n) + 4 * 3 * (n + 1)
-    return shared_size(n) + vectors + assembly.segments_size(n) + 12 * n + 11
+    return shared_size(n) + vectors + assembly.segments_size(n) + 13 * n + 11
 
 
 @view
@@ -81,10 +82,10 @@ def workspace(n, work):
     segments, room = part(room, 0, segments), behind(segments, room)
     x, v, q, room = split(flat, room)
     error, stage_mass, modes = part(room, 0, flat), part(room, flat, n + 1), part(room, flat + n + 1, n)
-    room = behind(flat + 2 * n + 1, room)
+    dampings, room = part(room, flat + 2 * n + 1, n), behind(flat + 3 * n + 1, room)
     on_ground = part(room, 0, n + 1), part(room, n + 1, 9 * (n + 1))
     vectors = x, v, q, error, start_x, start_v, stage_x, stage_v, r, inertia_velocity, force, force_rate, velocities
-    return Workspace(*vectors, Matrix(*blocks), segments, records, mass, stage_mass, modes, *on_ground)
+    return Workspace(*vectors, Matrix(*blocks), segments, records, mass, stage_mass, modes, dampings, *on_ground)
 
 
 @kernel
@@ -135,6 +136,7 @@ def assemble(conditions, chain, d, x, v, w):
     assembly.assemble(chain.n, 1.0 / d, 1.0, d, w.mass, w.records, w.matrix)
     if flow.flows(chain):
         flow.subtract_slopes(chain, 1.0, d, w.matrix)
+        flow.put_dampings(chain, w.dampings)
     if has_ground(chain.parameters):
         contact.find(conditions, chain, x, v, w)
         contact.subtract_slopes(chain, d, x, v, w)

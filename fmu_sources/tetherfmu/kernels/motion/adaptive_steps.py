@@ -54,7 +54,7 @@ from ..points.system_step import apply_changes, collect_changes, whole_masses
 from .breaks import begin_breaks, break_lines, can_any_break, part_to_break
 from .pieces import MOST_IDLE, accept_drum, begin_drums, drum_error, error_of_drum, part_to_event, project_drums, turn_drums
 from .rope_directions import turn_ropes
-from .running_ropes import accept_ropes, begin_ropes, error_of_ropes, part_to_rope_event
+from .running_ropes import accept_ropes, begin_ropes, error_of_ropes, forget_tensions, part_to_rope_event
 
 
 @kernel
@@ -205,6 +205,8 @@ def integrate(system, duration):
         time = duration if is_last else time + h_now
         if may_break and break_lines(system, time):
             may_break = can_any_break(system)
+            if has_coordinates(system):
+                forget_tensions(system)
         h = step_after_event(h, h_now, next_step(h, h_now, error, last_error, rejected_before), duration)
         last_error = error
         rejected_before = False

@@ -32,6 +32,7 @@ from ..points.coordinates import (
     count_of,
     first_portion,
     growth_of,
+    is_any_running,
     is_drum,
     last_portion,
     own_numbers,
@@ -260,7 +261,8 @@ def turn_ropes(system, time):
     if begin_directions(system) > 0:
         for j in range(count_of(system)):
             own_numbers(system, coordinate_at(system, j))[at_sheave.STARTED] = 0.0
-        evaluate(system, time, time, False)
+        if numbers_at(system, 0)[at_sheave.KNOWN] == 0.0 or is_any_running(system):
+            evaluate(system, time, time, False)
         while hold_what_turns_round(system) or start_what_is_pulled(system):
             evaluate(system, time, time, False)
     for k in range(lines_of(system)):

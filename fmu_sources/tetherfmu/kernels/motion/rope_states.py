@@ -159,7 +159,8 @@ def begin_end(system):
 def end_ropes(system, time):
     """Let the states (modified) have what coordinates and portions have at the end of a communication step, a time [s]."""
     begin_end(system)
-    evaluate(system, time, time, False)
+    if numbers_at(system, 0)[at_sheave.KNOWN] == 0.0:
+        evaluate(system, time, time, False)
     write_tensions(system, time)
     for k in range(lines_of(system)):
         if carries_drum(system, k):

@@ -58,6 +58,7 @@ STOPS_FORWARDS, STOPS_BACKWARDS, RESTS, FORWARDS, BACKWARDS, NO_EVENT = range(6)
 def begin_ropes(system):
     """Let all coordinates and portions (modified) begin a communication step with their states."""
     number_coordinates(system)
+    forget_tensions(system)
     for k in range(lines_of(system)):
         if is_rope(system, k):
             numbers, state, reeling = numbers_at(system, k), state_of(system, k), conditions_of(system, k).reeling
@@ -70,6 +71,12 @@ def begin_ropes(system):
         if carries_drum(system, k):
             state = state_of(system, k)
             begin_coordinate(drum_numbers_at(system, k), state[at.DRUM_SPEED], state[at.DRUM_ACCELERATION])
+
+
+@kernel
+def forget_tensions(system):
+    """Let the tensions at all coordinates (modified) not be known."""
+    numbers_at(system, 0)[at_sheave.KNOWN] = 0.0
 
 
 @kernel
@@ -160,11 +167,13 @@ def find_event(system, c):
 @kernel
 def part_to_rope_event(system, time, h, weight):
     """As `pieces.part_to_event`, of coordinates."""
-    least, happened, held = inf, 0, count_running(system) < count_of(system)
+    least, happened, running = inf, 0, count_running(system)
+    held = running < count_of(system)
     if held:
         evaluate(system, time, time + h, True)
     for j in range(count_of(system)):
         happened += find_event(system, coordinate_at(system, j))
+    numbers_at(system, 0)[at_sheave.KNOWN] = 1.0 if happened == 0 and running == 0 else 0.0
     if happened == 0:
         return inf
     if held:

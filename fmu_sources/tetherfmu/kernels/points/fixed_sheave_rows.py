@@ -84,9 +84,8 @@ def take_pulls(system, k):
     numbers, w, border = numbers_at(system, k), scratch_of(system, k), single_at(system, k, BORDER)
     parts, accelerations = parts_of(system, k), single_at(system, k, ACCELERATIONS)
     chain, nodes = portion_gaining(system, k, 1.0), (w.x, single_at(system, k, VELOCITIES), w.held)
-    (pull_a, pull_b), (own_aa, own_ab, own_bb) = take_segments(
-        chain, False, is_even(system, k), parts[chain.n], nodes, border
-    )
+    given = is_even(system, k), parts[chain.n], nodes
+    (pull_a, pull_b), (own_aa, own_ab, own_bb) = take_segments(chain, False, *given, border, border)
     for i in range(chain.n + 1):
         along = dot(get(border, i), get(accelerations, i))
         pull_a += parts[i] * along

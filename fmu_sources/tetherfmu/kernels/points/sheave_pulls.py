@@ -5,8 +5,8 @@ from math import atan2, exp, sqrt
 from tetherfmu.runtime import layout as at
 
 from ..compilation import kernel, view
+from ..equations import flow, segment
 from ..equations import rope_at_sheave as rope
-from ..equations import segment
 from ..equations.end_motion import acceleration_at
 from ..equations.lines import (
     comes_from,
@@ -89,18 +89,19 @@ def loss_at_stage(system, k):
 
 
 @view
-def take_segments(chain, are_interleaved, is_uniform, last, nodes, pulled):
+def take_segments(chain, are_interleaved, is_uniform, last_part, nodes, pulled, force):
     """R_a and R_b of a portion without accelerations [N], what is in minus their slopes by a', b' of rope alone: aa, ab, bb.
 
     And col of its nodes into `pulled` (modified). Two segments at a time, as in `assembly.node_forces`.
-    are_interleaved : whether positions and velocities are, as a constant.  last : PARTS of the last node.  nodes : as of
-    `sheave_slopes.take_row`.
+    are_interleaved : whether positions and velocities are, as a constant; then `force`, too, which gets the forces of rope
+    that flows (modified).  last_part : w of the last node.  nodes : as of `sheave_slopes.take_row`.
     """
     n, (x, v, modes), nothing = chain.n, nodes, pair(0.0, 0.0)
-    own, part, col = rope.rope_of(chain, (0, n - 1)), pair(1.0, last), pair(ZERO_VECTOR, ZERO_VECTOR)
+    own, part, col = rope.rope_of(chain, (0, n - 1)), pair(1.0, last_part), pair(ZERO_VECTOR, ZERO_VECTOR)
+    flows = are_interleaved and (chain.reeling != 0.0 or chain.leaving != 0.0)
     lowest, highest = (get_node(n, 0, x), get_node(n, n, x)) if are_interleaved else (get(x, 0), get(x, n))
     at_ends = rope.of_speed(own, pair(1.0, -1.0), pair(chain.reeling + chain.leaving, chain.leaving))
-    pull_a, pull_b, own_aa, own_ab, own_bb = nothing, nothing, nothing, nothing, nothing
+    pull_a, pull_b, own_aa, own_ab, own_bb, last = nothing, nothing, nothing, nothing, nothing, flow.no_forces()
     for s in range((n + 1) // 2):
         if are_interleaved:
             (x_p, x_q), (v_p, v_q) = lower_and_upper(n, s, x), lower_and_upper(n, s, v)
@@ -111,18 +112,25 @@ def take_segments(chain, are_interleaved, is_uniform, last, nodes, pulled):
             own = rope.rope_of(chain, (s, n - 1 - s))
         inner = part + pair(-1.0, 1.0) * own.share
         below, above = pair(first(part), second(inner)), pair(first(inner), second(part))
-        r, height, mode = sub(x_q, x_p), segment.mean_height(x_p, x_q), number_at(modes, 0, (s, n - 1 - s))
+        r, u, mode = sub(x_q, x_p), sub(v_q, v_p), number_at(modes, 0, (s, n - 1 - s))
+        height = segment.mean_height(x_p, x_q)
         c = rope.flowing(chain, below, above)
-        of_a, of_b = rope.pulls(own, chain, below, c, mode, r, sub(v_q, v_p), height - lowest[2], height - highest[2])
+        of_a, of_b = rope.pulls(own, chain, below, c, mode, r, u, height - lowest[2], height - highest[2])
         aa, ab, bb = rope.inertias(own, below, dot(r, r))
         once = pair(1.0, 0.0 if 2 * s + 1 == n else 1.0)  # a segment in the middle is met twice
         pull_a, pull_b = pull_a + once * of_a, pull_b + once * of_b
         own_aa, own_ab, own_bb = own_aa + once * aa, own_ab + once * ab, own_bb + once * bb
         of_nodes = scale(-1.0 * own.half, r)
         put_two(pulled, s, n - s, add(col, of_nodes))
+        if flows:
+            now = flow.forces_of(flow.slopes_with(own.half, own.rest, c, (nothing, nothing)), r, u)
+            flow.add_to_two(s, last, now, force)
+            last = now
         part, col = inner, of_nodes
     if n % 2 == 0:
         put(pulled, n // 2, add(first(col), second(col)))
+        if flows:
+            flow.add_to_middle(n, last, force)
     pulls = first(pull_a) + second(pull_a) + first(at_ends), first(pull_b) + second(pull_b) + second(at_ends)
     return pulls, (first(own_aa) + second(own_aa), first(own_ab) + second(own_ab), first(own_bb) + second(own_bb))
 
@@ -131,7 +139,8 @@ def take_segments(chain, are_interleaved, is_uniform, last, nodes, pulled):
 def take_pulls(system, k, time):
     """PULL and YIELD of portion k at a stage, once its forces are known, and PULLED (all modified); rope's own inertia back.
 
-    Without what its ends add where they are free points. The forces on its nodes get what a winch that gains speed does.
+    Without what its ends add where they are free points. The forces on its nodes get what rope that flows does, and a winch
+    that gains speed.
     """
     conditions, numbers, w, pulled = (
         conditions_of(system, k),
@@ -140,8 +149,8 @@ def take_pulls(system, k, time):
         single_at(system, k, PULLED),
     )
     n, parts, gain = conditions.n, parts_of(system, k), 0.0
-    nodes = w.stage_x, w.stage_v, w.modes
-    (pull_a, pull_b), own = take_segments(portion_in_step(system, k), True, is_even(system, k), parts[n], nodes, pulled)
+    given = is_even(system, k), parts[n], (w.stage_x, w.stage_v, w.modes)
+    (pull_a, pull_b), own = take_segments(portion_in_step(system, k), True, *given, pulled, w.force)
     if not comes_from(system, k) and not is_turned(system, k):
         gain = numbers[at_sheave.INTO_GAIN]
         push(n, gain, 0.0, parts, pulled, w.force)

@@ -27,7 +27,7 @@ from ..equations.lines import (
     segments_of,
 )
 from ..equations.plan import number_in
-from ..equations.properties import property_of
+from ..equations.properties import chain_with_flow, property_of
 from ..equations.rope_at_sheave import IN, OUT
 from ..flat_arrays import part
 from ..line.rodas4p import STAGES
@@ -90,6 +90,7 @@ from ..line.rodas4p import STAGES
     BY_LENGTH,  # slopes of R_a and R_b by L [N/m]
     BY_RATE,  # by a and b [N s/m]: aa, ab, ba, bb
     COUNT,  # of the coordinates, in the first line
+    KNOWN,  # there: 1 if the tensions are those of the states of all lines, and rope runs over no sheave
     # of a line that drums turn: tension where it leaves them [N], its slope by R_a and the rate of that [N/s], and the
     # force on the free point there as FORCE
     TENSION_IN,
@@ -100,7 +101,7 @@ from ..line.rodas4p import STAGES
     BEGAN,  # time of the communication step at which a fixed step began, at which LENGTH_NOW is the length [s]
     _,
     NUMBERS,
-) = places_of(*[1] * 14, 3, *[1] * 8, 2, *[1] * 2, *[1] * 17, *[1] * 5, 2, 3, 3, 2, 4, *[1] * 4, 3, 5, 1, 1)
+) = places_of(*[1] * 14, 3, *[1] * 8, 2, *[1] * 2, *[1] * 17, *[1] * 5, 2, 3, 3, 2, 4, *[1] * 5, 3, 5, 1, 1)
 DRUM_NUMBERS = LENGTH_NOW  # those of a drum are the first ones; its stages follow
 
 BY_SPEED, BY_VELOCITY, ROW = range(3)  # arrays of 3 (n + 1) numbers, each of a and of b:
@@ -168,14 +169,12 @@ def part_of(parts, side, i):
 
 @kernel
 def take_parts(system, k):
-    """PARTS of portion k (modified): 0 at the end of the rope, below it behind the gap of a line that has let go."""
+    """PARTS of portion k (modified)."""
     conditions, parts, part_of_a = conditions_of(system, k), parts_of(system, k), 1.0
     for i in range(conditions.n):
         parts[i] = part_of_a
         part_of_a -= property_of(conditions, i, at.SHARE)
-    parts[conditions.n] = 0.0
-    if is_freed(system, k):
-        parts[conditions.n - 1], parts[conditions.n] = 0.0, -property_of(conditions, conditions.n - 1, at.SHARE)
+    parts[conditions.n] = part_of_a if is_freed(system, k) else 0.0  # beyond a gap it is below 0
 
 
 @view
@@ -323,10 +322,14 @@ def portion_at_start(system, k, time):
 
 @view
 def portion_in_step(system, k):
-    """`Chain` of portion k at a stage, without accelerations."""
-    numbers = numbers_at(system, k)
+    """`Chain` of portion k at a stage, without accelerations.
+
+    The forces of rope that flows are not among those of its nodes: `sheave_pulls.take_pulls` adds them.
+    """
+    numbers, conditions = numbers_at(system, k), conditions_of(system, k)
     leaving = numbers[STAGE_SPEED] if goes_on(system, k) else 0.0
-    return portion_moving(conditions_of(system, k), numbers[LENGTH], numbers[INTO] - leaving, 0.0, (leaving, 0.0))
+    motion = numbers[LENGTH], numbers[INTO] - leaving, 0.0, (leaving, 0.0)
+    return chain_with_flow(conditions.n, conditions.parameters, *motion, conditions.wind, False)
 
 
 @kernel

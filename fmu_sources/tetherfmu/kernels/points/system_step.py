@@ -149,7 +149,7 @@ def form_line(system, k, time, h):
     """
     if has_drum(system, k):
         system_drums.begin_step(system, k)
-    points, chain, w = points_of(system), chain_in_step(system, k, time), integrator_of(system, k)
+    points, chain, w = points_of(system), chain_at_start(system, k, time), integrator_of(system, k)
     x, v = motion_of(system, k)
     turning = turns(system, k) or is_running(system, k)
     rosenbrock.form(conditions_of(system, k), chain, turning, time, h, x, v, w)
@@ -190,9 +190,8 @@ def reduce_line(system, k, stage, time, h, points):
     """Right-hand side of a stage of line k, condensed, and what is left of it into that of the points (modified)."""
     n, w, has_turning = segments_of(system, k), integrator_of(system, k), turns(system, k)
     rosenbrock.right_hand_side(conditions_of(system, k), stage, h, w)
-    chain = chain_at_start(system, k, time)
-    if flow.flows(chain):
-        flow.add_damping(chain, -1.0, w.r, w.segments, w.q)
+    if flow.flows(chain_at_start(system, k, time)):
+        flow.subtract_damping(n, w.dampings, w.r, w.q)
     with_rope = turns_with_rope(system, k)
     if has_turning:
         system_drums.subtract_rest(system, k)

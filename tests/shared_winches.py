@@ -1,0 +1,97 @@
+"""Scenes of winches that hold several lines by force, for adaptive and for fixed steps."""
+
+import numpy as np
+
+from solvers import ADAPTIVE
+from tetherfmu import Line, Point, SharedWinch, Tether, TetherSystem, Winch
+
+G = 9.81  # [m/s2]
+HEAVY = {"diameter": 0.01, "mass_per_length": 1.0, "axial_stiffness": 1e7, "axial_damping": 1e4}
+LIGHT = {"diameter": 0.01, "mass_per_length": 0.2, "axial_stiffness": 1e5, "axial_damping": 100.0}
+
+
+def rope(length, segments=6, **of_rope):
+    """Rope of a length [m]."""
+    return Tether(segments=segments, initial_length=length, **{"drag_coefficient": 0.0, **HEAVY, **of_rope})
+
+
+def moved(rate, payout, speed, h):
+    """Payout [m] and speed [m/s] after a step of the classical Runge-Kutta method; rate : u' of both."""
+    k = []
+    for part in (0.0, 0.5, 0.5, 1.0):
+        p, u = (payout, speed) if not k else (payout + part * h * k[-1][0], speed + part * h * k[-1][1])
+        k.append((u, rate(p, u)))
+    return tuple(y + h / 6.0 * (a + 2.0 * b + 2.0 * c + d) for y, a, b, c, d in zip((payout, speed), *k, strict=True))
+
+
+def follows_atwood(ratios, mass, force, solver, within):
+    """Fly loads on heavy ropes straight down from one drum along the formula: its last outputs, payout [m] and u' [m/s2].
+
+    within : deviation of the payout [m] and of the last speed [m/s].
+    """
+    loads, length, r = np.array([20.0, 30.0]), 10.0, np.array(ratios)
+    ends = [
+        Point(name, (0.0, 0.0, -length * (1.0 + (m + 5.0) * G / 1e7)), mass=m) for name, m in zip("ab", loads, strict=True)
+    ]
+    lines = [Line(f"to_{name}", "top", name, rope(length)) for name in "ab"]
+    drum = SharedWinch("drum", dict(zip(("to_a", "to_b"), ratios, strict=True)), "force", winch_force=force, winch_mass=mass)
+    system = TetherSystem([Point("top", (0.0, 0.0, 0.0)), *ends], lines, solver=solver, winches=[drum])
+    system.initialize()
+    payout, speed = 0.0, 0.0
+
+    def rate(p, _):
+        hanging = loads + length + r * p
+        return (r @ hanging * G - force) / (mass + r**2 @ hanging)
+
+    for _ in range(60):
+        found = system.step(0.02)
+        payout, speed = moved(rate, payout, speed, 0.02)
+        assert abs(found.winches["drum"].payout - payout) < within[0]
+    assert abs(found.winches["drum"].winch_speed - speed) < within[1]
+    return found, loads + length + r * payout, payout, rate(payout, speed)
+
+
+def own_or_shared(is_shared, friction, solver, start="top"):
+    """Lengths [m] of a line and heights [m] of its load, from its own drum or from a shared one that holds it alone."""
+    of_drum = {"winch_mass": 20.0, "winch_friction": friction, "winch_damping": 3.0}
+    first = Point("top", (0.0, 0.0, 0.0)) if start == "top" else Point("body", (0.0, 0.0, 0.0), mass=60.0)
+    winch = Winch() if is_shared else Winch(winch_control="force", **of_drum)
+    winches = [SharedWinch("drum", {"line": 1.0}, "force", **of_drum)] if is_shared else []
+    lines = [Line("line", start, "load", rope(10.0, 5), winch=winch)]
+    system = TetherSystem([first, Point("load", (0.0, 0.0, -10.0004), mass=30.0)], lines, solver=solver, winches=winches)
+    system.initialize(loads={} if start == "top" else {"body": (5.0, 0.0, 1000.0)})
+    rows = []
+    for k in range(60):
+        outputs = system.step(0.02, winch_forces={"drum" if is_shared else "line": 300.0 + 150.0 * np.sin(k / 6.0)})
+        rows.append((outputs.lines["line"].tether_length, outputs.points["load"].position[2]))
+    return np.array(rows)
+
+
+def between(winches=(), solver=ADAPTIVE):
+    """A mass that hangs on two lines from two points."""
+    points = [Point("a", (-6.0, 0.0, 0.0)), Point("mass", (0.0, 0.0, -6.0), mass=40.0), Point("b", (6.0, 0.0, 0.0))]
+    lines = [Line(name, name[-1], "mass", rope(8.47, **{"segments": 4, **LIGHT})) for name in ("from_a", "from_b")]
+    system = TetherSystem(points, lines, solver=solver, winches=winches)
+    system.initialize()
+    return system
+
+
+def steered(velocity=(0.0, 0.0, 0.0), pod=None, solver=ADAPTIVE):
+    """A kite mass on a line, and another line, from a pod where two drums hold both of them."""
+    points = [Point("pod", (0.0, 0.0, 0.0), velocity, pod), Point("kite", (0.0, 0.0, 19.0), velocity, 30.0)]
+    points.append(Point("far", (-8.0, 0.0, 22.0), velocity))
+    own = {"segments": 5, "drag_coefficient": 0.5, **LIGHT}
+    lines = [Line("a", "pod", "kite", rope(18.9, **own)), Line("b", "pod", "far", rope(23.3, **own))]
+    steering = SharedWinch(
+        "steering", {"a": 1.0, "b": -1.0}, "force", winch_mass=5.0, winch_friction=15.0, winch_damping=5.0
+    )
+    power = SharedWinch("power", {"a": 1.0, "b": 0.5}, "force", winch_mass=8.0, winch_friction=15.0)
+    return TetherSystem(points, lines, solver=solver, winches=[steering, power])
+
+
+def told(k):
+    """Inputs of `steered` in step k."""
+    return {
+        "loads": {"kite": (100.0 * np.sin(k / 7.0), 0.0, 600.0)},
+        "winch_forces": {"steering": 20.0 + 80.0 * np.sin(k / 9.0), "power": 300.0 + 100.0 * np.cos(k / 11.0)},
+    }
