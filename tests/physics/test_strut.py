@@ -166,3 +166,13 @@ def test_kite_flies_to_straight_above(model):
     expected = folded(Tether(), 1.0)
     np.testing.assert_allclose(forces[-500:].mean(axis=0), expected, rtol=0, atol=WEIGHT * 505.0 / 20)
     assert forces[-500:].max() <= 1.0
+
+
+@pytest.mark.parametrize("model", CHAINS)
+def test_what_presses_more_than_it_weighs_is_told(model):
+    """One segment a tenth too long presses as a spring: s EA (L - l)/L, 558.7 N, where the tether weighs 49 N."""
+    tether = model(tether=Tether(segments=1, initial_length=550.0))
+    force = tether.initialize(kite_position=(300.0, 0.0, 400.0)).kite_force
+    assert np.linalg.norm(force) == pytest.approx(0.01 * 614600.0 * 50.0 / 550.0, rel=0.06)  # and its weight
+    with pytest.warns(UserWarning, match=r"slack segment presses its ends apart with 55\d N"):
+        tether.step(0.02)

@@ -237,8 +237,11 @@ def note_winch_speed(before, state):
 
 
 @kernel
-def note_pressing(chain, x, v, state):
-    """Note with how much a slack segment presses [N], if it is more than the tether weighs, in the state (modified)."""
+def note_pressing(chain, x, v, has_waves, state):
+    """Note with how much a slack segment presses [N], if it is more than the tether weighs, in the state (modified).
+
+    has_waves : whether dampers press, too, with the nodes at the velocities v [m/s].
+    """
     if state[at.WARNED_VALUES + limits.SLACK_PRESSES] != 0.0:
         return
     weight, most = 0.0, 0.0
@@ -247,8 +250,11 @@ def note_pressing(chain, x, v, state):
         weight += property_of(chain, s, at.LINE_DENSITY) * rest * limits.STANDARD_GRAVITY
         if dot(r, r) < rest * rest:
             length, e = segment.geometry(r)
-            rate = dot(e, sub(get(v, s + 1), get(v, s)))
-            most = max(most, -segment.tension_of(chain, s, segment.BY_LENGTH, length, rate))
+            k, _ = segment.stiffness(chain, s, segment.SLACK, rest)
+            tension = k * (length - rest)
+            if has_waves:
+                tension = segment.tension_of(chain, s, segment.BY_LENGTH, length, dot(e, sub(get(v, s + 1), get(v, s))))
+            most = max(most, -tension)
     note(state, limits.SLACK_PRESSES, most * most, weight)
 
 

@@ -134,5 +134,5 @@ def end_line(system, k, step):
     place_ends(conditions_of(system, k), step, x, v)
     end_tensions.forget(state)
     chain = chain_of(n, parameters, state)
-    note_pressing(chain, x, v, state)
+    note_pressing(chain, x, v, True, state)
     compressed_chain.leave(chain, x, v)

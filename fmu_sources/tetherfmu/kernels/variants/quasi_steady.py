@@ -18,6 +18,7 @@ from ..motion.drum_in_equilibrium import drum_at
 from ..rest import newton, solve
 from ..rest.rigid_body import rigid_velocity, spring_tensions
 from ..step.outputs import outputs_of_chain
+from ..step.plausibility import note_pressing
 
 work_size = newton.workspace_size
 
@@ -69,6 +70,7 @@ def advance(n, parameters, given, before, state, work):
     last, _ = positions_and_velocities(n, before)
     for i in range(1, n):
         put(v, i, scale(1.0 / given.step, sub(get(x, i), get(last, i))))
+    note_pressing(chain_of(n, parameters, state), x, v, False, state)
     return status
 
 
