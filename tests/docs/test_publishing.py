@@ -14,12 +14,13 @@ PROJECT = Path(__file__).parents[2]
 PUBLISHING = PROJECT / "docs" / "publishing"
 DECLARED = tomllib.loads((PROJECT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 PAPER = (PUBLISHING / "paper.md").read_text(encoding="utf-8")
+BENCHMARKS, STABILITY = "docs/measurements/benchmarks.md", "docs/measurements/stability.md"
 FIGURES = {  # of the paper, and the page that has them from its script
-    "18 µs": "docs/measurements/benchmarks.md",
-    "10.9 to 21 times faster": "docs/measurements/benchmarks.md",
-    "5.76 to 6.12 times as long": "docs/measurements/benchmarks.md",
-    "43 000 flights": "docs/measurements/stability.md",
-    "12 835 flights": "docs/measurements/stability.md",
+    r"takes (\d+ µs) in FMPy": BENCHMARKS,
+    r"(\S+ to \S+ times faster) than the same": BENCHMARKS,
+    r"MoorDyn takes (\S+ to \S+ times as long)": BENCHMARKS,
+    "(43 000 flights)": STABILITY,
+    "(12 835 flights)": STABILITY,
 }
 
 
@@ -52,8 +53,8 @@ def test_conda_requires_what_pip_does():
 
 @pytest.mark.parametrize("figure", FIGURES)
 def test_figures_of_the_paper_are_those_of_the_pages(figure):
-    assert figure in words(PAPER)
-    assert figure in words((PROJECT / FIGURES[figure]).read_text(encoding="utf-8"))
+    (found,) = re.findall(figure, words(PAPER))
+    assert found in words((PROJECT / FIGURES[figure]).read_text(encoding="utf-8"))
 
 
 def test_the_paper_has_the_form_of_its_journal():

@@ -8,6 +8,7 @@ from math import inf
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.status import (
     INPUT_NOT_FINITE,
+    NO_EQUILIBRIUM,
     OK,
     REELED_TOO_SHORT,
     START_BEYOND_STOP,
@@ -93,8 +94,9 @@ def commit_start(n, parameters, inputs, status, state):
     """Check a new state if the status is OK, and note in it (modified) what is implausible; returns the status."""
     if status == OK:
         status = check_state(n, state)
-    if status == OK:
-        status = check_free_ends(n, parameters, state)
+    if status in (OK, NO_EQUILIBRIUM):  # of which a free end under the ground is the reason
+        under = check_free_ends(n, parameters, state)
+        status = under if under != OK else status
     if status == OK:
         note_shape(n, parameters, state)
         note_idle_inputs(parameters, inputs, state)
