@@ -1,5 +1,6 @@
-"""Solvers of both kinds, and tests that run with each of them."""
+"""Solvers of both kinds, tests that run with each of them, and the work that fixed steps may take."""
 
+import numpy as np
 import pytest
 
 from tetherfmu import Solver
@@ -18,3 +19,17 @@ def with_each_solver(step=0.01):
     silent = pytest.mark.filterwarnings("ignore::tetherfmu.PlausibilityWarning")
     in_steps = [pytest.param(fixed(step, method), marks=silent, id=method) for method in METHODS]
     return pytest.mark.parametrize("solver", [pytest.param(ADAPTIVE, id="adaptive"), *in_steps])
+
+
+def bounded_flight(system, step, inputs):
+    """The last outputs of 20 steps [s] of a system in fixed steps: all numbers are finite, the work of each is bounded.
+
+    inputs : function of the time [s] that returns the arguments of a step.
+    """
+    for k in range(20):
+        before = system.counters["iterations"]
+        outputs = system.step(step, **inputs(step * k))
+        limit = next(iter(outputs.lines.values())).solver_iteration_limit
+        assert system.counters["iterations"] - before <= limit == system.most_factorizations
+    assert all(np.isfinite(each).all() for each in system.positions.values())
+    return outputs
