@@ -6,8 +6,7 @@ from kernels.packed import packed
 from tetherfmu.kernels.arrays import nodes_end
 from tetherfmu.kernels.equations import end_motion
 from tetherfmu.kernels.equations.boundary import BoundaryConditions, chain_during
-from tetherfmu.kernels.equations.lines import System, store_conditions
-from tetherfmu.kernels.equations.plan import OneLine
+from tetherfmu.kernels.equations.lines import OneLine, System, store_conditions
 from tetherfmu.kernels.line import backward_euler, rosenbrock
 from tetherfmu.kernels.variants.dynamic import work_size
 from tetherfmu.runtime import layout as at

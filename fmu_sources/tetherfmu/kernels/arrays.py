@@ -78,3 +78,10 @@ def copy(source, destination):
     """Copy a flat array into another of the same length (modified)."""
     for k in range(len(source)):
         destination[k] = source[k]
+
+
+@kernel
+def clear(array):
+    """Set a flat array to zero (modified)."""
+    for k in range(len(array)):
+        array[k] = 0.0

@@ -19,7 +19,8 @@ from tetherfmu.runtime.variants import BY_NAME, DYNAMIC
 from . import packing
 from .arrays import copy, parameters_size, positions_and_velocities
 from .compilation import kernel, view
-from .equations.lines import System, lines_of, outputs_of_line, segments_of, state_of
+from .equations.lines import System, lines_of, segments_of, state_of
+from .equations.ropes import outputs_of_line
 from .equations.torn import has_let_go
 from .flat_arrays import flat, part
 from .linear_algebra.vectors import norm, vector_at

@@ -7,17 +7,7 @@ from pathlib import Path
 
 from tetherfmu import lean
 from tetherfmu.fmi.system_variables import OF_A_DRUM
-from tetherfmu.input_files import (
-    TABLE_OF_GROUND,
-    ground_of,
-    in_si,
-    keys_of,
-    record,
-    require,
-    tables_of,
-    value_of,
-    vector_in,
-)
+from tetherfmu.input_files import TABLE_OF_GROUND, ground_of, in_si, keys_of, record, require, tables_of, value_of, vector_in
 from tetherfmu.lean import Lean
 from tetherfmu.materials import tether_of
 from tetherfmu.runtime import layout as at

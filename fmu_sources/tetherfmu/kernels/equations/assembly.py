@@ -14,6 +14,7 @@ Theory: docs/models/theory.md, "The chain".
 
 from tetherfmu.runtime import layout as at
 
+from ..arrays import clear
 from ..compilation import kernel, view
 from ..flat_arrays import every_second
 from ..linear_algebra.both_ends import (
@@ -214,8 +215,7 @@ def rate_from_reeling(chain, x, v, records, force_rate):
 
     x, v : these, interleaved [m], [m/s].
     """
-    for k in range(3 * (chain.n + 1)):
-        force_rate[k] = 0.0
+    clear(force_rate)
     if chain.reeling == 0.0:
         return
     for s in range(chain.n):

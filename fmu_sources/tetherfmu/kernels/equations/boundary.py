@@ -25,14 +25,7 @@ from ..compilation import kernel, view
 from ..linear_algebra.vectors import ZERO_VECTOR, add_scaled, get, norm, put, scale, sub, vector_at
 from . import segment
 from .continuation import followed, given_derivatives, is_continued
-from .end_motion import (
-    centripetal_accelerations,
-    curve,
-    estimated_rates,
-    position_at,
-    target,
-    velocity_at,
-)
+from .end_motion import centripetal_accelerations, curve, estimated_rates, position_at, target, velocity_at
 from .properties import chain_in_motion, chain_of, portion_in_motion
 from .winch import force_rate, gain_at, length_at, rate_at, reeling_of_step, winch_speed, with_jump
 

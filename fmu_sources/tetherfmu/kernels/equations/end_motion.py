@@ -111,9 +111,8 @@ def limited_motion(rate, last_rate, acceleration, last_acceleration, last_step, 
 @kernel
 def target(position, velocity, acceleration, time):
     """Position [m] and velocity [m/s] that an end is to have after a time [s], from its motion at the start."""
-    return add_scaled(add_scaled(position, time, velocity), 0.5 * time * time, acceleration), add_scaled(
-        velocity, time, acceleration
-    )
+    reached = add_scaled(add_scaled(position, time, velocity), 0.5 * time * time, acceleration)
+    return reached, add_scaled(velocity, time, acceleration)
 
 
 @kernel

@@ -101,6 +101,12 @@ def property_in(parameters, n, s, which):
 
 
 @kernel
+def half_density(chain, s):
+    """mu/2 [kg/m] of segment s, or of two segments, as a pair."""
+    return 0.5 * property_of(chain, s, at.LINE_DENSITY)
+
+
+@kernel
 def has_drag(chain):
     """Whether the air exerts any force on the chain."""
     if chain.parameters[at.AIR_DENSITY] != 0.0:

@@ -25,13 +25,7 @@ from ..compilation import kernel
 from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, dot, get, norm, scale, sub, vector_at
 from . import segment
 from .boundary import spring_at_ground
-from .properties import chain_at, property_of, rest_length, sees_reeling
-
-
-@kernel
-def half_density(chain, s):
-    """mu/2 [kg/m] of segment s."""
-    return 0.5 * property_of(chain, s, at.LINE_DENSITY)
+from .properties import chain_at, half_density, property_of, rest_length, sees_reeling
 
 
 @kernel

@@ -25,7 +25,7 @@ from ..compilation import kernel, view
 from ..linear_algebra.pairs import select
 from ..linear_algebra.vectors import add, add_scaled, dot, scale
 from . import segment
-from .properties import property_of, rest_length
+from .properties import half_density, property_of, rest_length
 
 Passing = namedtuple("Passing", "sign at_p at_q")
 Passing.__doc__ = """A coordinate y at a segment: e, and its weights W_p and W_q."""
@@ -47,12 +47,6 @@ def passing(rope, part, which):
     if which == IN:
         return Passing(1.0, part, next_part)
     return Passing(-1.0, 1.0 - part, 1.0 - next_part)
-
-
-@kernel
-def half_density(chain, s):
-    """mu/2 [kg/m] of segment s."""
-    return 0.5 * property_of(chain, s, at.LINE_DENSITY)
 
 
 @view

@@ -16,7 +16,7 @@ from math import ceil, sqrt
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.limits import FINEST, LEAST_REMAINDER, PARTS, STIFF
 
-from ..arrays import behind, copy, node_arrays, shared_arrays, shared_size
+from ..arrays import behind, clear, copy, node_arrays, shared_arrays, shared_size
 from ..compilation import kernel, view
 from ..equations import node_loads, segment
 from ..equations.assembly import node_masses
@@ -95,10 +95,9 @@ def start(attempt, time, kind, x, w):
             end = add_scaled(get(x, i), h, get(w.free, i)) if kind != WHOLE else get(w.old, i)
             put(w.old, i, add_scaled(end, -h, get(w.free, i)))
             put(w.free, i, end)
-    for i in range(n + 1):
-        w.pressed[i] = 0.0
-        if kind != EXPECTED:
-            put(w.flow, i, ZERO_VECTOR)
+    clear(w.pressed)
+    if kind != EXPECTED:
+        clear(w.flow)
     start = chain_during(conditions, time)
     for s in range(n):
         taut = norm(sub(get(x, s + 1), get(x, s))) > rest_length(start, s)

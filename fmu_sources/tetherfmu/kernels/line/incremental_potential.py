@@ -21,6 +21,7 @@ from collections import namedtuple
 
 from tetherfmu.runtime import layout as at
 
+from ..arrays import clear
 from ..compilation import kernel
 from ..equations import flow, ground, segment
 from ..equations.properties import property_of, rest_length
@@ -122,8 +123,7 @@ def add_ground(attempt, x, is_held, w):
 def find_flow(attempt, x, w):
     """Forces of the rope that flows with the nodes at x [m] into w.flow (modified)."""
     chain, h, part = attempt.chain, attempt.h, 1.0
-    for k in range(len(w.flow)):
-        w.flow[k] = 0.0
+    clear(w.flow)
     for s in range(chain.n):
         r = sub(get(x, s + 1), get(x, s))
         r0 = sub(get(w.old, s + 1), get(w.old, s))

@@ -13,6 +13,8 @@ Source: G. Steinebach, Order-reduction of ROW-methods for DAEs and method of lin
 
 import numpy as np
 
+from ..compilation import kernel
+
 STAGES = 6
 GAMMA = 0.25  # the diagonal coefficient gamma
 A = np.array(  # a_ij
@@ -67,3 +69,11 @@ R_BY_GAMMA = _by_stage(  # R_ij/gamma of the stages 1 to 5
 ALPHA = np.array((0.0, 0.75, 0.21, 0.63, 1.0, 1.0))  # alpha_i: times of the stages
 GAMMA_I = np.array((0.25, -0.5, -0.023504, -0.0362, 0.0, 0.0))  # gamma_i: factors of df/dt
 INERTIA = _by_stage(C, first=0) + R_BY_GAMMA / GAMMA  # factors of V_j in sum_j c_ij V_j + r_i/gamma
+
+
+@kernel
+def added_up(start, factors, stage, increments):
+    """start + sum_j factors[stage, j] U_j."""
+    for j in range(stage):
+        start += factors[stage, j] * increments[j]
+    return start

@@ -16,7 +16,7 @@ docs/models/numerics.md, "Rosenbrock step".
 
 from collections import namedtuple
 
-from ..arrays import behind, copy, shared_arrays, shared_size, split
+from ..arrays import behind, clear, copy, shared_arrays, shared_size, split
 from ..compilation import kernel, view
 from ..equations import assembly, flow, winch
 from ..equations.boundary import chain_during, load_during, place_ends
@@ -118,8 +118,7 @@ def form(conditions, chain, turns, time, h, x, v, w):
     assembly.node_masses(chain, w.mass)
     assembly.linearize(chain, w.start_x, w.start_v, w.modes, w.segments, w.records, w.q)
     if turns:
-        for k in range(3 * (n + 1)):
-            w.q[k] = 0.0
+        clear(w.q)
     acceleration = winch.acceleration_at(conditions.reeling, time)
     assembly.add_rate_from_acceleration(chain, acceleration, x, w.records, w.q)
     if flow.flows(chain) and not turns:

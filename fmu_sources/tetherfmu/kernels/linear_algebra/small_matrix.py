@@ -1,13 +1,7 @@
 """A small dense matrix in a flat array, row by row: that of the sheaves of a system."""
 
+from ..arrays import clear
 from ..compilation import kernel
-
-
-@kernel
-def set_to_zero(count, matrix):
-    """Set a matrix of so many rows to zero (modified)."""
-    for i in range(count * count):
-        matrix[i] = 0.0
 
 
 @kernel
@@ -52,7 +46,7 @@ def solve(count, matrix, right):
 @kernel
 def invert(count, matrix, inverse):
     """Inverse of a matrix, which is destroyed, into `inverse` (modified); False if singular."""
-    set_to_zero(count, inverse)
+    clear(inverse)
     for k in range(count):
         inverse[count * k + k] = 1.0
     for k in range(count):

@@ -36,6 +36,12 @@ def put_at(array, first, a):
 
 
 @kernel
+def add_at(array, index, a):
+    """Add a vector to number `index` of a flat array (modified)."""
+    put(array, index, add(get(array, index), a))
+
+
+@kernel
 def add(a, b):
     """a + b."""
     return a[0] + b[0], a[1] + b[1], a[2] + b[2]

@@ -9,19 +9,11 @@ from math import inf, nan
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.status import NO_LENGTH, OK, STEP_BUDGET_SPENT, STEP_TOO_SMALL
 
-from ..arrays import copy
+from ..arrays import clear, copy
 from ..compilation import kernel
-from ..equations.lines import (
-    clear,
-    conditions_of,
-    has_coordinates,
-    lines_of,
-    motion_of,
-    points_of,
-    segments_of,
-    state_of,
-)
-from ..equations.notes import note_peak
+from ..equations.free_points import points_of
+from ..equations.lines import conditions_of, lines_of, motion_of, segments_of, state_of
+from ..equations.ropes import has_coordinates
 from ..line.drum_events import SMALLEST_PIECE
 from ..line.step_control import (
     SMALLEST_STEP,
@@ -35,21 +27,12 @@ from ..line.step_control import (
 )
 from ..line.taut_slack import keep_energy_of_drum
 from ..linear_algebra.vectors import get
+from ..notes import note_peak
+from ..points import system_room as at_line
 from ..points import system_step
 from ..points.coordinates import is_any_running
 from ..points.system_drums import chain_in_step
-from ..points.system_room import (
-    LARGEST,
-    SPEED,
-    drum_at,
-    has_drum,
-    has_free_nodes,
-    integrator_of,
-    is_any_turning,
-    moves,
-    numbers_of,
-    turns,
-)
+from ..points.system_room import drum_at, has_drum, has_free_nodes, integrator_of, is_any_turning, moves, numbers_of, turns
 from ..points.system_step import apply_changes, collect_changes, whole_masses
 from .breaks import begin_breaks, break_lines, can_any_break, part_to_break
 from .pieces import MOST_IDLE, accept_drum, begin_drums, drum_error, error_of_drum, part_to_event, project_drums, turn_drums
@@ -72,9 +55,9 @@ def error_of_line(system, k, time, h):
     if error < inf:
         w, chain, (_, v) = integrator_of(system, k), chain_in_step(system, k, time), motion_of(system, k)
         of_line, largest = error_of_step(conditions_of(system, k), chain, h, v, drum_error(system, k), w)
-        error, numbers_of(system, k)[LARGEST] = larger_error(error, of_line), largest
+        error, numbers_of(system, k)[at_line.LARGEST] = larger_error(error, of_line), largest
         if turns(system, k) and not has_free_nodes(system, k):
-            numbers_of(system, k)[SPEED] = keep_energy_of_drum(drum_at(system, k), chain, w)
+            numbers_of(system, k)[at_line.SPEED] = keep_energy_of_drum(drum_at(system, k), chain, w)
     return error
 
 
@@ -122,7 +105,7 @@ def accept(system, time, h, is_last):
             copy(w.x, x)
             copy(w.v, v)
             if not is_last:
-                note_peak(state_of(system, k), numbers_of(system, k)[LARGEST])
+                note_peak(state_of(system, k), numbers_of(system, k)[at_line.LARGEST])
     for k in range(lines_of(system)):
         if has_drum(system, k):
             accept_drum(system, k)

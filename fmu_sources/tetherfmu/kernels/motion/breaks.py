@@ -11,7 +11,7 @@ from tetherfmu.runtime import plausibility as limits
 
 from ..compilation import kernel
 from ..equations import segment, torn
-from ..equations.boundary import chain_during, chain_with, place_ends
+from ..equations.boundary import place_ends
 from ..equations.lines import (
     conditions_of,
     lines_of,
@@ -22,12 +22,12 @@ from ..equations.lines import (
     state_of,
     with_states,
 )
-from ..equations.notes import note, note_peak
 from ..equations.properties import property_of
 from ..line.drum_events import OVERLOAD, part_of_piece
 from ..linear_algebra.vectors import dot, get, sub
-from ..points.system_drums import chain_in_step
-from ..points.system_room import has_drum, integrator_of, length_of, moves
+from ..notes import note, note_peak
+from ..points.system_drums import chain_at_start, chain_in_step
+from ..points.system_room import any_line, integrator_of, moves
 from .stopped_drums import put_reeling_speed
 
 
@@ -37,13 +37,7 @@ def can_break(system, k):
     return parameters_of(system, k)[at.CAN_BREAK] > 0.0 and not torn.is_torn(parameters_of(system, k))
 
 
-@kernel
-def can_any_break(system):
-    """Whether any line may."""
-    count = 0
-    for k in range(lines_of(system)):
-        count += can_break(system, k)
-    return count > 0
+can_any_break = any_line(can_break)
 
 
 @kernel
@@ -65,13 +59,6 @@ def weakest(chain, x, v):
 
 
 @kernel
-def chain_now(system, k, time):
-    """`Chain` of line k in its state at a time [s] of the communication step."""
-    conditions = conditions_of(system, k)
-    return chain_with(conditions, *length_of(system, k)) if has_drum(system, k) else chain_during(conditions, time)
-
-
-@kernel
 def part_to_break(system, time, h, weight):
     """Part of the step of h [s] from a time [s] after which the first line is expected to break; inf if none has in it.
 
@@ -83,7 +70,7 @@ def part_to_break(system, time, h, weight):
             w, (x, v) = integrator_of(system, k), motion_of(system, k)
             _, after, strength = weakest(chain_in_step(system, k, time + h), w.x, w.v)
             if after < -OVERLOAD * strength:
-                _, now, _ = weakest(chain_now(system, k, time), x, v)
+                _, now, _ = weakest(chain_at_start(system, k, time), x, v)
                 least = min(least, part_of_piece(weight * now, after))
     return least
 
@@ -91,25 +78,20 @@ def part_to_break(system, time, h, weight):
 @kernel
 def stop_winch(system, k, time):
     """Brake the winch of line k (modified) at a time [s] of the communication step."""
-    chain = chain_now(system, k, time)
+    chain = chain_at_start(system, k, time)
     put_reeling_speed(system, k, chain.length, 0.0, chain.reeling)
     put_reeling(system, k, (chain.length, 0.0, 0.0, 0.0, 0.0))
     state_of(system, k)[at.ACCELERATION] = 0.0
 
 
 @kernel
-def time_since_start(state, time):
-    """Time since the start [s] of a time [s] in the communication step; the clock of the state is at the end of that."""
-    return state[at.CLOCK] - state[at.LAST_STEP] + time
-
-
-@kernel
 def break_line(system, k, s, tension, time):
     """Let segment s of line k (modified) break under a tension [N] at a time [s] of the communication step."""
-    state, chain, (x, _) = state_of(system, k), chain_now(system, k, time), motion_of(system, k)
+    state, chain, (x, _) = state_of(system, k), chain_at_start(system, k, time), motion_of(system, k)
     length, _ = segment.geometry(sub(get(x, s + 1), get(x, s)))
     elongation, stiffness = segment.spring(chain, s, length, False)
-    state[at.TORN_SEGMENT], state[at.TORN_AT] = s + 1.0, time_since_start(state, time)
+    state[at.TORN_SEGMENT] = s + 1.0
+    state[at.TORN_AT] = state[at.CLOCK] - state[at.LAST_STEP] + time  # the clock is at the end of the communication step
     state[at.TORN_ENERGY] += segment.elastic_energy(stiffness, elongation)
     note(state, limits.BROKE, tension * tension, 0.0)
     note_peak(state, tension)
@@ -124,7 +106,7 @@ def break_lines(system, time):
     for k in range(lines_of(system)):
         if can_break(system, k):
             x, v = motion_of(system, k)
-            s, lacking, strength = weakest(chain_now(system, k, time), x, v)
+            s, lacking, strength = weakest(chain_at_start(system, k, time), x, v)
             if lacking <= OVERLOAD * strength:
                 break_line(system, k, s, strength - lacking, time)
                 count += 1
@@ -138,12 +120,18 @@ def begin_breaks(system):
 
 
 @kernel
+def place_all_ends(system, time):
+    """Put all driven ends (modified) on their curves at a time [s] of the communication step."""
+    for k in range(lines_of(system)):
+        x, v = motion_of(system, k)
+        place_ends(conditions_of(system, k), time, x, v)
+
+
+@kernel
 def break_at_ends(system, step):
     """The same at the start and at the end of a communication step [s] in which nothing moves but driven ends (modified)."""
     if can_any_break(system) and not break_lines(system, 0.0):
-        for k in range(lines_of(system)):
-            x, v = motion_of(system, k)
-            place_ends(conditions_of(system, k), step, x, v)
+        place_all_ends(system, step)
         break_lines(system, step)
 
 

@@ -24,14 +24,15 @@ from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.status import FIXED_STEPS_TOO_MANY, NO_LENGTH, OK, STEP_BUDGET_SPENT, STEP_TOO_SMALL
 
 from ..compilation import kernel
-from ..equations.boundary import distance_of_ends, put_ends
+from ..equations.boundary import distance_of_ends, move_ends, put_ends
 from ..equations.drum import HELD, INWARDS, OUTWARDS, balance, drum_of, force_at, is_at_stop
 from ..equations.end_motion import target
-from ..equations.notes import note_peak
 from ..equations.properties import chain_of, property_of
+from ..equations.winch import follows_force
 from ..line.backward_euler import count_of_steps, given_steps
 from ..line.drum_events import SHORTEST_PART, SMALLEST_PIECE, may_change, next_motion, part_of_piece, room_to_change
 from ..line.step_control import LARGEST_GROWTH, LEAST_ERROR, PER_TOLERANCE, SAFETY, TENSION, even_step
+from ..notes import note_peak
 from . import secant
 
 NOTHING, AT_END, WITHIN, AT_STOP, TURNED_BACK = range(5)  # events of a piece; the first two need no shorter one
@@ -216,7 +217,7 @@ def come_to_rest(drum, direction, end, event):
     return Instant(end.time, end.length, speed, end.pull), turned_round and event != AT_STOP and drum.mass == 0.0
 
 
-def drum_at(settle, tension, largest):
+def advance_with(settle, tension, largest):
     """The kernel advance(n, parameters, given, state, work) of a variant, which returns a status.
 
     settle : kernel (n, parameters, state, work) that brings a state (modified) into equilibrium between its ends and returns
@@ -325,7 +326,10 @@ def drum_at(settle, tension, largest):
 
     @kernel
     def advance(n, parameters, given, state, work):
-        """Move a state (modified) over a communication step with `StepInputs`; returns a status."""
+        """Move a state (modified) over a communication step with `StepInputs`, with any winch; returns a status."""
+        if not follows_force(parameters):
+            move_ends(n, given, state)
+            return settle(n, parameters, state, work)
         drum, duration, h, failures = drum_of(parameters, given.force, given.force_rate), given.step, given.step, 0
         most = state[at.ITERATIONS] + SHARES * at.ITERATION_BUDGET // n
         step = Step(n, parameters, given.ground, given.kite, drum, most, given_steps(parameters))

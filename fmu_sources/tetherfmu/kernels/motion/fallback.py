@@ -14,31 +14,20 @@ from tetherfmu.runtime.limits import STIFF
 from ..compilation import kernel
 from ..equations import segment
 from ..equations.boundary import chain_during
+from ..equations.free_points import is_at_point, load_at, point_at, points_of
 from ..equations.ground import ground_of, has_ground
-from ..equations.lines import (
-    comes_from,
-    conditions_of,
-    goes_on,
-    has_coordinates,
-    is_at_point,
-    is_turned,
-    lines_of,
-    load_at,
-    motion_of,
-    point_at,
-    points_of,
-    segments_of,
-)
-from ..equations.notes import note
+from ..equations.lines import conditions_of, lines_of, motion_of, segments_of
 from ..equations.properties import rest_length, stiffest
+from ..equations.ropes import comes_from, goes_on, has_coordinates, is_turned
 from ..line import second_order
 from ..line.backward_euler import WHOLE
 from ..line.second_order import ROUNDING
 from ..linear_algebra.vectors import get, norm, sub
+from ..notes import note
 from ..points.coordinates import carries_drum
 from ..points.sheave_room import has_run
 from ..points.system_guess import start
-from ..points.system_room import Step, drum_at, has_drum, is_any_sought, moves, scratch_of, stages_of
+from ..points.system_room import Step, any_line, drum_at, has_drum, is_any_sought, moves, scratch_of, stages_of
 from . import turning, turning_sheaves
 
 # why a step is one of backward Euler: at once, or after stages that were left, which is what is noted
@@ -105,16 +94,16 @@ def is_stiff(system, k):
     return moves(system, k) and stiffest(chain_during(conditions_of(system, k), 0.0)) >= STIFF
 
 
+is_any_stiff = any_line(is_stiff)
+
+
 @kernel
 def stiff_swing(system, h):
     """The same of the line that swings fastest of those that are as stiff as `limits.STIFF`; 0 without one.
 
     h : of the fixed steps [s].  Masses stand in the scratch space afterwards.
     """
-    count = 0
-    for k in range(lines_of(system)):
-        count += is_stiff(system, k)
-    if count == 0:
+    if not is_any_stiff(system):
         return 0.0
     turning.attempt_whole_step(system, h)
     if has_coordinates(system):

@@ -8,18 +8,20 @@ from math import inf, sqrt
 
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import plausibility as limits
-from tetherfmu.runtime.limits import FINEST, LAST_ITERATIONS, MOST_ITERATIONS, STAGES
+from tetherfmu.runtime.limits import FINEST, LAST_ITERATIONS, MOST_ITERATIONS, STAGES, most_of_a_step
 from tetherfmu.runtime.status import FIXED_STEPS_TOO_MANY, OK, STATE_NOT_FINITE
 
 from ..arrays import copy
 from ..compilation import kernel
 from ..equations import segment
-from ..equations.boundary import chain_during, chain_with, place_ends
-from ..equations.lines import conditions_of, has_coordinates, lines_of, motion_of, state_of
-from ..equations.notes import note, note_peak
+from ..equations.boundary import chain_during, chain_with
+from ..equations.lines import conditions_of, lines_of, motion_of, state_of
+from ..equations.ropes import has_coordinates
 from ..line import backward_euler, second_order
 from ..line.backward_euler import EXPECTED, STAGE, WHOLE
 from ..line.second_order import ENDS, GAMMA, TO_NEXT
+from ..notes import note, note_peak
+from ..points import system_room as at_line
 from ..points.fixed_sheaves import unconverged_sheaves
 from ..points.sheave_room import has_run, portion_at_start
 from ..points.sheave_stages import keep_lengths
@@ -37,7 +39,6 @@ from ..points.system_descent import (
 from ..points.system_fixed_drums import unconverged_drums
 from ..points.system_guess import begin_as_expected, guess, start
 from ..points.system_room import (
-    UNCONVERGED,
     Step,
     attempt_of,
     has_drum,
@@ -50,7 +51,7 @@ from ..points.system_room import (
 )
 from . import turning, turning_sheaves
 from .adaptive_steps import work_of
-from .breaks import begin_breaks, break_lines, can_any_break
+from .breaks import begin_breaks, break_lines, can_any_break, place_all_ends
 from .fallback import (
     ASKED,
     AT_STOP,
@@ -80,7 +81,7 @@ def note_unconverged(system, all_of_them, taken):
     """
     for k in range(lines_of(system)):
         if moves(system, k) and (all_of_them or is_unconverged(system, k, taken)):
-            numbers_of(system, k)[UNCONVERGED] += 1.0
+            numbers_of(system, k)[at_line.UNCONVERGED] += 1.0
 
 
 @kernel
@@ -225,14 +226,6 @@ def go_back(system):
 
 
 @kernel
-def place_all_ends(system, time):
-    """Put all driven ends (modified) on their curves at a time [s] of the communication step."""
-    for k in range(lines_of(system)):
-        x, v = motion_of(system, k)
-        place_ends(conditions_of(system, k), time, x, v)
-
-
-@kernel
 def stages(system, time, h, known):
     """One step of h [s] of all lines (modified) at a time [s]: why it is not to be taken, 0 if it is; its iterations.
 
@@ -323,7 +316,7 @@ def integrate(system, steps, duration):
         return FIXED_STEPS_TOO_MANY
     h = duration / count
     for k in range(lines_of(system)):
-        numbers_of(system, k)[UNCONVERGED] = 0.0
+        numbers_of(system, k)[at_line.UNCONVERGED] = 0.0
     if has_coordinates(system):
         begin_ropes(system)
     memory, spent, known, method = state_of(system, 0), 0, 0, steps.method
@@ -357,3 +350,25 @@ def integrate(system, steps, duration):
     memory[at.STEPS] += count
     memory[at.ITERATIONS] += spent
     return OK
+
+
+# --- the bound
+
+worst = kernel(most_of_a_step)
+
+
+@kernel
+def most_iterations(n, steps, has_drum, duration):
+    """The most iterations, each with one factorization, in a communication step of `duration` [s]: a bound in code.
+
+        min(w m,  3 b + w + l m),   b = ITERATION_BUDGET/n
+
+    of m `backward_euler.FixedSteps` of n segments; w : those of a hard step, l : of one after more than 3 b. 0 : adaptive.
+    """
+    if steps.size == 0.0:
+        return 0.0
+    budget = at.ITERATION_BUDGET // n
+    count, hard = backward_euler.count_of_steps(steps, duration, budget), worst(steps.method == at.BACKWARD_EULER, has_drum)
+    last = 2 * LAST_ITERATIONS if has_drum else LAST_ITERATIONS
+    most = min(hard * count, STAGES * budget + hard + last * count)
+    return float(min(most, at.LARGEST_INTEGER))

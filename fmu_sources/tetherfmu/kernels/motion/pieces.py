@@ -10,8 +10,7 @@ from tetherfmu.runtime import layout as at
 from ..compilation import kernel, view
 from ..equations.boundary import chain_with
 from ..equations.drum import HELD, INWARDS, OUTWARDS, is_at_stop, stop_ahead
-from ..equations.lines import conditions_of, lines_of, motion_of, state_of
-from ..equations.plan import note_line
+from ..equations.lines import conditions_of, lines_of, motion_of, note_line, state_of
 from ..equations.properties import sees_reeling
 from ..equations.rope_at_drum import feels_rope
 from ..line.drum_events import next_motion, part_of_piece
@@ -21,20 +20,9 @@ from ..line.step_control import DrumError, allowed_errors
 from ..line.taut_slack import wrong_impulse
 from ..points import drum_tension
 from ..points import sheave_room as at_sheave
+from ..points import system_room as at_line
 from ..points.sheave_room import change_of_portion, is_running, numbers_at
-from ..points.system_room import (
-    DIRECTION,
-    INCREMENT,
-    LENGTH,
-    SOLUTION,
-    SPEED,
-    TURNED_BACK,
-    drum_at,
-    has_drum,
-    integrator_of,
-    length_of,
-    numbers_of,
-)
+from ..points.system_room import drum_at, has_drum, integrator_of, length_of, numbers_of
 from .stopped_drums import put_reeling_speed
 
 MOST_IDLE = 100  # pieces one after the other, in which no drum turns, that are so short that rounding keeps its tension
@@ -51,7 +39,7 @@ def before_step(system, k, time):
 def after_step(system, k, time):
     """`Instant` of the result of a step that ends at a time [s]."""
     numbers, w = numbers_of(system, k), integrator_of(system, k)
-    return Instant(time, numbers[LENGTH], numbers[SPEED], w.x, w.v)
+    return Instant(time, numbers[at_line.LENGTH], numbers[at_line.SPEED], w.x, w.v)
 
 
 @kernel
@@ -68,21 +56,21 @@ def tension_if_held(system, k, now, is_after):
 def begin_drums(system):
     """Let the drums (modified) begin a communication step."""
     for k in range(lines_of(system)):
-        numbers_of(system, k)[TURNED_BACK] = 0.0
+        numbers_of(system, k)[at_line.TURNED_BACK] = 0.0
 
 
 @kernel
 def turn_drum(system, k, time, duration):
     """Let the drum of line k (modified) turn, or be held, from a time [s] on; False if one without mass cannot."""
     conditions, drum, numbers = conditions_of(system, k), drum_at(system, k), numbers_of(system, k)
-    now, is_held, found = before_step(system, k, time), numbers[TURNED_BACK] != 0.0, True
+    now, is_held, found = before_step(system, k, time), numbers[at_line.TURNED_BACK] != 0.0, True
     length, tension = now.length, tension_if_held(system, k, now, False)
     direction, speed = next_motion(drum, is_held, time, length, now.speed, tension)
     if direction != HELD and drum.mass == 0.0:
         length, speed, found = project(conditions, drum, direction, AT_ONCE * duration, now)
         if is_at_stop(drum, length, direction):
             direction, length, speed, found = HELD, stop_ahead(drum, direction), 0.0, True
-    numbers[DIRECTION] = direction
+    numbers[at_line.DIRECTION] = direction
     if direction == HELD:
         state_of(system, k)[at.ACCELERATION] = 0.0
     put_reeling_speed(system, k, length, speed, now.speed)
@@ -113,8 +101,8 @@ def drum_error(system, k):
         return DrumError(0.0, 0.0, inf)
     numbers, mass = numbers_of(system, k), drum_at(system, k).mass
     seen = sees_reeling(conditions_of(system, k).parameters)
-    growth = numbers[INCREMENT] / numbers[LENGTH] if seen else 0.0
-    return DrumError(numbers[SOLUTION], growth, inf if numbers[DIRECTION] == HELD else mass)
+    growth = numbers[at_line.INCREMENT] / numbers[at_line.LENGTH] if seen else 0.0
+    return DrumError(numbers[at_line.SOLUTION], growth, inf if numbers[at_line.DIRECTION] == HELD else mass)
 
 
 @kernel
@@ -125,17 +113,17 @@ def error_of_drum(system, k, h):
     """
     conditions, drum, numbers = conditions_of(system, k), drum_at(system, k), numbers_of(system, k)
     _, v = motion_of(system, k)
-    if not numbers[LENGTH] > 0.0:
+    if not numbers[at_line.LENGTH] > 0.0:
         return inf
     position_scale, velocity_scale = allowed_errors(conditions, v)
-    error = abs(GAMMA * h * numbers[SOLUTION]) / position_scale
-    if numbers[DIRECTION] == HELD or drum.mass == 0.0:
+    error = abs(GAMMA * h * numbers[at_line.SOLUTION]) / position_scale
+    if numbers[at_line.DIRECTION] == HELD or drum.mass == 0.0:
         return error
     _, speed = length_of(system, k)
-    fastest = max(abs(speed), abs(numbers[SPEED]))
+    fastest = max(abs(speed), abs(numbers[at_line.SPEED]))
     velocity_scale = max(velocity_scale, conditions.parameters[at.RELATIVE_TOLERANCE] * fastest)
-    error = max(error, abs(numbers[INCREMENT]) / velocity_scale)
-    chain = chain_with(conditions, numbers[LENGTH], numbers[SPEED])
+    error = max(error, abs(numbers[at_line.INCREMENT]) / velocity_scale)
+    chain = chain_with(conditions, numbers[at_line.LENGTH], numbers[at_line.SPEED])
     transition = wrong_impulse(0, chain, h, integrator_of(system, k)) / drum.mass / velocity_scale
     return max(error, transition * transition) if transition > 1.0 else error
 
@@ -145,9 +133,11 @@ def project_drums(system, time, h):
     """`moving_drum.project` in the result of a step of h [s] to a time [s], of all drums without mass; whether all can."""
     for k in range(lines_of(system)):
         drum, numbers = drum_at(system, k), numbers_of(system, k)
-        if has_drum(system, k) and numbers[DIRECTION] != HELD and drum.mass == 0.0:
+        direction = numbers[at_line.DIRECTION]
+        if has_drum(system, k) and direction != HELD and drum.mass == 0.0:
             conditions, now = conditions_of(system, k), after_step(system, k, time)
-            numbers[LENGTH], numbers[SPEED], found = project(conditions, drum, numbers[DIRECTION], GAMMA * h, now)
+            length, speed, found = project(conditions, drum, direction, GAMMA * h, now)
+            numbers[at_line.LENGTH], numbers[at_line.SPEED] = length, speed
             if not found:
                 return False
     return True
@@ -162,7 +152,8 @@ def part_to_event(system, time, h, weight):
     least = inf
     for k in range(lines_of(system)):
         if has_drum(system, k):
-            drum, direction, after = drum_at(system, k), numbers_of(system, k)[DIRECTION], after_step(system, k, time + h)
+            drum, direction = drum_at(system, k), numbers_of(system, k)[at_line.DIRECTION]
+            after = after_step(system, k, time + h)
             tension = tension_if_held(system, k, after, True) if direction == HELD else 0.0
             event, over = first_event(drum, direction, after, tension)
             if event != NOTHING:
@@ -180,10 +171,10 @@ def accept_drum(system, k):
     At a stop it rests, and so does one that friction brings to rest; one without mass is then held.
     """
     drum, numbers = drum_at(system, k), numbers_of(system, k)
-    length, speed, direction = numbers[LENGTH], numbers[SPEED], numbers[DIRECTION]
+    length, speed, direction = numbers[at_line.LENGTH], numbers[at_line.SPEED], numbers[at_line.DIRECTION]
     way = OUTWARDS if speed > 0.0 else INWARDS
     is_stopped = direction != HELD and is_at_stop(drum, length, way)
     is_turned = not is_stopped and drum.friction > 0.0 and speed * direction < 0.0
-    numbers[TURNED_BACK] = 1.0 if is_turned and drum.mass == 0.0 else 0.0
+    numbers[at_line.TURNED_BACK] = 1.0 if is_turned and drum.mass == 0.0 else 0.0
     length = stop_ahead(drum, way) if is_stopped else length
     put_reeling_speed(system, k, length, 0.0 if is_stopped or is_turned else speed, speed)

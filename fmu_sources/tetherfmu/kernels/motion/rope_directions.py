@@ -7,25 +7,15 @@ short as its segments may be stops the sheaves at its ends (two-blocking): nodes
 the step, see `pieces.py`.
 """
 
+from ..arrays import clear
 from ..compilation import kernel
 from ..equations import winch
-from ..equations.lines import (
-    add_at,
-    free_points,
-    is_at_point,
-    is_rope,
-    is_turned,
-    lines_of,
-    motion_of,
-    point_at,
-    points_of,
-    put_reeling,
-    segments_of,
-)
+from ..equations.free_points import free_points, is_at_point, point_at, points_of
+from ..equations.lines import hold_length, lines_of, motion_of, put_reeling, segments_of
 from ..equations.rope_at_sheave import IN, OUT
-from ..line.drum_events import OVERLOAD
+from ..equations.ropes import is_rope, is_turned
 from ..linear_algebra import small_matrix
-from ..linear_algebra.vectors import NEUTRAL, get, scale
+from ..linear_algebra.vectors import add_at, get, scale
 from ..points import sheave_room as at_sheave
 from ..points.coordinates import (
     coordinate_at,
@@ -39,7 +29,7 @@ from ..points.coordinates import (
     runs,
     weight_of,
 )
-from ..points.running_drums import friction_of_drum, has_friction
+from ..points.running_drums import has_friction, urges
 from ..points.sheave_pulls import column_of, loss_at_stage
 from ..points.sheave_room import (
     PULLED,
@@ -91,25 +81,10 @@ def has_to_stop(system, c):
 
 
 @kernel
-def urge(system, c, sign):
-    """Force [N] with which a coordinate that is held is pulled forwards (sign 1) or backwards (-1)."""
-    numbers = own_numbers(system, c)
-    behind, ahead = numbers[at_sheave.TENSION_BEHIND], numbers[at_sheave.TENSION_AHEAD]
-    if is_drum(system, c):
-        return sign * (ahead - behind) - friction_of_drum(system, c)
-    loss = loss_at_stage(system, c)
-    if sign > 0.0:
-        return ahead - behind - (loss - 1.0) * max(behind, 0.0)
-    return behind - ahead - (loss - 1.0) * max(ahead, 0.0)
-
-
-@kernel
-def overload(system, c):
-    """Force [N] beyond its friction with which a coordinate begins to run."""
-    numbers = own_numbers(system, c)
-    if is_drum(system, c):
-        return OVERLOAD * numbers[at_sheave.BEHIND]
-    return OVERLOAD * (abs(numbers[at_sheave.TENSION_BEHIND]) + abs(numbers[at_sheave.TENSION_AHEAD]))
+def urges_now(system, c):
+    """`running_drums.urges` with the tensions that are known."""
+    numbers, loss = own_numbers(system, c), 1.0 if is_drum(system, c) else loss_at_stage(system, c)
+    return urges(system, c, numbers[at_sheave.TENSION_BEHIND], numbers[at_sheave.TENSION_AHEAD], loss)
 
 
 @kernel
@@ -163,9 +138,8 @@ def start_what_is_pulled(system):
     for j in range(count_of(system)):
         c = coordinate_at(system, j)
         if not runs(system, c) and own_numbers(system, c)[at_sheave.STARTED] < MOST_STARTS:
-            margin = overload(system, c)
-            for sign in (1.0, -1.0):
-                pulled = urge(system, c, sign)
+            forwards, backwards, margin = urges_now(system, c)
+            for sign, pulled in ((1.0, forwards), (-1.0, backwards)):
                 if may_run(system, c, sign) and pulled > most * margin:
                     found, most, way = c, pulled / margin, sign
     if found >= 0:
@@ -184,7 +158,7 @@ def stop_ropes(system, time):
         return
     evaluate(system, time, time, False)
     count, (matrix, _, right, _, _) = count_of(system), shared_of(system)
-    small_matrix.set_to_zero(count, matrix)
+    clear(matrix)
     for j in range(count):
         c = coordinate_at(system, j)
         take_tensions(system, c, time, matrix, right)
@@ -246,7 +220,7 @@ def take_reeling(system, k, time):
     numbers, length = numbers_at(system, k), numbers_at(system, k)[at_sheave.LENGTH_NOW]
     if is_running(system, k):
         numbers[at_sheave.HAS_RUN] = 1.0
-        put_reeling(system, k, (length, 0.0, 0.0, NEUTRAL, NEUTRAL))
+        hold_length(system, k, length)
     elif numbers[at_sheave.HAS_RUN] != 0.0:
         paid = winch_of(system, k)
         start = length - (winch.length_at(paid, time) - paid[0])

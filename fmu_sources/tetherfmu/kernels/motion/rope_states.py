@@ -3,53 +3,30 @@
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import plausibility as limits
 
+from ..arrays import clear
 from ..compilation import kernel, view
 from ..equations import assembly
 from ..equations.boundary import chain_during
+from ..equations.free_points import is_at_point
 from ..equations.ground import has_ground
-from ..equations.lines import (
-    comes_from,
-    conditions_of,
-    goes_on,
-    is_at_point,
-    is_freed,
-    is_portion,
-    is_rope,
-    is_turned,
-    lines_of,
-    motion_of,
-    segments_of,
-    state_of,
-    stiffness_of,
-)
-from ..equations.notes import note
+from ..equations.lines import conditions_of, lines_of, segments_of, state_of
 from ..equations.rope_at_drum import tension_of
 from ..equations.rope_at_sheave import IN, OUT
+from ..equations.ropes import comes_from, goes_on, is_freed, is_portion, is_rope, is_turned, stiffness_of
 from ..line import contact, rosenbrock
 from ..linear_algebra.both_ends import interleave
 from ..linear_algebra.vectors import dot, get, put_at
+from ..notes import note
 from ..points import sheave_room as at_sheave
 from ..points.coordinates import carries_drum, coordinate_at, count_of, is_any_running, own_numbers
+from ..points.drum_tension import nodes_of
 from ..points.running_drums import has_friction
 from ..points.sheave_pulls import acceleration_at_sheave, end_acceleration, take_pulls
-from ..points.sheave_room import (
-    PULLED,
-    drum_numbers_at,
-    numbers_at,
-    portion_in_step,
-    single_at,
-)
+from ..points.sheave_room import PULLED, drum_numbers_at, numbers_at, portion_in_step, single_at
 from ..points.sheave_stages import take_lengths
 from ..points.sheaves import solve_gains
 from ..points.system_room import integrator_of
 from ..points.system_step import stage_masses
-
-
-@view
-def nodes_of(system, k, is_after):
-    """Positions [m] and velocities [m/s] of the nodes of line k: of a step that is tried, or of its state."""
-    w, (x, v) = integrator_of(system, k), motion_of(system, k)
-    return (w.x, w.v) if is_after else (x, v)
 
 
 @view
@@ -72,18 +49,12 @@ def evaluate(system, start, time, is_after):
             numbers[at_sheave.PASSED], numbers[at_sheave.STAGE_SPEED] = 0.0, numbers[at_sheave.SPEED]
         take_lengths(system, start, time)
     for k in range(lines_of(system)):
-        n, conditions, w, (x, v) = (
-            segments_of(system, k),
-            conditions_of(system, k),
-            integrator_of(system, k),
-            nodes_of(system, k, is_after),
-        )
-        chain = chain_now(system, k, time)
+        n, conditions, chain = segments_of(system, k), conditions_of(system, k), chain_now(system, k, time)
+        w, (x, v) = integrator_of(system, k), nodes_of(system, k, is_after)
         interleave(n, x, w.stage_x)
         interleave(n, v, w.stage_v)
         assembly.node_masses(chain, w.stage_mass)
-        for s in range(n):
-            w.modes[s] = 0.0
+        clear(w.modes)
         if has_ground(conditions.parameters):
             contact.find(conditions, chain, x, v, w)
         rosenbrock.stage_force(conditions, chain, time, w)
@@ -147,18 +118,12 @@ def hold(system, c):
 
 
 @kernel
-def begin_end(system):
-    """Let coordinates that rest (modified) be held, so that they gain no speed, but for those without friction."""
+def end_ropes(system, time):
+    """Let the states (modified) have what coordinates and portions have at the end of a communication step, a time [s]."""
     for j in range(count_of(system)):
         c = coordinate_at(system, j)
         if own_numbers(system, c)[at_sheave.SPEED] == 0.0 and has_friction(system, c):
-            hold(system, c)
-
-
-@kernel
-def end_ropes(system, time):
-    """Let the states (modified) have what coordinates and portions have at the end of a communication step, a time [s]."""
-    begin_end(system)
+            hold(system, c)  # so that it gains no speed
     if numbers_at(system, 0)[at_sheave.KNOWN] == 0.0:
         evaluate(system, time, time, False)
     write_tensions(system, time)

@@ -9,17 +9,9 @@ from tetherfmu.runtime import layout as at
 
 from ..compilation import kernel
 from ..equations import winch
-from ..equations.lines import (
-    comes_from,
-    conditions_of,
-    goes_on,
-    is_rope,
-    is_turned,
-    lines_of,
-    motion_of,
-    state_of,
-)
+from ..equations.lines import conditions_of, lines_of, motion_of, state_of
 from ..equations.rope_at_sheave import IN, OUT
+from ..equations.ropes import comes_from, goes_on, is_rope, is_turned
 from ..line.drum_events import SLOW, part_of_piece
 from ..line.rodas4p import GAMMA
 from ..line.step_control import allowed_errors
@@ -38,16 +30,8 @@ from ..points.coordinates import (
     runs,
     weight_of,
 )
-from ..points.sheave_room import (
-    drum_numbers_at,
-    longest_of,
-    numbers_at,
-    shortest_of,
-    take_parts,
-    through,
-    winch_of,
-)
-from .rope_directions import may_run, overload, urge
+from ..points.sheave_room import drum_numbers_at, longest_of, numbers_at, shortest_of, take_parts, through, winch_of
+from .rope_directions import may_run, urges_now
 from .rope_states import evaluate
 
 LOCATED = 1e-10  # of it: how far a piece may end beyond
@@ -143,10 +127,10 @@ def room_of_coordinate(system, c, event, is_after):
         if not runs(system, c) or numbers[at_sheave.SIGN] == 0.0:
             return inf
         return speed * numbers[at_sheave.SIGN] / (SLOW * numbers_at(system, line_of(system, c))[at_sheave.LENGTH_NOW])
-    margin = overload(system, c)
+    forwards, backwards, margin = urges_now(system, c)
     if runs(system, c) or not may_run(system, c, sign) or margin == 0.0:
         return inf
-    return -urge(system, c, sign) / margin
+    return -(forwards if sign > 0.0 else backwards) / margin
 
 
 @kernel

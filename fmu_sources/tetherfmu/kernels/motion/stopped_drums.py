@@ -15,19 +15,10 @@ from tetherfmu.runtime import layout as at
 from ..compilation import kernel
 from ..equations import rope_at_drum
 from ..equations.boundary import chain_with
-from ..equations.lines import (
-    add_at,
-    conditions_of,
-    is_at_point,
-    lines_of,
-    motion_of,
-    parameters_of,
-    point_at,
-    segments_of,
-    state_of,
-)
+from ..equations.free_points import is_at_point, point_at
+from ..equations.lines import conditions_of, lines_of, motion_of, parameters_of, segments_of, state_of
 from ..equations.properties import point_mass, rest_length
-from ..linear_algebra.vectors import ZERO_VECTOR, add, get, scale, sub
+from ..linear_algebra.vectors import ZERO_VECTOR, add, add_at, get, scale, sub
 from ..points.system_room import put_length
 
 

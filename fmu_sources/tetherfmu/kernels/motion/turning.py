@@ -15,40 +15,17 @@ from ..compilation import kernel
 from ..equations import flow, segment
 from ..equations.boundary import chain_with
 from ..equations.drum import INWARDS, OUTWARDS, force_at, is_at_stop
-from ..equations.lines import conditions_of, lines_of, motion_of, parameters_of, put_reeling
-from ..equations.plan import note_line
+from ..equations.lines import conditions_of, hold_length, lines_of, motion_of, note_line, parameters_of, put_reeling
 from ..equations.properties import property_of
 from ..equations.rope_at_drum import feels_rope
 from ..line.moving_drum import Instant, first_tension, project
 from ..line.second_order import TO_NEXT, start_of_second, start_of_third
 from ..linear_algebra.vectors import NEUTRAL, dot, get, sub
-from ..points.system_room import (
-    BEFORE,
-    CHANGE,
-    HIGHEST,
-    IS_FOUND,
-    LONG_BEFORE,
-    LOWEST,
-    ONWARD_LENGTH,
-    ONWARD_SPEED,
-    START_LENGTH,
-    START_SPEED,
-    TRIAL,
-    drum_at,
-    has_drum,
-    length_of,
-    numbers_of,
-    put_length,
-)
+from ..points import system_room as at_line
+from ..points.system_room import drum_at, has_drum, length_of, numbers_of, put_length
 from .stopped_drums import put_reeling_speed
 
 # --- a step that is attempted
-
-
-@kernel
-def hold(system, k, length):
-    """Let the length [m] of line k (modified) not change by itself."""
-    put_reeling(system, k, (length, 0.0, 0.0, NEUTRAL, NEUTRAL))
 
 
 @kernel
@@ -62,9 +39,9 @@ def limits_of(system, k, h):
 def attempt(system, k, lowest, highest, guess):
     """Let the drum of line k (modified) begin a step with a guess of its speed, which has these limits [m/s]."""
     numbers, (length, _) = numbers_of(system, k), length_of(system, k)
-    numbers[LOWEST], numbers[HIGHEST] = lowest, highest
-    numbers[TRIAL], numbers[CHANGE], numbers[IS_FOUND] = min(highest, max(lowest, guess)), 0.0, 0.0
-    hold(system, k, length)
+    numbers[at_line.LOWEST], numbers[at_line.HIGHEST] = lowest, highest
+    numbers[at_line.TRIAL], numbers[at_line.CHANGE], numbers[at_line.IS_FOUND] = min(highest, max(lowest, guess)), 0.0, 0.0
+    hold_length(system, k, length)
 
 
 # --- backward Euler
@@ -90,7 +67,7 @@ def end_whole_step(system, h):
     for k in range(lines_of(system)):
         if has_drum(system, k):
             drum, (length, _), (lowest, highest) = drum_at(system, k), length_of(system, k), limits_of(system, k, h)
-            speed = numbers_of(system, k)[TRIAL]
+            speed = numbers_of(system, k)[at_line.TRIAL]
             if speed <= lowest:
                 put_reeling_speed(system, k, drum.shortest, 0.0, speed)
             elif speed >= highest:
@@ -104,7 +81,7 @@ def turn_evenly(system, time):
     """Let all drums (modified) turn with the speeds of the iteration from a time [s] on, for lines that move alone."""
     for k in range(lines_of(system)):
         if has_drum(system, k):
-            (length, _), speed = length_of(system, k), numbers_of(system, k)[TRIAL]
+            (length, _), speed = length_of(system, k), numbers_of(system, k)[at_line.TRIAL]
             put_reeling(system, k, (length - speed * time, speed, 0.0, NEUTRAL, NEUTRAL))
 
 
@@ -120,16 +97,16 @@ def begin_stage(system, i, reach, known):
     for k in range(lines_of(system)):
         if has_drum(system, k):
             numbers, (length, speed) = numbers_of(system, k), length_of(system, k)
-            guess = speed + (TO_NEXT[i] * (speed - numbers[BEFORE]) if known > 0 else 0.0)
-            numbers[LONG_BEFORE], numbers[BEFORE] = numbers[BEFORE], speed
+            guess = speed + (TO_NEXT[i] * (speed - numbers[at_line.BEFORE]) if known > 0 else 0.0)
+            numbers[at_line.LONG_BEFORE], numbers[at_line.BEFORE] = numbers[at_line.BEFORE], speed
             if i == 0:
-                numbers[START_LENGTH], numbers[START_SPEED] = length, speed
+                numbers[at_line.START_LENGTH], numbers[at_line.START_SPEED] = length, speed
             elif i == 1:
-                length, numbers[ONWARD_LENGTH] = start_of_second(numbers[START_LENGTH], length)
-                speed, numbers[ONWARD_SPEED] = start_of_second(numbers[START_SPEED], speed)
+                length, numbers[at_line.ONWARD_LENGTH] = start_of_second(numbers[at_line.START_LENGTH], length)
+                speed, numbers[at_line.ONWARD_SPEED] = start_of_second(numbers[at_line.START_SPEED], speed)
             else:
-                length = start_of_third(numbers[ONWARD_LENGTH], numbers[START_LENGTH], length)
-                speed = start_of_third(numbers[ONWARD_SPEED], numbers[START_SPEED], speed)
+                length = start_of_third(numbers[at_line.ONWARD_LENGTH], numbers[at_line.START_LENGTH], length)
+                speed = start_of_third(numbers[at_line.ONWARD_SPEED], numbers[at_line.START_SPEED], speed)
             put_length(system, k, length, speed)
             attempt(system, k, *limits_of(system, k, reach), guess)
 
@@ -144,11 +121,11 @@ def end_stage(system, time, h, reach):
     for k in range(lines_of(system)):
         if has_drum(system, k):
             numbers, (length, _) = numbers_of(system, k), length_of(system, k)
-            speed = numbers[TRIAL]
-            at_stops += not (speed == 0.0 or numbers[LOWEST] < speed < numbers[HIGHEST])
+            speed = numbers[at_line.TRIAL]
+            at_stops += not (speed == 0.0 or numbers[at_line.LOWEST] < speed < numbers[at_line.HIGHEST])
             put_length(system, k, length + reach * speed, speed)
-            rate = (length + reach * speed - numbers[START_LENGTH]) / h
-            put_reeling(system, k, (numbers[START_LENGTH] - rate * time, rate, 0.0, 0.0, 0.0))
+            rate = (length + reach * speed - numbers[at_line.START_LENGTH]) / h
+            put_reeling(system, k, (numbers[at_line.START_LENGTH] - rate * time, rate, 0.0, 0.0, 0.0))
     return at_stops == 0
 
 
@@ -170,7 +147,7 @@ def turn_smoothly(system):
     for k in range(lines_of(system)):
         if has_drum(system, k):
             numbers, drum, (_, speed) = numbers_of(system, k), drum_at(system, k), length_of(system, k)
-            stages = numbers[START_SPEED], numbers[LONG_BEFORE], numbers[BEFORE], speed
+            stages = numbers[at_line.START_SPEED], numbers[at_line.LONG_BEFORE], numbers[at_line.BEFORE], speed
             if not turns_smoothly(drum.friction != 0.0, drum.mass != 0.0, *stages):
                 return False
     return True
@@ -181,7 +158,7 @@ def go_back(system, k):
     """Put the drum of line k (modified) back to the start of the step."""
     if has_drum(system, k):
         numbers = numbers_of(system, k)
-        put_length(system, k, numbers[START_LENGTH], numbers[START_SPEED])
+        put_length(system, k, numbers[at_line.START_LENGTH], numbers[at_line.START_SPEED])
 
 
 # --- energy
@@ -195,8 +172,8 @@ def energy_and_power(system, k, is_new, x, v):
     v [m/s] after the stages of a step, or at its start; the line (modified) then has the length there.
     """
     conditions, numbers = conditions_of(system, k), numbers_of(system, k)
-    length, speed = length_of(system, k) if is_new else (numbers[START_LENGTH], numbers[START_SPEED])
-    hold(system, k, length)
+    length, speed = length_of(system, k) if is_new else (numbers[at_line.START_LENGTH], numbers[at_line.START_SPEED])
+    hold_length(system, k, length)
     chain, power = chain_with(conditions, length, speed), 0.0
     if feels_rope(chain.parameters):
         return energy_and_power_with_rope(system, k, chain, x, v)
@@ -233,8 +210,8 @@ def work_of_motors(system, time, h):
     work = 0.0
     for k in range(lines_of(system)):
         if has_drum(system, k):
-            drum, (end, _) = drum_at(system, k), length_of(system, k)
-            work += 0.5 * (force_at(drum, time) + force_at(drum, time + h)) * (numbers_of(system, k)[START_LENGTH] - end)
+            drum, start, (end, _) = drum_at(system, k), numbers_of(system, k)[at_line.START_LENGTH], length_of(system, k)
+            work += 0.5 * (force_at(drum, time) + force_at(drum, time + h)) * (start - end)
     return work
 
 

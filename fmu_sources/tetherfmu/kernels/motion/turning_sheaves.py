@@ -13,38 +13,29 @@ from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.status import OK, REELED_TOO_SHORT
 
 from ..compilation import kernel
-from ..equations import flow, segment, winch
+from ..equations import flow, segment
 from ..equations.boundary import portion_moving
 from ..equations.drum import force_at
-from ..equations.lines import (
-    comes_from,
-    conditions_of,
-    goes_on,
-    is_rope,
-    is_turned,
-    lines_of,
-    parameters_of,
-    put_reeling,
-    stiffness_of,
-)
-from ..equations.plan import note_line
+from ..equations.lines import conditions_of, hold_length, lines_of, note_line, parameters_of, put_reeling
 from ..equations.properties import property_of
+from ..equations.ropes import comes_from, goes_on, is_rope, is_turned, stiffness_of
 from ..line.second_order import TO_NEXT, start_of_second, start_of_third
-from ..linear_algebra.vectors import NEUTRAL, dot, get, sub
+from ..linear_algebra.vectors import dot, get, sub
 from ..points import sheave_room as at_sheave
 from ..points.coordinates import coordinate_at, count_of, is_drum, own_numbers
 from ..points.running_drums import drum_with_lines, has_friction, mass_of_drum
 from ..points.sheave_pulls import mass_of
 from ..points.sheave_room import (
     drum_numbers_at,
-    from_drums,
     has_run,
     numbers_at,
     portion_gaining,
     shortest_of,
+    speed_in,
+    speed_out,
     winch_of,
 )
-from ..points.sheave_stages import began_at, place_portions, put_speed
+from ..points.sheave_stages import began_at, length_with, place_portions, put_speed
 from .rope_directions import begin_directions, has_to_stop, stop_ropes
 from .running_ropes import accept_ropes
 from .turning import turns_smoothly
@@ -52,21 +43,6 @@ from .turning import turns_smoothly
 TOO_SHORT = 0.5  # of the shortest length of a portion: winches that leave less are refused
 
 # --- a step that is attempted
-
-
-@kernel
-def length_at_start(system, k, time):
-    """Unstretched length [m] of portion k where a step or a stage starts, a time [s] of the communication step."""
-    numbers = numbers_at(system, k)
-    length = numbers[at_sheave.LENGTH_NOW]
-    if is_turned(system, k):
-        length += from_drums(system, k, at_sheave.REACHED)
-    elif comes_from(system, k):
-        length += numbers_at(system, k - 1)[at_sheave.REACHED]
-    else:
-        paid = winch_of(system, k)
-        length += winch.length_at(paid, time) - winch.length_at(paid, began_at(system))
-    return length - numbers[at_sheave.REACHED] if goes_on(system, k) else length
 
 
 @kernel
@@ -80,7 +56,7 @@ def attempt(system, time, h):
         put_speed(system, c, h, numbers[at_sheave.STAGE_SPEED])
     for k in range(lines_of(system)):
         if has_run(system, k):
-            put_reeling(system, k, (length_at_start(system, k, time), 0.0, 0.0, NEUTRAL, NEUTRAL))
+            hold_length(system, k, length_with(system, k, at_sheave.REACHED, began_at(system), time))
     place_portions(system, time + h)
 
 
@@ -134,7 +110,7 @@ def rest(system, time):
     """Let the lengths of all portions (modified) stay as they are at a time [s] after a step, for what looks at it."""
     for k in range(lines_of(system)):
         if has_run(system, k):
-            put_reeling(system, k, (numbers_at(system, k)[at_sheave.LENGTH_NOW], 0.0, 0.0, NEUTRAL, NEUTRAL))
+            hold_length(system, k, numbers_at(system, k)[at_sheave.LENGTH_NOW])
 
 
 # --- stages
@@ -239,15 +215,10 @@ def energy_and_power(system, k, is_new, x, v):
     conditions, numbers, first = conditions_of(system, k), numbers_at(system, k), not comes_from(system, k)
     chain = portion_gaining(system, k, 1.0)
     if not is_new:
-        into, leaving = winch.rate_at(winch_of(system, k), began_at(system)), 0.0
-        if is_turned(system, k):
-            into = from_drums(system, k, at_sheave.START_SPEED)
-        elif not first:
-            into = numbers_at(system, k - 1)[at_sheave.START_SPEED]
-        if goes_on(system, k):
-            leaving = numbers[at_sheave.START_SPEED]
+        into = speed_in(system, k, began_at(system), at_sheave.START_SPEED)
+        leaving = speed_out(system, k, at_sheave.START_SPEED)
         chain = portion_moving(conditions, numbers[at_sheave.LENGTH_NOW], into - leaving, 0.0, (leaving, 0.0))
-    put_reeling(system, k, (chain.length, 0.0, 0.0, NEUTRAL, NEUTRAL))
+    hold_length(system, k, chain.length)
     into, leaving, part, pull, n = chain.reeling + chain.leaving, chain.leaving, 1.0, 0.0, chain.n
     energy = 0.5 * mass_of(system, k) * leaving * leaving if goes_on(system, k) else 0.0
     for s in range(n):

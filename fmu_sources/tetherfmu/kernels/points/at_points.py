@@ -14,22 +14,15 @@ so that what is left of the line on its free ends gets c r/P more, and the syste
 
 from ..compilation import kernel
 from ..equations.boundary import hold_ends
-from ..equations.lines import (
-    conditions_of,
-    is_at_point,
-    parameters_of,
-    point_at,
-    points_of,
-    rows_of,
-    segments_of,
-    size_of_blocks,
-)
+from ..equations.free_points import is_at_point, point_at, points_of, rows_of, size_of_blocks
+from ..equations.lines import conditions_of, parameters_of, segments_of
 from ..equations.rope_at_drum import feels_rope
 from ..linear_algebra import condensed
 from ..linear_algebra.matrices import outer
 from ..linear_algebra.point_blocks import add_to_block
 from ..linear_algebra.vectors import get, put, scale, vector_at
-from .system_room import PIVOT, ROW, ROW_AT_END, ROW_AT_START, numbers_of, room_in_step
+from . import system_room as at_line
+from .system_room import numbers_of, room_in_step
 
 
 @kernel
@@ -54,15 +47,15 @@ def place_matrix(system, k, matrix):
 def row_of(system, k, end):
     """Row r of the drum of line k at one of its ends."""
     if feels_rope(parameters_of(system, k)):
-        return vector_at(numbers_of(system, k), ROW_AT_END if end == 1 else ROW_AT_START)
-    g = vector_at(numbers_of(system, k), ROW)
+        return vector_at(numbers_of(system, k), at_line.ROW_AT_END if end == 1 else at_line.ROW_AT_START)
+    g = vector_at(numbers_of(system, k), at_line.ROW)
     return condensed.row_at_end(segments_of(system, k), end, g, room_in_step(system, k).columns)
 
 
 @kernel
 def place_column(system, k):
     """Add what is left of the column of the drum of line k to the matrix of the points (modified)."""
-    n, column, pivot = segments_of(system, k), room_in_step(system, k).column, numbers_of(system, k)[PIVOT]
+    n, column, pivot = segments_of(system, k), room_in_step(system, k).column, numbers_of(system, k)[at_line.PIVOT]
     for row_end in range(2):
         left = scale(1.0 / pivot, get(column, n * row_end))
         for column_end in range(2):

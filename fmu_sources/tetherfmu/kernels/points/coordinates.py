@@ -14,8 +14,9 @@ and k more than the number of lines of the drum that line k carries.
 from tetherfmu.runtime import plan_layout as places
 
 from ..compilation import kernel, view
-from ..equations.lines import goes_on, has_coordinates, is_turned, lines_of, number_of_line
+from ..equations.lines import lines_of, number_of_line
 from ..equations.rope_at_sheave import IN, OUT
+from ..equations.ropes import goes_on, has_coordinates, is_turned
 from ..flat_arrays import part
 from ..line.rodas4p import STAGES
 from . import sheave_room as at_sheave

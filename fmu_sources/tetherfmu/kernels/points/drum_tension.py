@@ -7,15 +7,8 @@ from ..equations import flow, motion, node_loads, segment
 from ..equations import rope_at_drum as rope
 from ..equations.boundary import chain_during, chain_moving, chain_with, load_during
 from ..equations.drum import HELD
-from ..equations.lines import (
-    conditions_of,
-    is_at_point,
-    lines_of,
-    load_at,
-    motion_of,
-    point_at,
-    state_of,
-)
+from ..equations.free_points import is_at_point, load_at, point_at
+from ..equations.lines import conditions_of, lines_of, motion_of, state_of
 from ..equations.properties import point_mass, property_of, rest_length
 from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, dot, get, scale, sub
 from .rope_drums import acceleration_of_start, acceleration_with, counter_force, is_free, mass_of, stiffness_of

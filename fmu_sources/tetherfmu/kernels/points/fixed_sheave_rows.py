@@ -12,36 +12,18 @@ so that T_1, T_2 and the angle of wrap change by what p does, kept in the number
 the speeds of all sheaves (`sheave_room.slopes_of`). `fixed_sheaves.py` has the equations of the sheaves.
 """
 
+from ..arrays import clear
 from ..compilation import kernel
 from ..equations import rope_at_sheave as rope
 from ..equations.boundary import hold_ends
 from ..equations.drum import force_at
 from ..equations.end_motion import acceleration_at
-from ..equations.lines import (
-    add_at,
-    clear,
-    comes_from,
-    conditions_of,
-    goes_on,
-    is_even,
-    is_rope,
-    is_turned,
-    lines_of,
-    motion_of,
-    segments_of,
-    stiffness_of,
-)
+from ..equations.lines import conditions_of, lines_of, motion_of, segments_of
 from ..equations.rope_at_sheave import IN, OUT
-from ..linear_algebra.vectors import add, dot, get, put, scale, sub
+from ..equations.ropes import comes_from, goes_on, is_even, is_rope, is_turned, stiffness_of
+from ..linear_algebra.vectors import add, add_at, dot, get, put, scale, sub
 from . import sheave_room as at_sheave
-from .coordinates import (
-    coordinate_at,
-    count_of,
-    is_drum,
-    number_of,
-    own_numbers,
-    weight_of,
-)
+from .coordinates import coordinate_at, count_of, is_drum, number_of, own_numbers, weight_of
 from .running_drums import drum_with_lines
 from .sheave_border import pivot_of, row_times, solve_column
 from .sheave_pulls import loss_with, take_segments, tension_in
@@ -59,7 +41,7 @@ from .sheave_room import (
 )
 from .sheave_slopes import close_row, take_row, turn_of
 from .system_fixed_drums import put_reeling_column
-from .system_room import moves, scratch_of
+from .system_room import scratch_of
 
 # --- rows
 
@@ -313,11 +295,3 @@ def take_all_slopes(system, step):
             take_slopes_of_drum(system, c, step)
         else:
             take_slopes(system, c, step)
-
-
-@kernel
-def add_all_columns(system):
-    """`add_columns` of all lines (modified)."""
-    for k in range(lines_of(system)):
-        if moves(system, k):
-            add_columns(system, k)

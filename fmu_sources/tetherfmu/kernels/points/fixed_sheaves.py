@@ -18,12 +18,14 @@ were sought. If they are not after `MOST_TRIES`, the speeds that were found last
 
 from tetherfmu.runtime import layout as at
 
+from ..arrays import clear
 from ..compilation import kernel
-from ..equations.lines import lines_of, parameters_of, segments_of, stiffness_of
+from ..equations.lines import lines_of, parameters_of, segments_of
 from ..equations.rope_at_sheave import IN, OUT
-from ..line.drum_events import OVERLOAD
+from ..equations.ropes import stiffness_of
 from ..linear_algebra import small_matrix
 from . import sheave_room as at_sheave
+from . import system_room as at_line
 from .coordinates import (
     coordinate_at,
     count_of,
@@ -36,13 +38,13 @@ from .coordinates import (
     own_numbers,
     weight_of,
 )
-from .fixed_sheave_rows import add_all_columns, change_in, take_all_slopes, take_sheaves
-from .running_drums import friction_of_drum, has_friction, mass_of_drum
+from .fixed_sheave_rows import add_columns, change_in, take_all_slopes, take_sheaves
+from .running_drums import friction_of_drum, has_friction, mass_of_drum, urges
 from .sheave_pulls import density_of, mass_of
 from .sheave_room import has_run, numbers_at, shared_of, slopes_of
 from .sheave_stages import is_out_of_limits, place_portions, put_speed, take_limits
 from .system_fixed_drums import follow, take_masses
-from .system_room import GOAL, numbers_of
+from .system_room import moves, numbers_of
 
 AT_LOWEST, BACKWARDS, HELD, FORWARDS, AT_HIGHEST = -2.0, -1.0, 0.0, 1.0, 2.0  # ways
 CLOSE = 1e-6  # of a tension, whose change an iteration may leave as its square
@@ -166,22 +168,11 @@ def seek(system, h):
 
 
 @kernel
-def urges(system, c, behind, ahead):
-    """Forces [N] with which these tensions pull a coordinate that is held forwards and backwards; a margin of these."""
-    numbers = own_numbers(system, c)
-    if is_drum(system, c):
-        pull, friction = ahead - behind, friction_of_drum(system, c)
-        return pull - friction, -pull - friction, OVERLOAD * numbers[at_sheave.BEHIND]
-    loss, margin = numbers[at_sheave.LOSS] - 1.0, OVERLOAD * (abs(behind) + abs(ahead))
-    return ahead - behind - loss * max(behind, 0.0), behind - ahead - loss * max(ahead, 0.0), margin
-
-
-@kernel
 def way_of_held(system, c, of_tensions):
     """Which way a coordinate that is held goes next with these changes of its tensions."""
     numbers, (of_1, of_2, _) = own_numbers(system, c), of_tensions
     behind, ahead = numbers[at_sheave.TENSION_BEHIND] + of_1, numbers[at_sheave.TENSION_AHEAD] + of_2
-    forwards, backwards, margin = urges(system, c, behind, ahead)
+    forwards, backwards, margin = urges(system, c, behind, ahead, numbers[at_sheave.LOSS])
     if numbers[at_sheave.HIGHEST] > 0.0 and forwards > margin:
         return FORWARDS
     if numbers[at_sheave.LOWEST] < 0.0 and backwards > margin:
@@ -255,12 +246,11 @@ def find_changes(system, h, changes):
     """
     count, matrix = count_of(system), shared_of(system)[1]
     for number in range(MOST_TRIES):
-        small_matrix.set_to_zero(count, matrix)
+        clear(matrix)
         for j in range(count):
             put_equation(system, coordinate_at(system, j), h, matrix, changes)
         if not small_matrix.solve(count, matrix, changes):
-            for j in range(count):
-                changes[j] = 0.0
+            clear(changes)
             return False
         if seek_next(system, h, changes, number >= ALL_AT_ONCE) == 0:
             return True
@@ -310,7 +300,9 @@ def find_sheaves(system, step):
             onward = min(numbers[at_sheave.HIGHEST], max(numbers[at_sheave.LOWEST], speed + changes[j]))
             changes[j] = onward - speed
         numbers[at_sheave.CHANGE] = changes[j]
-    add_all_columns(system)
+    for k in range(lines_of(system)):
+        if moves(system, k):
+            add_columns(system, k)
     for j in range(count_of(system)):
         c = coordinate_at(system, j)
         numbers = own_numbers(system, c)
@@ -360,7 +352,7 @@ def is_unconverged(system, c, h):
     moved = h * abs(numbers[at_sheave.CHANGE])
     for k in range(first_portion(system, c), last_portion(system, c) + 1):
         weight = abs(growth_of(system, c, k))
-        count += weight != 0.0 and weight * moved > segments_of(system, k) * numbers_of(system, k)[GOAL]
+        count += weight != 0.0 and weight * moved > segments_of(system, k) * numbers_of(system, k)[at_line.GOAL]
     return numbers[at_sheave.IS_FOUND] == 0.0 or count > 0
 
 

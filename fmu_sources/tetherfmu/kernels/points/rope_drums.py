@@ -12,54 +12,23 @@ from math import sqrt
 
 from tetherfmu.runtime import layout as at
 
-from ..arrays import copy
-from ..compilation import kernel, view
+from ..arrays import clear, copy
+from ..compilation import kernel
 from ..equations import rope_at_drum as rope
 from ..equations import segment
 from ..equations.boundary import chain_moving, chain_with
 from ..equations.drum import force_at
 from ..equations.end_motion import acceleration_at, velocity_at
-from ..equations.lines import (
-    conditions_of,
-    is_at_point,
-    lines_of,
-    load_at,
-    motion_of,
-    parameters_of,
-    point_at,
-    points_of,
-    rows_of,
-    segments_of,
-    stiffness_of,
-)
+from ..equations.free_points import is_at_point, load_at, point_at, points_of, rows_of
+from ..equations.lines import conditions_of, lines_of, motion_of, parameters_of, segments_of
 from ..equations.properties import property_of
+from ..equations.ropes import stiffness_of
 from ..line.rodas4p import GAMMA_I
 from ..linear_algebra import condensed
 from ..linear_algebra.both_ends import add_to_node, get_node
 from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, dot, get, put, put_at, scale, sub
-from .system_room import (
-    BALANCE,
-    BY_SPEED,
-    CROSSED,
-    DIRECTION,
-    INERTIA,
-    LENGTH,
-    PIVOT,
-    RATE,
-    ROW_AT_END,
-    ROW_AT_START,
-    SPEED,
-    STAGE_ACCELERATION,
-    UNBALANCED,
-    YIELDING,
-    drum_at,
-    integrator_of,
-    length_of,
-    numbers_of,
-    room_in_step,
-    shares_of,
-    turns_with_rope,
-)
+from . import system_room as at_line
+from .system_room import drum_at, integrator_of, length_of, numbers_of, room_in_step, shares_of, turns_with_rope
 
 SWEEPS = 8  # over drums at free points, whose accelerations depend on each other
 
@@ -103,13 +72,6 @@ def acceleration_of_start(conditions, time):
 # --- a stage
 
 
-@view
-def own_nodes(system, k):
-    """First and last of the nodes of line k that move freely and are no free point at its start."""
-    conditions = conditions_of(system, k)
-    return max(conditions.first, 1 if is_at_point(system, k, 0) else 0), conditions.last
-
-
 @kernel
 def begin_acceleration(system, k, stage, time):
     """f [N] and the inertia [kg] of the drum of line k at a stage, once its forces are known, into its numbers (modified).
@@ -117,13 +79,9 @@ def begin_acceleration(system, k, stage, time):
     But for what a first node adds that is a free point; so for the parts of BALANCE, see `take_balance`. col goes into
     `Shares.pulled`, and that of stage 0 into `Shares.border` (modified).
     """
-    conditions, numbers, w, b = (
-        conditions_of(system, k),
-        numbers_of(system, k),
-        integrator_of(system, k),
-        shares_of(system, k),
-    )
-    chain, n, part = chain_with(conditions, numbers[LENGTH], numbers[SPEED]), conditions.n, 1.0
+    conditions, numbers = conditions_of(system, k), numbers_of(system, k)
+    w, b = integrator_of(system, k), shares_of(system, k)
+    chain, n, part = chain_with(conditions, numbers[at_line.LENGTH], numbers[at_line.SPEED]), conditions.n, 1.0
     force, inertia, from_below = rope.of_speed(chain), 0.0, ZERO_VECTOR
     x_p, v_p = get_node(n, 0, w.stage_x), get_node(n, 0, w.stage_v)
     lowest = x_p[2]
@@ -139,18 +97,18 @@ def begin_acceleration(system, k, stage, time):
     put(b.pulled, n, from_below)
     if stage == 0:
         copy(b.pulled, b.border)
-    first, last = own_nodes(system, k)
+    first = max(conditions.first, 1 if is_at_point(system, k, 0) else 0)  # that is no free point
     balance, crossed = 0.0, 0.0
-    for i in range(first, last + 1):
+    for i in range(first, conditions.last + 1):
         part, col, col_0, of_node = 1.0 / w.stage_mass[i], get(b.pulled, i), get(b.border, i), get_node(n, i, w.force)
         force += part * dot(col, of_node)
         inertia -= part * dot(col, col)
         balance -= part * dot(col_0, of_node)
         crossed += part * dot(col_0, col)
-    numbers[UNBALANCED] = force + dot(get(b.pulled, 0), acceleration_of_start(conditions, time))
-    numbers[YIELDING], numbers[BALANCE], numbers[CROSSED] = inertia, balance, crossed
-    counter = counter_force(system, k, numbers[DIRECTION], numbers[SPEED], time)
-    numbers[STAGE_ACCELERATION] = acceleration_with(system, k, counter, numbers[UNBALANCED], inertia)
+    numbers[at_line.UNBALANCED] = force + dot(get(b.pulled, 0), acceleration_of_start(conditions, time))
+    numbers[at_line.YIELDING], numbers[at_line.BALANCE], numbers[at_line.CROSSED] = inertia, balance, crossed
+    counter = counter_force(system, k, numbers[at_line.DIRECTION], numbers[at_line.SPEED], time)
+    numbers[at_line.STAGE_ACCELERATION] = acceleration_with(system, k, counter, numbers[at_line.UNBALANCED], inertia)
 
 
 @kernel
@@ -163,7 +121,7 @@ def force_at_stage(system, point, time):
             if is_at_point(system, k, end) and point_at(system, k, end) == point:
                 total = add(total, get_node(n, n * end, w.force))
         if turns_with_rope(system, k) and is_at_point(system, k, 0) and point_at(system, k, 0) == point:
-            total = add_scaled(total, numbers_of(system, k)[STAGE_ACCELERATION], get(shares_of(system, k).pulled, 0))
+            total = add_scaled(total, numbers_of(system, k)[at_line.STAGE_ACCELERATION], get(shares_of(system, k).pulled, 0))
     return total
 
 
@@ -172,30 +130,30 @@ def couple(system, k, time):
     """u' of the drum of line k at a stage (modified), whose first node is a free point."""
     numbers, pulled, point = numbers_of(system, k), get(shares_of(system, k).pulled, 0), point_at(system, k, 0)
     mass = points_of(system).stage_mass[point]
-    others = add_scaled(force_at_stage(system, point, time), -numbers[STAGE_ACCELERATION], pulled)
-    pull = numbers[UNBALANCED] + dot(pulled, others) / mass
-    counter = counter_force(system, k, numbers[DIRECTION], numbers[SPEED], time)
-    inertia = numbers[YIELDING] - dot(pulled, pulled) / mass
-    numbers[STAGE_ACCELERATION] = acceleration_with(system, k, counter, pull, inertia)
+    others = add_scaled(force_at_stage(system, point, time), -numbers[at_line.STAGE_ACCELERATION], pulled)
+    pull = numbers[at_line.UNBALANCED] + dot(pulled, others) / mass
+    counter = counter_force(system, k, numbers[at_line.DIRECTION], numbers[at_line.SPEED], time)
+    inertia = numbers[at_line.YIELDING] - dot(pulled, pulled) / mass
+    numbers[at_line.STAGE_ACCELERATION] = acceleration_with(system, k, counter, pull, inertia)
 
 
 @kernel
 def take_balance(system, k, stage, time):
     """Right-hand side of a stage of the drum of line k, from u' of all drums: BALANCE among its numbers (modified)."""
-    numbers, gained = numbers_of(system, k), numbers_of(system, k)[STAGE_ACCELERATION]
+    numbers, gained = numbers_of(system, k), numbers_of(system, k)[at_line.STAGE_ACCELERATION]
     if stage == 0:
-        numbers[INERTIA] = rope_inertia(system, k) + slope_at_start(system, k, time) * mass_of(system, k)
-    numbers[BALANCE] += (numbers[INERTIA] - numbers[CROSSED]) * gained
+        numbers[at_line.INERTIA] = rope_inertia(system, k) + slope_at_start(system, k, time) * mass_of(system, k)
+    numbers[at_line.BALANCE] += (numbers[at_line.INERTIA] - numbers[at_line.CROSSED]) * gained
     if is_at_point(system, k, 0):
         point, col_0 = point_at(system, k, 0), get(shares_of(system, k).border, 0)
-        numbers[BALANCE] -= dot(col_0, force_at_stage(system, point, time)) / points_of(system).stage_mass[point]
+        numbers[at_line.BALANCE] -= dot(col_0, force_at_stage(system, point, time)) / points_of(system).stage_mass[point]
 
 
 @kernel
 def push_nodes(system, k):
     """Let the forces of line k (modified) have what u' of its drum does: col u', and - col_0 u' of M_0, by masses."""
     conditions, w, b, points = conditions_of(system, k), integrator_of(system, k), shares_of(system, k), points_of(system)
-    gained = numbers_of(system, k)[STAGE_ACCELERATION]
+    gained = numbers_of(system, k)[at_line.STAGE_ACCELERATION]
     for i in range(conditions.n + 1):
         if is_free(conditions, i):
             ratio = w.stage_mass[i] / w.mass[i]
@@ -211,8 +169,8 @@ def slope_at_start(system, k, time):
     """1 + T/EA [-] at the drum of line k at the start of the step, a time [s], with its acceleration."""
     _, speed = length_of(system, k)
     numbers = numbers_of(system, k)
-    counter = counter_force(system, k, numbers[DIRECTION], speed, time)
-    _, slope = rope.with_strain(stiffness_of(system, k), counter + mass_of(system, k) * numbers[STAGE_ACCELERATION])
+    counter = counter_force(system, k, numbers[at_line.DIRECTION], speed, time)
+    _, slope = rope.with_strain(stiffness_of(system, k), counter + mass_of(system, k) * numbers[at_line.STAGE_ACCELERATION])
     return slope
 
 
@@ -264,8 +222,8 @@ def node_acceleration(system, k, i, time):
         return scale(1.0 / points.mass[point], force_at_stage(system, point, time))
     if i == conditions.n and is_at_point(system, k, 1):
         return ZERO_VECTOR  # its part in the rope that flows is 0
-    force = add_scaled(get_node(conditions.n, i, w.force), numbers[STAGE_ACCELERATION], get(shares_of(system, k).border, i))
-    return scale(1.0 / w.mass[i], force)
+    gained, col = numbers[at_line.STAGE_ACCELERATION], get(shares_of(system, k).border, i)
+    return scale(1.0 / w.mass[i], add_scaled(get_node(conditions.n, i, w.force), gained, col))
 
 
 @kernel
@@ -274,20 +232,15 @@ def take_equation(system, k, time, d):
 
     False if there is none.
     """
-    conditions, numbers, b, w = (
-        conditions_of(system, k),
-        numbers_of(system, k),
-        shares_of(system, k),
-        integrator_of(system, k),
-    )
+    conditions, numbers = conditions_of(system, k), numbers_of(system, k)
+    b, w = shares_of(system, k), integrator_of(system, k)
     n, (x, v), (length, speed) = conditions.n, motion_of(system, k), length_of(system, k)
-    chain, part = chain_moving(conditions, length, speed, numbers[STAGE_ACCELERATION]), 1.0
+    chain, part = chain_moving(conditions, length, speed, numbers[at_line.STAGE_ACCELERATION]), 1.0
     slope, drum = slope_at_start(system, k, time), drum_at(system, k)
     by_speed, by_length = 2.0 * rope.half_density(chain, 0) * speed - slope * drum.damping, 0.0
     by_position = b.row  # in the same room at first
-    for i in range(3 * (n + 1)):
-        b.by_velocity[i] = 0.0
-        by_position[i] = 0.0
+    clear(b.by_velocity)
+    clear(by_position)
     a_p = node_acceleration(system, k, 0, time)
     for s in range(n):
         a_q = node_acceleration(system, k, s + 1, time)
@@ -314,10 +267,10 @@ def take_equation(system, k, time, d):
         along = add_scaled(add_scaled(get(b.by_velocity, i), d, get(by_position, i)), 1.0 / d, get(b.border, i))
         put(b.row, i, along if is_free(conditions, i) else ZERO_VECTOR)
     keep_row(system, k, b.row)
-    numbers[BY_SPEED], numbers[RATE] = by_speed, rate
-    pivot = numbers[INERTIA] / d - by_speed - d * by_length
-    numbers[PIVOT] = pivot - condensed.inner_product(rows_of(system, k), b.row, room_in_step(system, k).column)
-    return numbers[PIVOT] > 0.0
+    numbers[at_line.BY_SPEED], numbers[at_line.RATE] = by_speed, rate
+    pivot = numbers[at_line.INERTIA] / d - by_speed - d * by_length
+    numbers[at_line.PIVOT] = pivot - condensed.inner_product(rows_of(system, k), b.row, room_in_step(system, k).column)
+    return numbers[at_line.PIVOT] > 0.0
 
 
 @kernel
@@ -325,9 +278,9 @@ def keep_row(system, k, row):
     """What is left of a row of the drum of line k at its ends into its numbers (modified)."""
     numbers, rows, columns = numbers_of(system, k), rows_of(system, k), room_in_step(system, k).columns
     if is_at_point(system, k, 0):
-        put_at(numbers, ROW_AT_START, condensed.whole_row_at_end(rows, 0, row, columns))
+        put_at(numbers, at_line.ROW_AT_START, condensed.whole_row_at_end(rows, 0, row, columns))
     if is_at_point(system, k, 1):
-        put_at(numbers, ROW_AT_END, condensed.whole_row_at_end(rows, 1, row, columns))
+        put_at(numbers, at_line.ROW_AT_END, condensed.whole_row_at_end(rows, 1, row, columns))
 
 
 @kernel
@@ -356,13 +309,9 @@ def push_back(system, k, inertia, h):
 @kernel
 def right_of_stage(system, k, stage, inertia, h):
     """Right-hand side of a stage of the drum of line k [N]; inertia : what its stages add up to [m/s]."""
-    conditions, numbers, b, w = (
-        conditions_of(system, k),
-        numbers_of(system, k),
-        shares_of(system, k),
-        integrator_of(system, k),
-    )
-    total = numbers[BALANCE] + numbers[INERTIA] * inertia / h + GAMMA_I[stage] * h * numbers[RATE]
+    conditions, numbers = conditions_of(system, k), numbers_of(system, k)
+    b, w = shares_of(system, k), integrator_of(system, k)
+    total = numbers[at_line.BALANCE] + numbers[at_line.INERTIA] * inertia / h + GAMMA_I[stage] * h * numbers[at_line.RATE]
     for i in range(conditions.first, conditions.last + 1):
         total -= dot(get(b.border, i), get_node(conditions.n, i, w.inertia_velocity)) / h
         total -= dot(get(b.by_velocity, i), get_node(conditions.n, i, w.r))

@@ -7,6 +7,7 @@ at the end of the step: R feels all nodes, and so does the row of the drum.
 
 from tetherfmu.runtime import layout as at
 
+from ..arrays import clear
 from ..compilation import kernel
 from ..equations import rope_at_drum as rope
 from ..equations import segment
@@ -15,8 +16,9 @@ from ..equations.end_motion import acceleration_at
 from ..equations.lines import conditions_of, motion_of
 from ..equations.properties import property_of
 from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, dot, get, put, scale, sub
+from . import system_room as at_line
 from .rope_drums import is_free, mass_of, stiffness_of
-from .system_room import CHANGE, TRIAL, attempt_of, drum_at, length_of, numbers_of, room_in_step, scratch_of
+from .system_room import attempt_of, drum_at, length_of, numbers_of, room_in_step, scratch_of
 
 CLOSE = 1e-6  # of the tension: what an iteration may leave, whose square the next one does
 
@@ -54,8 +56,7 @@ def take_row(system, k, step, row):
     attempt, w, h, conditions = attempt_of(system, k, step), scratch_of(system, k), step.h, conditions_of(system, k)
     chain, part, lowest = attempt.chain, 1.0, get(w.x, 0)[2]
     pull, by_speed = rope.of_speed(chain), -2.0 * rope.half_density(chain, 0) * chain.reeling
-    for i in range(len(row)):
-        row[i] = 0.0
+    clear(row)
     a_p = acceleration_of_node(system, k, step, 0)
     for s in range(chain.n):
         x_p, x_q, a_q = get(w.x, s), get(w.x, s + 1), acceleration_of_node(system, k, step, s + 1)
@@ -83,7 +84,7 @@ def take_row(system, k, step, row):
 @kernel
 def counter_force(system, k, step, direction):
     """T + T^2/(2 EA) [N] with T = W + m u' in the iteration, were friction in a direction; and its slope with T [-]."""
-    drum, (_, before), speed = drum_at(system, k), length_of(system, k), numbers_of(system, k)[TRIAL]
+    drum, (_, before), speed = drum_at(system, k), length_of(system, k), numbers_of(system, k)[at_line.TRIAL]
     force = force_at(drum, step.time + step.h) + drum.damping * speed + drum.friction * direction
     return rope.with_strain(stiffness_of(system, k), force + mass_of(system, k) * (speed - before) / step.h)
 
@@ -110,7 +111,7 @@ def is_close(system, k, step):
     It left dT^2/(2 EA) and dT F/EA of friction, dT = (m/h + c) du.
     """
     stiffness, drum, numbers = stiffness_of(system, k), drum_at(system, k), numbers_of(system, k)
-    speed, changed = numbers[TRIAL], (mass_of(system, k) / step.h + drum.damping) * numbers[CHANGE]
+    speed, changed = numbers[at_line.TRIAL], (mass_of(system, k) / step.h + drum.damping) * numbers[at_line.CHANGE]
     force = abs(force_at(drum, step.time + step.h)) + drum.damping * abs(speed) + abs(changed)
     left = abs(changed) * (abs(changed) + 2.0 * drum.friction)
     return left <= 2.0 * stiffness * CLOSE * (force + CLOSE * stiffness)

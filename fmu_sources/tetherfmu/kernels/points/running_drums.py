@@ -14,8 +14,11 @@ from tetherfmu.runtime import layout as at
 
 from ..compilation import kernel, view
 from ..equations.drum import drum_of, force_at
-from ..equations.lines import conditions_of, is_at_point, lines_of, parameters_of, point_at, stiffness_of
+from ..equations.free_points import is_at_point, point_at
+from ..equations.lines import conditions_of, lines_of, parameters_of
 from ..equations.rope_at_sheave import IN, OUT
+from ..equations.ropes import stiffness_of
+from ..line.drum_events import OVERLOAD
 from ..linear_algebra.vectors import dot, get, put_at, scale, vector_at
 from . import sheave_room as at_sheave
 from .coordinates import count_of, is_drum, line_of, number_of, own_numbers, runs, weight_of
@@ -46,6 +49,19 @@ def friction_of_drum(system, c):
 def has_friction(system, c):
     """Whether friction may hold a coordinate."""
     return friction_of_drum(system, c) > 0.0 if is_drum(system, c) else has_losses(system, c)
+
+
+@kernel
+def urges(system, c, behind, ahead, loss):
+    """Forces [N] with which tensions pull a coordinate forwards and backwards beyond what holds it; a margin of these.
+
+    behind, ahead : T_1, T_2 [N].  loss : E of a sheave.
+    """
+    if is_drum(system, c):
+        pull, friction = ahead - behind, friction_of_drum(system, c)
+        return pull - friction, -pull - friction, OVERLOAD * own_numbers(system, c)[at_sheave.BEHIND]
+    margin = OVERLOAD * (abs(behind) + abs(ahead))
+    return ahead - behind - (loss - 1.0) * max(behind, 0.0), behind - ahead - (loss - 1.0) * max(ahead, 0.0), margin
 
 
 @kernel

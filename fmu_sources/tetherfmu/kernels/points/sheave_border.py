@@ -15,28 +15,17 @@ Z_s = A^-1 c_s,
 so that each of them costs one solution more for each matrix, and a vector for each stage.
 """
 
+from ..arrays import clear
 from ..compilation import kernel, view
-from ..equations.lines import (
-    add_at,
-    clear,
-    conditions_of,
-    is_at_point,
-    is_turned,
-    lines_of,
-    motion_of,
-    point_at,
-    points_of,
-    rows_of,
-    segments_of,
-    sheaves_of,
-    size_of_blocks,
-)
+from ..equations.free_points import is_at_point, point_at, points_of, rows_of, size_of_blocks
+from ..equations.lines import conditions_of, lines_of, motion_of, segments_of
 from ..equations.rope_at_sheave import IN, OUT
+from ..equations.ropes import is_turned, sheaves_of
 from ..line.rodas4p import GAMMA, GAMMA_I, STAGES
 from ..linear_algebra import condensed, small_matrix
 from ..linear_algebra.both_ends import get_node
 from ..linear_algebra.point_blocks import solve_blocks
-from ..linear_algebra.vectors import add_scaled, dot, get, put, scale
+from ..linear_algebra.vectors import add_at, add_scaled, dot, get, put, scale
 from . import running_drums
 from . import sheave_room as at_sheave
 from .at_points import take_ends
@@ -210,7 +199,7 @@ def form_border(system, time, h):
     The matrix of the points is factorized, and the forces of stage 0 are known.
     """
     count, d, (matrix, inverse, _, _, _) = count_of(system), GAMMA * h, shared_of(system)
-    small_matrix.set_to_zero(count, matrix)
+    clear(matrix)
     if count > sheaves_of(system):
         take_rows_at_drums(system, time, d)
     for j in range(count):
@@ -285,26 +274,19 @@ def known_of_portion(system, k, side, weight, h):
 
 
 @kernel
-def right_of_sheave(system, k, stage, h):
-    """Right-hand side of a stage of the sheave at the end of line k [N], with the solutions without coordinates."""
-    numbers = numbers_at(system, k)
-    of_1, of_2 = numbers[at_sheave.OF_BEHIND], numbers[at_sheave.OF_AHEAD]
-    total = numbers[at_sheave.RIGHT] + inertia_times(system, k, at_sheave.ADDED_UP) / h
-    total += GAMMA_I[stage] * h * numbers[at_sheave.RATE]
-    total += known_of_portion(system, k, OUT, of_1, h) + known_of_portion(system, k + 1, IN, of_2, h)
-    return total - numbers[at_sheave.BY_OWN] * numbers[at_sheave.REST]
-
-
-@kernel
-def right_of_drum(system, c, stage, h):
-    """The same of a drum."""
-    numbers = own_numbers(system, c)
-    total = numbers[at_sheave.RIGHT] + running_drums.inertia_times(system, c, at_sheave.ADDED_UP) / h
-    total += GAMMA_I[stage] * h * numbers[at_sheave.RATE]
-    for k in range(lines_of(system)):
-        weight = weight_of(system, c, k, IN)
-        if weight != 0.0:
-            total += weight * known_of_portion(system, k, IN, numbers_at(system, k)[at_sheave.OF_IN], h)
+def right_of(system, c, stage, h):
+    """Right-hand side of a stage of a coordinate [N], with the solutions without coordinates."""
+    numbers, which = own_numbers(system, c), at_sheave.ADDED_UP
+    inertia = running_drums.inertia_times(system, c, which) if is_drum(system, c) else inertia_times(system, c, which)
+    total = numbers[at_sheave.RIGHT] + inertia / h + GAMMA_I[stage] * h * numbers[at_sheave.RATE]
+    if is_drum(system, c):
+        for k in range(lines_of(system)):
+            weight = weight_of(system, c, k, IN)
+            if weight != 0.0:
+                total += weight * known_of_portion(system, k, IN, numbers_at(system, k)[at_sheave.OF_IN], h)
+    else:
+        of_1, of_2 = numbers[at_sheave.OF_BEHIND], numbers[at_sheave.OF_AHEAD]
+        total += known_of_portion(system, c, OUT, of_1, h) + known_of_portion(system, c + 1, IN, of_2, h)
     return total - numbers[at_sheave.BY_OWN] * numbers[at_sheave.REST]
 
 
@@ -316,7 +298,7 @@ def solve_border(system, stage, h):
         c = coordinate_at(system, j)
         right[j] = 0.0
         if runs(system, c):
-            right[j] = right_of_drum(system, c, stage, h) if is_drum(system, c) else right_of_sheave(system, c, stage, h)
+            right[j] = right_of(system, c, stage, h)
     for i in range(count):
         solution[i] = 0.0
         for j in range(count):

@@ -8,37 +8,17 @@ from ..compilation import kernel, view
 from ..equations import flow, segment
 from ..equations import rope_at_sheave as rope
 from ..equations.end_motion import acceleration_at
-from ..equations.lines import (
-    comes_from,
-    conditions_of,
-    goes_on,
-    is_at_point,
-    is_even,
-    is_turned,
-    lines_of,
-    load_at,
-    parameters_of,
-    point_at,
-    points_of,
-    segments_of,
-    sheaves_of,
-)
+from ..equations.free_points import is_at_point, load_at, point_at, points_of
+from ..equations.lines import conditions_of, lines_of, parameters_of, segments_of
 from ..equations.properties import property_of
 from ..equations.rope_at_sheave import IN, OUT
+from ..equations.ropes import comes_from, goes_on, is_even, is_turned, sheaves_of
 from ..linear_algebra.both_ends import get_interleaved, get_node, get_two, lower_and_upper, put_interleaved, put_two
 from ..linear_algebra.pairs import first, number_at, pair, second
 from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, cross, dot, get, norm, put, scale, sub, vector_at
 from . import sheave_room as at_sheave
 from .coordinates import coordinate_at, count_of, is_drum, number_of, own_numbers, runs, weight_of
-from .sheave_room import (
-    PULLED,
-    gain_of,
-    numbers_at,
-    parts_of,
-    portion_in_step,
-    ratio_of,
-    single_at,
-)
+from .sheave_room import PULLED, gain_of, numbers_at, parts_of, portion_in_step, ratio_of, single_at
 from .system_room import integrator_of
 
 
@@ -142,12 +122,8 @@ def take_pulls(system, k, time):
     Without what its ends add where they are free points. The forces on its nodes get what rope that flows does, and a winch
     that gains speed.
     """
-    conditions, numbers, w, pulled = (
-        conditions_of(system, k),
-        numbers_at(system, k),
-        integrator_of(system, k),
-        single_at(system, k, PULLED),
-    )
+    conditions, numbers = conditions_of(system, k), numbers_at(system, k)
+    w, pulled = integrator_of(system, k), single_at(system, k, PULLED)
     n, parts, gain = conditions.n, parts_of(system, k), 0.0
     given = is_even(system, k), parts[n], (w.stage_x, w.stage_v, w.modes)
     (pull_a, pull_b), own = take_segments(portion_in_step(system, k), True, *given, pulled, w.force)

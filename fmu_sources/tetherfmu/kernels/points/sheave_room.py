@@ -13,22 +13,10 @@ from ..arrays import places_of
 from ..compilation import kernel, view
 from ..equations import winch
 from ..equations.boundary import portion_moving
-from ..equations.lines import (
-    comes_from,
-    conditions_of,
-    coordinates_in,
-    goes_on,
-    has_coordinates,
-    is_freed,
-    is_rope,
-    is_turned,
-    number_of_line,
-    parameters_of,
-    segments_of,
-)
-from ..equations.plan import number_in
+from ..equations.lines import conditions_of, number_in, number_of_line, parameters_of, segments_of
 from ..equations.properties import chain_with_flow, property_of
 from ..equations.rope_at_sheave import IN, OUT
+from ..equations.ropes import comes_from, coordinates_in, goes_on, has_coordinates, is_freed, is_rope, is_turned
 from ..flat_arrays import part
 from ..line.rodas4p import STAGES
 
@@ -290,9 +278,9 @@ def is_running(system, k):
 
 
 @kernel
-def speed_out(system, k):
-    """b of portion k at the start of the step [m/s]."""
-    return numbers_at(system, k)[SPEED] if goes_on(system, k) else 0.0
+def speed_out(system, k, which):
+    """b of portion k [m/s], of a speed of coordinates among their numbers."""
+    return numbers_at(system, k)[which] if goes_on(system, k) else 0.0
 
 
 @kernel
@@ -303,20 +291,20 @@ def winch_of(system, k):
 
 
 @kernel
-def speed_in(system, k, time):
-    """a of portion k at the start of the step, a time [s] of the communication step [m/s]."""
+def speed_in(system, k, time, which):
+    """a of portion k [m/s], of such a speed, or that of a winch at a time [s] of the communication step."""
     if comes_from(system, k):
-        return numbers_at(system, k - 1)[SPEED]
+        return numbers_at(system, k - 1)[which]
     if is_turned(system, k):
-        return from_drums(system, k, SPEED)
+        return from_drums(system, k, which)
     return winch.rate_at(winch_of(system, k), time)
 
 
 @view
 def portion_at_start(system, k, time):
     """`Chain` of portion k at the start of the step, a time [s] of the communication step, without accelerations."""
-    leaving = speed_out(system, k)
-    reeling = speed_in(system, k, time) - leaving
+    leaving = speed_out(system, k, SPEED)
+    reeling = speed_in(system, k, time, SPEED) - leaving
     return portion_moving(conditions_of(system, k), numbers_at(system, k)[LENGTH_NOW], reeling, 0.0, (leaving, 0.0))
 
 
@@ -327,7 +315,7 @@ def portion_in_step(system, k):
     The forces of rope that flows are not among those of its nodes: `sheave_pulls.take_pulls` adds them.
     """
     numbers, conditions = numbers_at(system, k), conditions_of(system, k)
-    leaving = numbers[STAGE_SPEED] if goes_on(system, k) else 0.0
+    leaving = speed_out(system, k, STAGE_SPEED)
     motion = numbers[LENGTH], numbers[INTO] - leaving, 0.0, (leaving, 0.0)
     return chain_with_flow(conditions.n, conditions.parameters, *motion, conditions.wind, False)
 
@@ -343,9 +331,7 @@ def gain_of(system, k, side):
 @view
 def portion_gaining(system, k, moves):
     """`Chain` of portion k at a stage with its accelerations; moves : 1, or 0 without speeds."""
-    numbers, leaving, gain = numbers_at(system, k), 0.0, gain_of(system, k, OUT)
-    if goes_on(system, k):
-        leaving = moves * numbers[STAGE_SPEED]
+    numbers, leaving, gain = numbers_at(system, k), moves * speed_out(system, k, STAGE_SPEED), gain_of(system, k, OUT)
     reeling = moves * numbers[INTO] - leaving
     leave = leaving, gain
     return portion_moving(conditions_of(system, k), numbers[LENGTH], reeling, numbers[INTO_GAIN] - gain, leave)

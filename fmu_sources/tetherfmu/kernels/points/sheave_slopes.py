@@ -2,27 +2,20 @@
 
 from tetherfmu.runtime import layout as at
 
+from ..arrays import clear
 from ..compilation import kernel
 from ..equations import assembly, segment, winch
 from ..equations import rope_at_sheave as rope
 from ..equations.boundary import chain_with
 from ..equations.end_motion import acceleration_at, velocity_at
 from ..equations.ground import has_ground
-from ..equations.lines import (
-    add_at,
-    clear,
-    comes_from,
-    conditions_of,
-    is_even,
-    motion_of,
-    parameters_of,
-    segments_of,
-)
+from ..equations.lines import conditions_of, motion_of, parameters_of, segments_of
 from ..equations.properties import point_mass
 from ..equations.rope_at_sheave import IN, OUT
+from ..equations.ropes import comes_from, is_even
 from ..line import contact
 from ..linear_algebra.both_ends import interleave
-from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, dot, get, norm, put, scale, sub
+from ..linear_algebra.vectors import ZERO_VECTOR, add, add_at, add_scaled, dot, get, norm, put, scale, sub
 from . import sheave_room as at_sheave
 from .sheave_pulls import density_of, loss_with
 from .sheave_room import (
@@ -51,12 +44,9 @@ def form_slopes(system, k, time):
     """F_L and F_u of portion k (modified) at the start of the step, with the masses of its nodes, which grow with L."""
     n, conditions, w = segments_of(system, k), conditions_of(system, k), integrator_of(system, k)
     (x, v), length, part = motion_of(system, k), numbers_at(system, k)[at_sheave.LENGTH_NOW], 1.0
-    by_length, into = single_at(system, k, FORCE_BY_LENGTH), array_at(system, k, BY_SPEED, IN)
-    out, chain, growing = (
-        array_at(system, k, BY_SPEED, OUT),
-        portion_at_start(system, k, time),
-        chain_with(conditions, length, 1.0),
-    )
+    by_length = single_at(system, k, FORCE_BY_LENGTH)
+    into, out = array_at(system, k, BY_SPEED, IN), array_at(system, k, BY_SPEED, OUT)
+    chain, growing = portion_at_start(system, k, time), chain_with(conditions, length, 1.0)
     gained, own, is_uniform = single_at(system, k, ACCELERATIONS), rope.rope_of(chain, 0), is_even(system, k)
     assembly.rate_from_reeling(growing, w.start_x, w.start_v, w.records, by_length)
     if has_ground(conditions.parameters):
@@ -171,12 +161,8 @@ def add_wrap(system, k):
 def finish_row(system, k, side, weight, time, d):
     """Row of R_a or R_b of portion k from ROW and BY_VELOCITY (modified); its explicit time derivative [N/s]."""
     conditions, numbers, border = conditions_of(system, k), numbers_at(system, k), single_at(system, k, BORDER)
-    by_position, by_velocity, n, rate = (
-        array_at(system, k, ROW, side),
-        array_at(system, k, BY_VELOCITY, side),
-        conditions.n,
-        0.0,
-    )
+    by_position, by_velocity = array_at(system, k, ROW, side), array_at(system, k, BY_VELOCITY, side)
+    n, rate = conditions.n, 0.0
     for end in range(2):
         curve, node = conditions.kite if end == 1 else conditions.ground, n * end
         if not conditions.first <= node <= conditions.last:

@@ -10,19 +10,11 @@ from tetherfmu.runtime import layout as at
 from ..arrays import copy
 from ..compilation import kernel
 from ..equations import winch
-from ..equations.lines import (
-    comes_from,
-    goes_on,
-    is_at_point,
-    is_rope,
-    is_turned,
-    lines_of,
-    segments_of,
-    sheaves_of,
-    stiffness_of,
-)
+from ..equations.free_points import is_at_point
+from ..equations.lines import lines_of, segments_of
 from ..equations.rope_at_sheave import IN, OUT
-from ..line.rodas4p import ALPHA, GAMMA, GAMMA_I, INERTIA, R_BY_GAMMA, STAGES, A, P
+from ..equations.ropes import comes_from, goes_on, is_rope, is_turned, sheaves_of, stiffness_of
+from ..line.rodas4p import ALPHA, GAMMA, GAMMA_I, INERTIA, R_BY_GAMMA, STAGES, A, P, added_up
 from ..linear_algebra.both_ends import get_node
 from ..linear_algebra.vectors import add, dot, get, put, scale
 from . import running_drums
@@ -53,6 +45,7 @@ from .sheave_room import (
     runs_over,
     shortest_of,
     single_at,
+    speed_in,
     through,
     winch_of,
 )
@@ -62,14 +55,6 @@ from .system_room import integrator_of
 LEAST_LENGTH = 0.25  # of the shortest length of a portion, below which an iteration does not take it
 CLOSE = 1e-6  # of a length, by which a portion may be beyond its limits
 MOST_RUN = 0.1  # part of a portion by which rope that runs changes it in an iteration
-
-
-@kernel
-def added_up(start, factors, stage, speeds):
-    """start + sum_j factors[stage, j] U_j."""
-    for j in range(stage):
-        start += factors[stage, j] * speeds[j]
-    return start
 
 
 @kernel
@@ -92,28 +77,32 @@ def go_to_stage(system, stage, time, h):
 
 
 @kernel
+def length_with(system, k, which, start, time):
+    """Length of portion k [m] with rope that has passed, `which` of the numbers of coordinates, and from its winch.
+
+    start, time : from when on and until when that pays out [s].
+    """
+    length = numbers_at(system, k)[at_sheave.LENGTH_NOW]
+    if is_turned(system, k):
+        length += from_drums(system, k, which)
+    elif comes_from(system, k):
+        length += numbers_at(system, k - 1)[which]
+    else:
+        paid = winch_of(system, k)
+        length += winch.length_at(paid, time) - winch.length_at(paid, start)
+    return length - numbers_at(system, k)[which] if goes_on(system, k) else length
+
+
+@kernel
 def take_lengths(system, start, time):
     """Lengths and a of the portions (modified) at a time [s], from a step that began at `start` [s]; False: no length."""
     lost = 0
     for k in range(lines_of(system)):
         if is_rope(system, k):
-            numbers = numbers_at(system, k)
-            length = numbers[at_sheave.LENGTH_NOW]
-            if is_turned(system, k):
-                length += from_drums(system, k, at_sheave.PASSED)
-                numbers[at_sheave.INTO] = from_drums(system, k, at_sheave.STAGE_SPEED)
-            elif comes_from(system, k):
-                before = numbers_at(system, k - 1)
-                length += before[at_sheave.PASSED]
-                numbers[at_sheave.INTO] = before[at_sheave.STAGE_SPEED]
-            else:
-                paid = winch_of(system, k)
-                length += winch.length_at(paid, time) - winch.length_at(paid, start)
-                numbers[at_sheave.INTO] = winch.rate_at(paid, time)
-                numbers[at_sheave.INTO_GAIN] = winch.gain_at(paid, time)
-            if goes_on(system, k):
-                length -= numbers[at_sheave.PASSED]
-            numbers[at_sheave.LENGTH] = length
+            numbers, length = numbers_at(system, k), length_with(system, k, at_sheave.PASSED, start, time)
+            numbers[at_sheave.LENGTH], numbers[at_sheave.INTO] = length, speed_in(system, k, time, at_sheave.STAGE_SPEED)
+            if not (is_turned(system, k) or comes_from(system, k)):
+                numbers[at_sheave.INTO_GAIN] = winch.gain_at(winch_of(system, k), time)
             lost += not length > 0.0
     return lost == 0
 

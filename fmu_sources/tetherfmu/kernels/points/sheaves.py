@@ -12,18 +12,12 @@ col u')/mass: a small system of equations for all u', solved by Newton's method 
 has all of its lines, and all sheaves there. See `sheave_border.py` for how this stands in the matrix of a step.
 """
 
+from ..arrays import clear
 from ..compilation import kernel
-from ..equations.lines import (
-    comes_from,
-    is_at_point,
-    is_turned,
-    lines_of,
-    point_at,
-    segments_of,
-    sheaves_of,
-    stiffness_of,
-)
+from ..equations.free_points import is_at_point, point_at
+from ..equations.lines import lines_of, segments_of
 from ..equations.rope_at_sheave import IN, OUT
+from ..equations.ropes import comes_from, is_turned, sheaves_of, stiffness_of
 from ..linear_algebra import small_matrix
 from ..linear_algebra.vectors import dot, get, put_at
 from . import running_drums
@@ -93,12 +87,8 @@ def change_pulls(system, changes):
 def take_tensions_at_sheave(system, k, matrix, right):
     """The same of the sheave at the end of line k: T_1 and T_2."""
     numbers, count, (slopes_1, slopes_2, _) = numbers_at(system, k), count_of(system), slopes_of(system)
-    stiffness_1, stiffness_2, mass, j = (
-        stiffness_of(system, k),
-        stiffness_of(system, k + 1),
-        mass_of(system, k),
-        number_of(system, k),
-    )
+    stiffness_1, stiffness_2 = stiffness_of(system, k), stiffness_of(system, k + 1)
+    mass, j = mass_of(system, k), number_of(system, k)
     tension_1 = tension_in(stiffness_1, -numbers[at_sheave.PULL_BEHIND])
     tension_2 = tension_in(stiffness_2, numbers[at_sheave.PULL_AHEAD])
     numbers[at_sheave.TENSION_AHEAD], numbers[at_sheave.TENSION_BEHIND] = tension_2, tension_1
@@ -165,7 +155,7 @@ def solve_gains(system, time):
     for j in range(sheaves_of(system)):
         take_pulls_at_sheave(system, coordinate_at(system, j))
     for _ in range(MOST_CORRECTIONS):
-        small_matrix.set_to_zero(count, matrix)
+        clear(matrix)
         left = 0.0
         for j in range(count):
             c = coordinate_at(system, j)

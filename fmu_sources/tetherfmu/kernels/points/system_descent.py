@@ -12,33 +12,24 @@ and so is what is left of them at the points.
 
 from math import inf, sqrt
 
-from ..arrays import copy
+from ..arrays import clear, copy
 from ..compilation import kernel
 from ..equations import flow, segment
 from ..equations.assembly import longest_part
+from ..equations.free_points import is_at_point, point_at, points_of, rows_of, size_of_blocks
 from ..equations.ground import has_ground
-from ..equations.lines import (
-    add_at,
-    clear,
-    has_coordinates,
-    is_at_point,
-    lines_of,
-    parameters_of,
-    point_at,
-    points_of,
-    rows_of,
-    segments_of,
-    size_of_blocks,
-)
+from ..equations.lines import lines_of, parameters_of, segments_of
 from ..equations.properties import rest_length
+from ..equations.ropes import has_coordinates
 from ..line import incremental_potential
 from ..line.backward_euler import MOST_HALVINGS
 from ..linear_algebra import condensed
 from ..linear_algebra.point_blocks import factorize_blocks, solve_blocks
-from ..linear_algebra.vectors import dot, get, sub
+from ..linear_algebra.vectors import add_at, dot, get, sub
 from . import fixed_sheaves, system_fixed_drums
+from . import system_room as at_line
 from .at_points import add_column, place_matrix, take_ends
-from .system_room import CHANGE, GOAL, attempt_of, is_turning, moves, numbers_of, room_in_step, scratch_of
+from .system_room import attempt_of, is_turning, moves, numbers_of, room_in_step, scratch_of
 
 # phases of an iteration: from LATE on drums only change their speeds where the lines converge with them, from HELD on the
 # friction on the ground is that of the iteration before
@@ -141,7 +132,7 @@ def move_line(system, k, step):
     move = scratch_of(system, k).move
     take_ends(system, k, move)
     if is_turning(system, k, step):
-        add_column(system, k, numbers_of(system, k)[CHANGE], move)
+        add_column(system, k, numbers_of(system, k)[at_line.CHANGE], move)
     condensed.expand(rows_of(system, k), room_in_step(system, k).columns, move)
     return longest_part(attempt_of(system, k, step).chain, move)
 
@@ -282,7 +273,7 @@ def is_unconverged(system, k, taken):
     move, square = scratch_of(system, k).move, 0.0
     for i in range(segments_of(system, k) + 1):
         square = max(square, dot(get(move, i), get(move, i)))
-    return taken * sqrt(square) > numbers_of(system, k)[GOAL]
+    return taken * sqrt(square) > numbers_of(system, k)[at_line.GOAL]
 
 
 @kernel

@@ -16,49 +16,29 @@ from math import inf
 
 from tetherfmu.runtime import layout as at
 
+from ..arrays import clear
 from ..compilation import kernel, view
 from ..equations import assembly, segment
 from ..equations.boundary import chain_during, chain_with
 from ..equations.drum import balance
 from ..equations.end_motion import acceleration_at, velocity_at
+from ..equations.free_points import is_at_point, point_at, points_of, rows_of
 from ..equations.ground import has_ground
-from ..equations.lines import (
-    add_at,
-    clear,
-    conditions_of,
-    is_at_point,
-    lines_of,
-    motion_of,
-    point_at,
-    points_of,
-    rows_of,
-    segments_of,
-)
+from ..equations.lines import conditions_of, lines_of, motion_of, segments_of
 from ..equations.properties import point_mass, property_of, sees_reeling
 from ..equations.rope_at_drum import feels_rope
 from ..line import contact
-from ..line.rodas4p import ALPHA, GAMMA, GAMMA_I, INERTIA, R_BY_GAMMA, STAGES, A, P
+from ..line.rodas4p import ALPHA, GAMMA, GAMMA_I, INERTIA, R_BY_GAMMA, STAGES, A, P, added_up
 from ..linear_algebra import condensed
 from ..linear_algebra.both_ends import get_node, get_two, lower_and_upper, put_two
 from ..linear_algebra.matrices import get_matrix, transposed_apply
 from ..linear_algebra.pairs import first
-from ..linear_algebra.vectors import add, add_scaled, dot, get, put, put_at, scale, sub, vector_at
+from ..linear_algebra.vectors import add, add_at, add_scaled, dot, get, put, put_at, scale, sub, vector_at
 from . import rope_drums
+from . import system_room as at_line
 from .at_points import add_column, place_column, row_of
 from .sheave_room import is_running, portion_at_start, portion_in_step
 from .system_room import (
-    BY_POSITION,
-    BY_SPEED,
-    DIRECTION,
-    INCREMENT,
-    LENGTH,
-    PIVOT,
-    RATE,
-    REST,
-    ROW,
-    SOLUTION,
-    SPEED,
-    STAGE_ACCELERATION,
     drum_at,
     has_drum,
     integrator_of,
@@ -79,7 +59,7 @@ def chain_in_step(system, k, time):
     if is_running(system, k):
         return portion_in_step(system, k)
     if has_drum(system, k):
-        return chain_with(conditions, numbers[LENGTH], numbers[SPEED])
+        return chain_with(conditions, numbers[at_line.LENGTH], numbers[at_line.SPEED])
     return chain_during(conditions, time)
 
 
@@ -98,16 +78,8 @@ def chain_at_start(system, k, time):
 def begin_step(system, k):
     """Let the drum of line k (modified) begin a step with the length and the speed of its state; error estimates are 0."""
     numbers = numbers_of(system, k)
-    numbers[LENGTH], numbers[SPEED] = length_of(system, k)
-    numbers[SOLUTION] = numbers[INCREMENT] = 0.0
-
-
-@kernel
-def added_up(start, factors, stage, speeds):
-    """start + sum_j factors[stage, j] U_uj."""
-    for j in range(stage):
-        start += factors[stage, j] * speeds[j]
-    return start
+    numbers[at_line.LENGTH], numbers[at_line.SPEED] = length_of(system, k)
+    numbers[at_line.SOLUTION] = numbers[at_line.INCREMENT] = 0.0
 
 
 @kernel
@@ -117,11 +89,11 @@ def go_to_stage(system, k, stage, h):
     The last stage finds L_i and u_i there.
     """
     numbers, speeds, (length, speed) = numbers_of(system, k), shares_of(system, k).speeds, length_of(system, k)
-    numbers[REST] = added_up(GAMMA_I[stage] / GAMMA * speed, R_BY_GAMMA, stage, speeds)
+    numbers[at_line.REST] = added_up(GAMMA_I[stage] / GAMMA * speed, R_BY_GAMMA, stage, speeds)
     if stage < STAGES - 1:
-        numbers[LENGTH] = length + h * added_up(ALPHA[stage] * speed, P, stage, speeds)
-        numbers[SPEED] = added_up(speed, A, stage, speeds)
-    return 0.0 < numbers[LENGTH] < inf
+        numbers[at_line.LENGTH] = length + h * added_up(ALPHA[stage] * speed, P, stage, speeds)
+        numbers[at_line.SPEED] = added_up(speed, A, stage, speeds)
+    return 0.0 < numbers[at_line.LENGTH] < inf
 
 
 # --- the border
@@ -136,7 +108,7 @@ def record_of(system, k):
 @kernel
 def pull_of(system, k, change, factor, move):
     """T_v change + factor T_x move [N] of vectors between the nodes of the first segment of line k."""
-    record, by_position = record_of(system, k), vector_at(numbers_of(system, k), BY_POSITION)
+    record, by_position = record_of(system, k), vector_at(numbers_of(system, k), at_line.BY_POSITION)
     return record[segment.DAMPER] * dot(segment.direction_in(record), change) + factor * dot(by_position, move)
 
 
@@ -163,7 +135,7 @@ def sum_forces(system, points):
                 if is_at_point(system, k, end):
                     add_at(points.right, point_at(system, k, end), get_node(n, n * end, w.force))
             if turns_with_rope(system, k) and is_at_point(system, k, 0):
-                push = scale(numbers_of(system, k)[STAGE_ACCELERATION], get(shares_of(system, k).border, 0))
+                push = scale(numbers_of(system, k)[at_line.STAGE_ACCELERATION], get(shares_of(system, k).border, 0))
                 add_at(points.right, point_at(system, k, 0), push)
 
 
@@ -187,7 +159,7 @@ def form_column(system, k, d, points):
     for i in range(n + 1):
         mass, force, end = w.mass[i], get_node(n, i, w.force), 0 if i == 0 else 1
         if flows:
-            force = add_scaled(force, numbers_of(system, k)[STAGE_ACCELERATION], get(b.border, i))
+            force = add_scaled(force, numbers_of(system, k)[at_line.STAGE_ACCELERATION], get(b.border, i))
         if (i == 0 or i == n) and is_at_point(system, k, end):
             point = point_at(system, k, end)
             mass, force = points.mass[point], get(points.right, point)
@@ -211,11 +183,11 @@ def take_equation(system, k, time, d):
     response = condensed.first_difference(rows_of(system, k), room_in_step(system, k).column)
     e = segment.direction_in(record)
     by_position = transposed_apply(e, get_matrix(record, segment.K))
-    put_at(numbers, BY_POSITION, by_position)
-    put_at(numbers, ROW, add_scaled(scale(record[segment.DAMPER], e), d, by_position))
-    numbers[BY_SPEED], numbers[RATE] = by_speed, rate_of(system, k, time)
-    numbers[PIVOT] = drum.mass / d - by_speed - d * by_length - pull_of(system, k, response, d, response)
-    return 0.0 < numbers[PIVOT] < inf
+    put_at(numbers, at_line.BY_POSITION, by_position)
+    put_at(numbers, at_line.ROW, add_scaled(scale(record[segment.DAMPER], e), d, by_position))
+    numbers[at_line.BY_SPEED], numbers[at_line.RATE] = by_speed, rate_of(system, k, time)
+    numbers[at_line.PIVOT] = drum.mass / d - by_speed - d * by_length - pull_of(system, k, response, d, response)
+    return 0.0 < numbers[at_line.PIVOT] < inf
 
 
 @kernel
@@ -248,7 +220,7 @@ def subtract_rest(system, k):
     From both ends at once: numbers are read as `rosenbrock.right_hand_side` has just written them, without a wait.
     """
     n, q, by_speed = segments_of(system, k), integrator_of(system, k).q, shares_of(system, k).by_speed
-    rest = -numbers_of(system, k)[REST]
+    rest = -numbers_of(system, k)[at_line.REST]
     for i in range((n + 1) // 2):
         put_two(q, i, n - i, add_scaled(get_two(q, i, n - i), rest, get_two(by_speed, i, n - i)))
     if n % 2 == 0:
@@ -260,8 +232,9 @@ def solve_drum_with_rope(system, k, stage, h):
     """`solve_drum` of a drum that feels the rope that flows; `rope_drums.push_back` is done."""
     w, numbers = integrator_of(system, k), numbers_of(system, k)
     right = rope_drums.right_of_stage(system, k, stage, inertia_of_stage(system, k, stage), h)
-    right -= numbers[BY_SPEED] * numbers[REST]
-    numbers[SOLUTION] = (right + condensed.inner_product(rows_of(system, k), shares_of(system, k).row, w.q)) / numbers[PIVOT]
+    right -= numbers[at_line.BY_SPEED] * numbers[at_line.REST]
+    right += condensed.inner_product(rows_of(system, k), shares_of(system, k).row, w.q)
+    numbers[at_line.SOLUTION] = right / numbers[at_line.PIVOT]
 
 
 @kernel
@@ -283,17 +256,17 @@ def solve_drum(system, k, stage, time, h):
     tension = segment.tension_of(chain, 0, w.modes[0], length, dot(e, sub(first(v_q), first(v_p))))
     inertia = inertia_of_stage(system, k, stage)
     still = record[segment.DAMPER] * dot(segment.direction_in(record), sub(first(r_q), first(r_p)))
-    right = balance(drum, numbers[DIRECTION], tension, chain.reeling, time + ALPHA[stage] * h)
-    others = drum.mass * inertia / h - still - numbers[BY_SPEED] * numbers[REST]
-    right += others + GAMMA_I[stage] * h * numbers[RATE]
+    right = balance(drum, numbers[at_line.DIRECTION], tension, chain.reeling, time + ALPHA[stage] * h)
+    others = drum.mass * inertia / h - still - numbers[at_line.BY_SPEED] * numbers[at_line.REST]
+    right += others + GAMMA_I[stage] * h * numbers[at_line.RATE]
     difference = condensed.first_difference(rows_of(system, k), w.q)
-    numbers[SOLUTION] = (right + pull_of(system, k, difference, GAMMA * h, difference)) / numbers[PIVOT]
+    numbers[at_line.SOLUTION] = (right + pull_of(system, k, difference, GAMMA * h, difference)) / numbers[at_line.PIVOT]
 
 
 @kernel
 def add_left(system, k, end, left):
     """What is left of the right-hand side of a stage of line k at an end, with the part of its drum."""
-    p, column = numbers_of(system, k)[SOLUTION], room_in_step(system, k).column
+    p, column = numbers_of(system, k)[at_line.SOLUTION], room_in_step(system, k).column
     return add_scaled(left, p, get(column, segments_of(system, k) * end))
 
 
@@ -301,14 +274,14 @@ def add_left(system, k, end, left):
 def turn_drum(system, k, stage, h):
     """Solution of a stage for the drum of line k, whose ends have theirs in w.q; that of the inner nodes gets its part."""
     numbers, q, d = numbers_of(system, k), integrator_of(system, k).q, GAMMA * h
-    p = numbers[SOLUTION]
+    p = numbers[at_line.SOLUTION]
     for end in range(2):
         if is_at_point(system, k, end):
-            p -= dot(row_of(system, k, end), get(q, segments_of(system, k) * end)) / numbers[PIVOT]
+            p -= dot(row_of(system, k, end), get(q, segments_of(system, k) * end)) / numbers[at_line.PIVOT]
     add_column(system, k, p, q)
-    increment = p - numbers[REST]
+    increment = p - numbers[at_line.REST]
     shares_of(system, k).speeds[stage] = increment
-    numbers[SOLUTION], numbers[INCREMENT] = p, increment
+    numbers[at_line.SOLUTION], numbers[at_line.INCREMENT] = p, increment
     if stage >= STAGES - 2:
-        numbers[LENGTH] += d * p
-        numbers[SPEED] += increment
+        numbers[at_line.LENGTH] += d * p
+        numbers[at_line.SPEED] += increment

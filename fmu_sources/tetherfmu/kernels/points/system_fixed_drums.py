@@ -22,55 +22,25 @@ each iteration descends as one of `backward_euler.py` does, and one factorizatio
 docs/models/numerics.md, "A drum in the same system".
 """
 
+from ..arrays import clear
 from ..compilation import kernel
 from ..equations import flow
 from ..equations.assembly import node_masses
 from ..equations.boundary import hold_ends, load_during
 from ..equations.drum import HELD, INWARDS, OUTWARDS, force_at
-from ..equations.lines import (
-    add_at,
-    clear,
-    conditions_of,
-    is_at_point,
-    lines_of,
-    load_at,
-    motion_of,
-    parameters_of,
-    point_at,
-    points_of,
-    rows_of,
-    segments_of,
-)
+from ..equations.free_points import is_at_point, load_at, point_at, points_of, rows_of
+from ..equations.lines import conditions_of, lines_of, motion_of, parameters_of, segments_of
 from ..equations.node_loads import free_acceleration
 from ..equations.properties import point_mass, sees_reeling
 from ..equations.rope_at_drum import feels_rope
 from ..line import backward_euler, incremental_potential
 from ..linear_algebra import condensed
-from ..linear_algebra.vectors import add, add_scaled, dot, get, put, put_at, scale, sub
+from ..linear_algebra.vectors import add, add_at, add_scaled, dot, get, put, put_at, scale, sub
 from . import rope_fixed_drums
+from . import system_room as at_line
 from .at_points import place_column, row_of
 from .rope_drums import keep_row
-from .system_room import (
-    CHANGE,
-    GOAL,
-    HIGHEST,
-    IS_FOUND,
-    LOWEST,
-    ONWARD,
-    PIVOT,
-    ROW,
-    SOUGHT,
-    TENSION,
-    TRIAL,
-    WAY,
-    attempt_of,
-    drum_at,
-    is_turning,
-    length_of,
-    numbers_of,
-    room_in_step,
-    scratch_of,
-)
+from .system_room import attempt_of, drum_at, is_turning, length_of, numbers_of, room_in_step, scratch_of
 
 MOST_REELED = 0.1  # part of the length by which it changes in an iteration
 LEAST_PIVOT = 1e-3  # of what P is where the chain does not yield
@@ -171,8 +141,8 @@ def take_equation(system, k, step):
         pull, by_rope = rope_fixed_drums.take_row(system, k, step, row)
         inertia = rope_fixed_drums.inertia(system, k, step)
         lowest = LEAST_PIVOT * (inertia + drum.mass / h)
-        numbers[PIVOT] = max(inertia + by_rope - condensed.inner_product(rows, row, column), lowest)
-        numbers[TENSION] = pull + condensed.inner_product(rows, row, w.move)
+        numbers[at_line.PIVOT] = max(inertia + by_rope - condensed.inner_product(rows, row, column), lowest)
+        numbers[at_line.TENSION] = pull + condensed.inner_product(rows, row, w.move)
         keep_row(system, k, row)
         return
     length, e, rest, stiffness, c, rate, r0 = incremental_potential.segment_at(attempt, 0, w.x, w)
@@ -182,16 +152,16 @@ def take_equation(system, k, step):
     inertia = drum.mass / h + drum.damping
     lowest = LEAST_PIVOT * (inertia + (h * stiffness + c) * length / chain.length)
     yielded = dot(by_position, condensed.first_difference(rows, column))
-    numbers[PIVOT] = max(inertia - along - aslant - yielded, lowest)
+    numbers[at_line.PIVOT] = max(inertia - along - aslant - yielded, lowest)
     tension = stiffness * (length - rest) + c * rate
-    numbers[TENSION] = tension + dot(by_position, condensed.first_difference(rows, w.move))
-    put_at(numbers, ROW, by_position)
+    numbers[at_line.TENSION] = tension + dot(by_position, condensed.first_difference(rows, w.move))
+    put_at(numbers, at_line.ROW, by_position)
 
 
 @kernel
 def residual_of(system, k, step, tension):
     """r [N] of the drum of line k with a tension [N]."""
-    (_, before), speed, drum = length_of(system, k), numbers_of(system, k)[TRIAL], drum_at(system, k)
+    (_, before), speed, drum = length_of(system, k), numbers_of(system, k)[at_line.TRIAL], drum_at(system, k)
     if feels_rope(parameters_of(system, k)):
         counter, _ = rope_fixed_drums.counter_force(system, k, step, 0.0)
         return counter - tension
@@ -211,10 +181,10 @@ def friction_of(system, k, step, direction):
 def place_drum(system, k, step, points):
     """Part of the drum of line k of the matrix and the right-hand side of the points (modified), as it is sought."""
     numbers, column = numbers_of(system, k), room_in_step(system, k).column
-    way, change = numbers[WAY], numbers[SOUGHT] - numbers[TRIAL]
+    way, change = numbers[at_line.WAY], numbers[at_line.SOUGHT] - numbers[at_line.TRIAL]
     if abs(way) == OUTWARDS:
-        residual = residual_of(system, k, step, numbers[TENSION])
-        change = -(residual + way * friction_of(system, k, step, way)) / numbers[PIVOT]
+        residual = residual_of(system, k, step, numbers[at_line.TENSION])
+        change = -(residual + way * friction_of(system, k, step, way)) / numbers[at_line.PIVOT]
         place_column(system, k)
     for end in range(2):
         if is_at_point(system, k, end):
@@ -264,10 +234,10 @@ def seek(system, step, is_given):
     for k in range(lines_of(system)):
         if is_turning(system, k, step):
             numbers = numbers_of(system, k)
-            speed, limits = numbers[TRIAL], (numbers[LOWEST], numbers[HIGHEST])
+            speed, limits = numbers[at_line.TRIAL], (numbers[at_line.LOWEST], numbers[at_line.HIGHEST])
             way = GIVEN if is_given else way_at(speed, *limits, drum_at(system, k).friction)
-            numbers[WAY], numbers[SOUGHT] = way, speed if is_given else speed_on(way, *limits)
-            numbers[ONWARD], numbers[IS_FOUND] = speed, 1.0
+            numbers[at_line.WAY], numbers[at_line.SOUGHT] = way, speed if is_given else speed_on(way, *limits)
+            numbers[at_line.ONWARD], numbers[at_line.IS_FOUND] = speed, 1.0
 
 
 @kernel
@@ -276,22 +246,23 @@ def find_drum(system, k, step, points):
 
     Where the line meets no free point u' does not depend on how it was sought.
     """
-    numbers, friction, tension = numbers_of(system, k), drum_at(system, k).friction, numbers_of(system, k)[TENSION]
-    lowest, highest, speed, way = numbers[LOWEST], numbers[HIGHEST], numbers[TRIAL], numbers[WAY]
+    numbers, friction, tension = numbers_of(system, k), drum_at(system, k).friction, numbers_of(system, k)[at_line.TENSION]
+    lowest, highest = numbers[at_line.LOWEST], numbers[at_line.HIGHEST]
+    speed, way = numbers[at_line.TRIAL], numbers[at_line.WAY]
     for end in range(2):
         if is_at_point(system, k, end):
             tension -= dot(row_of(system, k, end), get(points.solution, point_at(system, k, end)))
-    wanted = speed - residual_of(system, k, step, tension) / numbers[PIVOT]
+    wanted = speed - residual_of(system, k, step, tension) / numbers[at_line.PIVOT]
     drag = friction_of(system, k, step, OUTWARDS if wanted > 0.0 else INWARDS)
-    drawn = max(abs(wanted) - drag / numbers[PIVOT], 0.0)
+    drawn = max(abs(wanted) - drag / numbers[at_line.PIVOT], 0.0)
     nearest = min(highest, max(lowest, drawn if wanted > 0.0 else -drawn))
     farthest = MOST_REELED * attempt_of(system, k, step).chain.length / step.h
     onward = speed + max(-farthest, min(farthest, nearest - speed))
     limits = max(lowest, speed - farthest), min(highest, speed + farthest)
     found = way_at(onward, *limits, friction)
     is_other = found != way and (is_at_point(system, k, 0) or is_at_point(system, k, 1))
-    numbers[ONWARD], numbers[WAY] = onward, nearer(way, found, *limits, friction)
-    numbers[SOUGHT], numbers[IS_FOUND] = speed_on(numbers[WAY], *limits), 0.0 if is_other else 1.0
+    numbers[at_line.ONWARD], numbers[at_line.WAY] = onward, nearer(way, found, *limits, friction)
+    numbers[at_line.SOUGHT], numbers[at_line.IS_FOUND] = speed_on(numbers[at_line.WAY], *limits), 0.0 if is_other else 1.0
     return is_other
 
 
@@ -311,7 +282,7 @@ def give(system, step):
     for k in range(lines_of(system)):
         if is_turning(system, k, step):
             numbers = numbers_of(system, k)
-            numbers[WAY], numbers[SOUGHT] = GIVEN, numbers[ONWARD]
+            numbers[at_line.WAY], numbers[at_line.SOUGHT] = GIVEN, numbers[at_line.ONWARD]
 
 
 # --- after it
@@ -332,8 +303,8 @@ def turn(system, step):
     for k in range(lines_of(system)):
         if is_turning(system, k, step):
             numbers = numbers_of(system, k)
-            numbers[CHANGE] = numbers[ONWARD] - numbers[TRIAL]
-            numbers[TRIAL] = numbers[ONWARD]
+            numbers[at_line.CHANGE] = numbers[at_line.ONWARD] - numbers[at_line.TRIAL]
+            numbers[at_line.TRIAL] = numbers[at_line.ONWARD]
             follow(system, k, step)
     take_masses(system, step)
 
@@ -345,9 +316,9 @@ def unconverged_drums(system, step):
     for k in range(lines_of(system)):
         if is_turning(system, k, step):
             numbers = numbers_of(system, k)
-            moved = step.h * abs(numbers[CHANGE])
-            is_close = moved <= segments_of(system, k) * numbers[GOAL]
+            moved = step.h * abs(numbers[at_line.CHANGE])
+            is_close = moved <= segments_of(system, k) * numbers[at_line.GOAL]
             if feels_rope(parameters_of(system, k)):
                 is_close = is_close and rope_fixed_drums.is_close(system, k, step)
-            count += not (is_close and numbers[IS_FOUND] == 1.0)
+            count += not (is_close and numbers[at_line.IS_FOUND] == 1.0)
     return count

@@ -8,36 +8,18 @@ from math import inf
 
 from tetherfmu.runtime import layout as at
 
-from ..arrays import copy
+from ..arrays import clear, copy
 from ..compilation import kernel
-from ..equations.lines import (
-    add_at,
-    clear,
-    conditions_of,
-    is_at_point,
-    lines_of,
-    motion_of,
-    point_at,
-    points_of,
-    segments_of,
-    state_of,
-)
+from ..equations.free_points import is_at_point, point_at, points_of
+from ..equations.lines import conditions_of, lines_of, motion_of, segments_of, state_of
 from ..line import backward_euler
 from ..linear_algebra.matrices import ZERO_MATRIX, add_to_diagonal
-from ..linear_algebra.vectors import ZERO_VECTOR, get, scale, sub
+from ..linear_algebra.vectors import ZERO_VECTOR, add_at, get, scale, sub
+from . import system_room as at_line
 from .at_points import add_block
-from .system_descent import (
-    EARLY,
-    direction,
-    go_along,
-    potential,
-    solve_points,
-    take_trial,
-    try_part,
-    unconverged_lines,
-)
+from .system_descent import EARLY, direction, go_along, potential, solve_points, take_trial, try_part, unconverged_lines
 from .system_fixed_drums import take_masses
-from .system_room import GOAL, attempt_of, has_drum, moves, numbers_of, scratch_of
+from .system_room import attempt_of, has_drum, moves, numbers_of, scratch_of
 
 
 @kernel
@@ -47,7 +29,7 @@ def start(system, step):
         if moves(system, k):
             attempt, (x, _) = attempt_of(system, k, step), motion_of(system, k)
             backward_euler.start(attempt, step.time, step.kind, x, scratch_of(system, k))
-            numbers_of(system, k)[GOAL] = backward_euler.goal_of(attempt, step.kind)
+            numbers_of(system, k)[at_line.GOAL] = backward_euler.goal_of(attempt, step.kind)
     take_masses(system, step)
 
 

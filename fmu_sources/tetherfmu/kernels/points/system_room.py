@@ -13,20 +13,10 @@ from ..compilation import kernel, view
 from ..equations import winch
 from ..equations.boundary import chain_moving
 from ..equations.drum import HELD, drum_with
-from ..equations.lines import (
-    CONDITIONS,
-    conditions_of,
-    has_coordinates,
-    is_rope,
-    lines_of,
-    motion_of,
-    parameters_of,
-    room_of,
-    segments_of,
-    state_of,
-)
+from ..equations.lines import CONDITIONS, conditions_of, lines_of, motion_of, parameters_of, room_of, segments_of, state_of
 from ..equations.properties import property_of
 from ..equations.rope_at_drum import feels_rope
+from ..equations.ropes import has_coordinates, is_rope
 from ..flat_arrays import part
 from ..line import rosenbrock, second_order
 from ..line.incremental_potential import Attempt

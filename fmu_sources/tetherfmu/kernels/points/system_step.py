@@ -13,39 +13,27 @@ F at a stage counts times the mass of the start over that of the stage, at a poi
 `share_forces` gives each line its part.
 """
 
+from ..arrays import clear
 from ..compilation import kernel, view
 from ..equations import flow, winch
 from ..equations.boundary import chain_moving
-from ..equations.lines import (
-    add_at,
-    clear,
-    comes_from,
-    conditions_of,
-    free_points,
-    is_at_point,
-    lines_of,
-    load_at,
-    motion_of,
-    point_at,
-    points_of,
-    rows_of,
-    segments_of,
-    size_of_blocks,
-)
+from ..equations.free_points import free_points, is_at_point, load_at, point_at, points_of, rows_of, size_of_blocks
+from ..equations.lines import conditions_of, lines_of, motion_of, segments_of
 from ..equations.properties import point_mass
+from ..equations.ropes import comes_from
 from ..line import rosenbrock
 from ..line.rodas4p import ALPHA, GAMMA_I, STAGES
 from ..linear_algebra import condensed
 from ..linear_algebra.both_ends import add_to_node, get_node
 from ..linear_algebra.point_blocks import factorize_blocks, solve_blocks
-from ..linear_algebra.vectors import add_scaled, get, put, scale, sub
+from ..linear_algebra.vectors import add_at, add_scaled, get, put, scale, sub
 from . import rope_drums, sheave_border, sheave_slopes, sheave_stages, system_drums
+from . import system_room as at_line
 from .at_points import place_matrix, take_ends
 from .coordinates import is_any_running
 from .sheave_room import is_running, portion_gaining
 from .system_drums import chain_at_start, chain_in_step
 from .system_room import (
-    STAGE_ACCELERATION,
     has_drum,
     integrator_of,
     is_any_reeling,
@@ -75,10 +63,16 @@ def prepare(system, time, h):
     for k in range(lines_of(system)):
         if moves(system, k):
             form_line(system, k, time, h)
-    if with_sheaves and not begin_sheaves(system, time, h):
-        return False
-    if is_any_turning_with_rope(system) and not begin_drums(system, time, h):
-        return False
+    with_rope = is_any_turning_with_rope(system)
+    if with_sheaves or with_rope:
+        for k in range(lines_of(system)):
+            if moves(system, k) and not start_stage(system, k, 0, time, h):
+                return False
+        stage_masses(system)
+    if with_sheaves:
+        begin_sheaves(system, time, h)
+    if with_rope:
+        begin_drums(system, time, h)
     for k in range(lines_of(system)):
         if moves(system, k):
             matrix = integrator_of(system, k).matrix
@@ -90,30 +84,18 @@ def prepare(system, time, h):
 
 @kernel
 def begin_drums(system, time, h):
-    """Begin stage 0 of all lines with the accelerations of drums that feel their rope, also in their matrices (modified).
-
-    False if a drum has no length.
-    """
-    for k in range(lines_of(system)):
-        if moves(system, k) and not start_stage(system, k, 0, time, h):
-            return False
-    stage_masses(system)
+    """Accelerations of drums that feel their rope at stage 0, which has begun, also in the matrices of lines (modified)."""
     rope_drums.accelerate(system, 0, time)
     for k in range(lines_of(system)):
         if turns_with_rope(system, k):
             length, _ = length_of(system, k)
-            gaining = chain_moving(conditions_of(system, k), length, 0.0, numbers_of(system, k)[STAGE_ACCELERATION])
+            gaining = chain_moving(conditions_of(system, k), length, 0.0, numbers_of(system, k)[at_line.STAGE_ACCELERATION])
             rosenbrock.add_acceleration(conditions_of(system, k), gaining, time, h, integrator_of(system, k))
-    return True
 
 
 @kernel
 def begin_sheaves(system, time, h):
-    """The same with the accelerations of rope over sheaves."""
-    for k in range(lines_of(system)):
-        if moves(system, k) and not start_stage(system, k, 0, time, h):
-            return False
-    stage_masses(system)
+    """The same of rope over sheaves."""
     sheave_stages.accelerate(system, 0, time)
     for k in range(lines_of(system)):
         if is_running(system, k):
@@ -122,7 +104,6 @@ def begin_sheaves(system, time, h):
             rosenbrock.add_acceleration(conditions_of(system, k), portion_gaining(system, k, 0.0), time, h, w)
             if not comes_from(system, k):
                 sheave_slopes.add_winch_rates(system, k, time, w)
-    return True
 
 
 @kernel
@@ -271,7 +252,9 @@ def solve_stages(system, time, h):
             if with_sheaves:
                 sheave_stages.accelerate(system, stage, time + ALPHA[stage] * h)
         if reels:
-            share_all_forces(system, stage)
+            for k in range(lines_of(system)):
+                if moves(system, k):
+                    share_forces(system, k, stage)
         if stage == 0 and not factorize(system, time, h):
             return False
         solve_stage(system, stage, reels, time, h)
@@ -307,14 +290,6 @@ def stage_masses(system):
         for end in range(2):
             if is_at_point(system, k, end):
                 points.stage_mass[point_at(system, k, end)] += stage_mass[n * end]
-
-
-@kernel
-def share_all_forces(system, stage):
-    """`share_forces` of all lines."""
-    for k in range(lines_of(system)):
-        if moves(system, k):
-            share_forces(system, k, stage)
 
 
 @kernel

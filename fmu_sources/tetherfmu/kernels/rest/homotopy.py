@@ -28,7 +28,7 @@ import numpy as np
 
 from tetherfmu.runtime import layout as at
 
-from ..arrays import copy
+from ..arrays import clear, copy
 from ..compilation import kernel, view
 from ..equations.ground import softer
 from ..equations.properties import chain_at, has_node_winds, property_of, put_property, scale_node_winds
@@ -100,8 +100,7 @@ def lead(kind, body, level, load_stiffness, most, w):
     w.kept_tension, too.
     """
     newton.keep(body, w)
-    for k in range(len(w.load)):
-        w.load[k] = 0.0
+    clear(w.load)
     ratio = FIRST[kind]
     iterations = 0
     for _ in range(MOST_LEVELS):

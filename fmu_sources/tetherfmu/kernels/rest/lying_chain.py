@@ -12,7 +12,7 @@ from math import inf, pi, sqrt
 
 from tetherfmu.runtime import layout as at
 
-from ..arrays import copy
+from ..arrays import clear, copy
 from ..compilation import kernel, view
 from ..equations import segment
 from ..equations.ground import carries
@@ -268,8 +268,7 @@ def pile(body, w):
     wind and motion. The arc lies to the left of the way to the kite.
     """
     chain, x = body.chain, body.x
-    for s in range(chain.n):
-        w.tension[s] = 0.0
+    clear(w.tension)
     low, bottom = hanging_nodes(body, 0, 1, w)
     high, top = hanging_nodes(body, chain.n, -1, w)
     first, last = low + 1, chain.n - high - 1  # nodes on the ground

@@ -9,12 +9,13 @@ from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import plan_layout as places
 from tetherfmu.runtime.status import OK
 
-from ..arrays import behind, copy, split
+from ..arrays import behind, clear, copy, split
 from ..compilation import kernel, view
-from ..equations.lines import add_at, clear, free_points, lines_of, point_at, points_size, size_of_blocks, state_of
+from ..equations.free_points import free_points, point_at, points_size, size_of_blocks
+from ..equations.lines import lines_of, state_of
 from ..flat_arrays import part
 from ..linear_algebra.point_blocks import add_to_block, matrix_size
-from ..linear_algebra.vectors import get, norm, put
+from ..linear_algebra.vectors import add_at, get, norm, put
 from .resting_line import add_slopes, add_support, force_at, is_any_sought, is_sought, rest_line, rounding_at
 from .rigid_body import GIVE
 

@@ -6,27 +6,16 @@ import numpy as np
 
 from tetherfmu.runtime import layout as at
 
-from ..arrays import copy
+from ..arrays import clear, copy
 from ..compilation import kernel
 from ..equations import node_loads
+from ..equations.free_points import free_points, load_on, point_at, points_of, size_of_blocks
 from ..equations.ground import carries, under
-from ..equations.lines import (
-    add_at,
-    clear,
-    free_points,
-    lines_of,
-    load_on,
-    parameters_of,
-    point_at,
-    points_of,
-    segments_of,
-    size_of_blocks,
-    state_of,
-)
+from ..equations.lines import lines_of, parameters_of, segments_of, state_of
 from ..equations.properties import chain_of, point_mass, property_of, rest_length
 from ..linear_algebra.matrices import IDENTITY, scale_matrix
 from ..linear_algebra.point_blocks import add_to_block, factorize_blocks, solve_blocks
-from ..linear_algebra.vectors import get, norm, put, scale
+from ..linear_algebra.vectors import add_at, get, norm, put, scale
 from .resting_line import given_position, is_any_sought, is_point_sought, is_sought
 
 PULLS = np.array((1.0, 0.3, 3.0))  # of the springs of the guesses: the weaker, the more stretched are the lines

@@ -4,7 +4,7 @@ from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import plan_layout as places
 from tetherfmu.runtime.status import NO_EQUILIBRIUM_OF_KITE, OK
 
-from ..arrays import behind, copy, outputs_size, positions_and_velocities
+from ..arrays import behind, clear, copy, outputs_size, positions_and_velocities
 from ..compilation import kernel
 from ..equations.lines import System
 from ..flat_arrays import part
@@ -28,8 +28,7 @@ def work_size(n):
 @kernel
 def write_plan(n, plan):
     """Plan (modified) of a system of one line of n segments from a driven point to one that is sought."""
-    for k in range(PLAN):
-        plan[k] = 0.0
+    clear(plan)
     plan[places.LINES], plan[places.FREE_POINTS], plan[places.BAND] = 1.0, 1.0, BAND
     plan[places.POINTS_WORK] = line_work_size(n)
     plan[places.OUTPUTS_WORK] = line_work_size(n) + search_size(1, BAND)

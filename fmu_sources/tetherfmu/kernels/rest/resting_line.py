@@ -11,28 +11,16 @@ from tetherfmu.runtime.status import OK
 
 from ..compilation import kernel, view
 from ..equations import assembly, segment
+from ..equations.free_points import point_at, size_of_blocks
 from ..equations.ground import carries, support, support_slope, under
-from ..equations.lines import (
-    add_at,
-    inputs_of,
-    is_portion,
-    lines_of,
-    motion_of,
-    number_of_line,
-    outputs_of_line,
-    parameters_of,
-    point_at,
-    room_of,
-    segments_of,
-    size_of_blocks,
-    state_of,
-)
+from ..equations.lines import inputs_of, lines_of, motion_of, number_of_line, parameters_of, room_of, segments_of, state_of
 from ..equations.properties import chain_of, property_of
+from ..equations.ropes import is_portion, outputs_of_line
 from ..flat_arrays import part
 from ..linear_algebra import condensed
 from ..linear_algebra.matrices import ZERO_MATRIX, scale_matrix, subtract
 from ..linear_algebra.point_blocks import add_to_block
-from ..linear_algebra.vectors import ZERO_VECTOR, add_scaled, get, norm, put, scale, vector_at
+from ..linear_algebra.vectors import ZERO_VECTOR, add_at, add_scaled, get, norm, put, scale, vector_at
 from ..points import sheave_room as at_sheave
 from ..points.sheave_room import numbers_at
 from ..step import transaction

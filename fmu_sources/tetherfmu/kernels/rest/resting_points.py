@@ -31,16 +31,9 @@ from tetherfmu.runtime.status import NO_EQUILIBRIUM_OF_POINT, NO_POINT_IS_GIVEN,
 
 from ..arrays import copy
 from ..compilation import kernel
+from ..equations.free_points import free_points, point_at, points_of, size_of_blocks
 from ..equations.ground import has_ground
-from ..equations.lines import (
-    free_points,
-    inputs_of,
-    lines_of,
-    parameters_of,
-    point_at,
-    points_of,
-    size_of_blocks,
-)
+from ..equations.lines import inputs_of, lines_of, parameters_of
 from ..linear_algebra.matrices import IDENTITY, scale_matrix
 from ..linear_algebra.point_blocks import add_to_block, factorize_definite, solve_definite
 from ..linear_algebra.vectors import dot, get, put_at

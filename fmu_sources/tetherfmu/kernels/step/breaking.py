@@ -10,23 +10,12 @@ from tetherfmu.runtime.status import OK, RELEASED_WITHOUT_MASS
 
 from ..compilation import kernel
 from ..equations import torn
-from ..equations.lines import (
-    first_of,
-    goes_on,
-    inputs_of,
-    is_at_point,
-    is_freed,
-    lines_of,
-    motion_of,
-    parameters_of,
-    point_at,
-    segments_of,
-    state_of,
-    with_states,
-)
-from ..equations.notes import note
+from ..equations.free_points import is_at_point, point_at
+from ..equations.lines import inputs_of, lines_of, motion_of, parameters_of, segments_of, state_of, with_states
 from ..equations.properties import chain_of, point_mass_in, property_of, rest_length
+from ..equations.ropes import first_of, goes_on, is_freed
 from ..linear_algebra.vectors import dot, get
+from ..notes import note
 
 
 @kernel

@@ -165,7 +165,7 @@ def outputs_of_chain(chain, state, x, v, shape_points, outputs, mass):
     outputs[at.GROUND_TENSION] = ground_tension
     outputs[at.KITE_TENSION] = kite_tension
     outputs[at.TETHER_LENGTH] = chain.length
-    outputs[at.SOLVER_ITERATION_LIMIT] = 0.0  # `motion/iteration_limit.py` has that of fixed steps
+    outputs[at.SOLVER_ITERATION_LIMIT] = 0.0  # `fixed_steps.most_iterations` has that of fixed steps
     write_direction(sub(get(x, 1), get(x, 0)), outputs)
     outputs[at.KITE_END_MASS] = mass[chain.n] - point_mass(chain, chain.n)
     outputs[at.GROUNDED_LENGTH] = grounded_length(chain, x)

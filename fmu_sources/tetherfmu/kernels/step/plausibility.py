@@ -41,9 +41,9 @@ from ..compilation import kernel
 from ..equations import segment, winch
 from ..equations.boundary import are_derived, distance_of_ends, spring_at_ground
 from ..equations.ground import has_ground
-from ..equations.notes import note
 from ..equations.properties import chain_of, holds, property_of, rest_length
 from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, dot, get, put_at, scale, sub, vector_at
+from ..notes import note
 
 # of each end: whether it is free among the parameters; its last inputs and its sums in the state; its warnings
 OF_GROUND = (

@@ -19,7 +19,7 @@ from tetherfmu.runtime.status import (
     WINCH_TOO_SHORT,
 )
 
-from ..arrays import copy, nodes_end, positions_and_velocities
+from ..arrays import clear, copy, nodes_end, positions_and_velocities
 from ..compilation import kernel, view
 from ..equations import winch, wind_points
 from ..equations.boundary import inputs_of_step, place_at_start, wind_of
@@ -61,8 +61,7 @@ def start(n, parameters, inputs, state):
     status = check_inputs(inputs)
     if status != OK:
         return status
-    for k in range(len(state)):
-        state[k] = 0.0
+    clear(state)
     place_at_start(n, parameters, inputs, state)
     state[at.LENGTH] = winch.first_length(parameters, inputs, state)
     state[at.LAST_WINCH_LENGTH] = inputs[at.WINCH_LENGTH]

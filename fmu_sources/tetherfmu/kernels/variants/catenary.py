@@ -10,17 +10,15 @@ from tetherfmu.runtime import plausibility as limits
 from tetherfmu.runtime.status import NO_EQUILIBRIUM, OK
 
 from ..compilation import kernel
-from ..equations import segment, winch
-from ..equations.boundary import move_ends
+from ..equations import segment
 from ..equations.ground import has_ground
-from ..equations.notes import note
 from ..equations.properties import property_of
 from ..linear_algebra.vectors import add, add_scaled, dot, norm, put_at, scale, sub, vector_at
-from ..motion.drum_in_equilibrium import drum_at
-from ..rest.elastic_catenary import hang, point_in_space
+from ..motion.drum_in_equilibrium import advance_with
+from ..notes import note
+from ..rest.elastic_catenary import crossing_and_sag, hang, point_in_space
 from ..step.outputs import write_direction
 from .chord import chord_of, no_work_size, write_common
-from .curve import crossing_and_sag
 from .shape_load import end_forces, load_on_chord, load_on_shape
 from .touchdown import lowest, part_in_air, rest_on_ground, write_lying
 
@@ -127,17 +125,13 @@ def largest_tension(n, parameters, state, work):
     return max(norm(ground_force), norm(kite_force))
 
 
-advance_drum = drum_at(settle, tension_at_ground, largest_tension)
+advance_in_equilibrium = advance_with(settle, tension_at_ground, largest_tension)
 
 
 @kernel
 def advance(n, parameters, given, before, state, work):
     """Move a state (modified) over a communication step with `StepInputs`; returns a status. n is 1."""
-    if winch.follows_force(parameters):
-        status = advance_drum(n, parameters, given, state, work)
-    else:
-        move_ends(n, given, state)
-        status = settle(n, parameters, state, work)
+    status = advance_in_equilibrium(n, parameters, given, state, work)
     note_depth(parameters, state)
     return status
 

@@ -1,6 +1,6 @@
 """The dynamic tether: first shape, motion within a communication step, outputs.
 
-It moves as a system of one line, of which all but the number of segments is known when it is compiled (`equations/plan.py`).
+It moves as a system of one line, of which all but the number of segments is known when it is compiled (`lines.OneLine`).
 """
 
 from tetherfmu.runtime import layout as at
@@ -8,13 +8,12 @@ from tetherfmu.runtime.status import OK
 
 from ..arrays import positions_and_velocities
 from ..compilation import kernel, view
-from ..equations.lines import System
-from ..equations.plan import OneLine
+from ..equations.lines import OneLine, System
 from ..equations.rope_at_drum import tension_at_winch as tension_at_ground  # noqa: F401 - of `winch_start`
 from ..equations.winch import follows_force
 from ..flat_arrays import part
 from ..line.backward_euler import given_steps
-from ..motion import iteration_limit
+from ..motion.fixed_steps import most_iterations
 from ..points import system_room
 from ..rest import dynamic_chain, resting_kite
 from . import moving_lines
@@ -68,4 +67,4 @@ def outputs_of(n, parameters, state, shape_points, outputs, work):
     """Write all outputs (modified) that belong to a state."""
     dynamic_chain.outputs_of(n, parameters, state, shape_points, outputs, work)
     steps, has_drum = given_steps(parameters), follows_force(parameters)
-    outputs[at.SOLVER_ITERATION_LIMIT] = iteration_limit.of_steps(n, steps, has_drum, state[at.LAST_STEP])
+    outputs[at.SOLVER_ITERATION_LIMIT] = most_iterations(n, steps, has_drum, state[at.LAST_STEP])

@@ -14,7 +14,6 @@ from ..equations.boundary import conditions_of_chain, place_ends
 from ..equations.drum import direction_of
 from ..equations.lines import (
     conditions_of,
-    has_coordinates,
     lines_of,
     motion_of,
     parameters_of,
@@ -24,13 +23,14 @@ from ..equations.lines import (
     store_conditions,
     with_states,
 )
-from ..equations.notes import note
 from ..equations.properties import chain_of
 from ..equations.rope_at_drum import feels_rope
+from ..equations.ropes import has_coordinates
 from ..line import step_control
 from ..line.backward_euler import FixedSteps, given_steps
 from ..line.moving_drum import Instant
 from ..motion import adaptive_steps, breaks, fallback, fixed_steps, rope_states, running_ropes, turning_sheaves
+from ..notes import note
 from ..points import drum_tension, system_room
 from ..rest import compressed_chain, end_tensions
 from ..step.plausibility import note_pressing, note_stiff_and_slack, note_unconverged

@@ -10,11 +10,11 @@ from tetherfmu.runtime import layout as at
 from ..arrays import positions_and_velocities
 from ..compilation import kernel, view
 from ..equations import winch
-from ..equations.boundary import move_ends, spring_at_ground
+from ..equations.boundary import spring_at_ground
 from ..equations.properties import chain_of, chain_without_flow
 from ..equations.rope_at_drum import spring_at_winch as tension_at_ground
 from ..linear_algebra.vectors import add_scaled, get, put, scale, sub
-from ..motion.drum_in_equilibrium import drum_at
+from ..motion.drum_in_equilibrium import advance_with
 from ..rest import newton, solve
 from ..rest.rigid_body import rigid_velocity, spring_tensions
 from ..step.outputs import outputs_of_chain
@@ -46,7 +46,7 @@ def largest_tension(n, parameters, state, work):
     return largest
 
 
-advance_drum = drum_at(settle, tension_at_ground, largest_tension)
+advance_in_equilibrium = advance_with(settle, tension_at_ground, largest_tension)
 
 
 @kernel
@@ -60,13 +60,10 @@ def advance(n, parameters, given, before, state, work):
     x, v = positions_and_velocities(n, state)
     w = newton.workspace(n, work)
     spring_tensions(chain_of(n, parameters, before), x, w.tension)
-    if winch.follows_force(parameters):
-        status = advance_drum(n, parameters, given, state, work)
-    else:
+    if not winch.follows_force(parameters):
         for i in range(1, n):
             put(x, i, add_scaled(get(x, i), given.step, get(v, i)))
-        move_ends(n, given, state)
-        status = solve.settle(n, parameters, state, True, w)
+    status = advance_in_equilibrium(n, parameters, given, state, work)
     last, _ = positions_and_velocities(n, before)
     for i in range(1, n):
         put(v, i, scale(1.0 / given.step, sub(get(x, i), get(last, i))))

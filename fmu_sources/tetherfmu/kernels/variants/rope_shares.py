@@ -12,25 +12,15 @@ from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import plan_layout as places
 from tetherfmu.runtime.status import NO_SHARES, OK
 
+from ..arrays import clear
 from ..compilation import kernel
 from ..equations import rope_at_sheave as rope
 from ..equations import segment, winch
 from ..equations.drum import HELD, INWARDS, OUTWARDS, balance, drum_of
-from ..equations.lines import (
-    comes_from,
-    first_of,
-    goes_on,
-    inputs_of,
-    is_portion,
-    lines_of,
-    motion_of,
-    parameters_of,
-    room_of,
-    segments_of,
-    state_of,
-)
+from ..equations.lines import inputs_of, lines_of, motion_of, parameters_of, room_of, segments_of, state_of
 from ..equations.properties import chain_without_flow, property_in, property_of, put_property, rest_length
 from ..equations.rope_at_drum import tension_of
+from ..equations.ropes import comes_from, first_of, goes_on, is_portion
 from ..linear_algebra import small_matrix
 from ..linear_algebra.vectors import ZERO_VECTOR, norm, sub, vector_at
 from ..points import sheave_room as at_sheave
@@ -83,18 +73,10 @@ def imbalance_of_drum(system, k):
 
 
 @kernel
-def whole_length(system, k):
-    """Unstretched length of the rope whose first portion is k at the start [m]."""
-    return winch.first_length(parameters_of(system, k), inputs_of(system, k), state_of(system, k))
-
-
-@kernel
 def straight_length(system, k, spans):
     """Unstretched length [m] with which a straight rope, so long [m], pulls with the force of its winch."""
-    force, stiffness = (
-        inputs_of(system, k)[at.WINCH_FORCE],
-        property_in(parameters_of(system, k), segments_of(system, k), 0, at.STIFFNESS),
-    )
+    force = inputs_of(system, k)[at.WINCH_FORCE]
+    stiffness = property_in(parameters_of(system, k), segments_of(system, k), 0, at.STIFFNESS)
     return spans / (1.0 + max(force, 0.0) / stiffness)
 
 
@@ -117,7 +99,8 @@ def share_ropes(system, is_straight):
         if is_portion(system, k) and not comes_from(system, k):
             for i in range(at.STATE_HEADER):
                 state_of(system, k)[i] = 0.0  # for the length of the whole rope
-            whole, last, given, spans, unknown = whole_length(system, k), k, 0.0, 0.0, 0
+            whole = winch.first_length(parameters_of(system, k), inputs_of(system, k), state_of(system, k))
+            last, given, spans, unknown = k, 0.0, 0.0, 0
             while goes_on(system, last):
                 last += 1
             for j in range(k, last + 1):
@@ -176,10 +159,8 @@ def end_tensions_at_rest(n, parameters, state):
 @kernel
 def take_tensions_at_rest(system, k):
     """Tensions at both ends of portion k, which is in equilibrium, into its state (modified)."""
-    state = state_of(system, k)
-    state[at.TENSION_FROM], state[at.TENSION_TO] = end_tensions_at_rest(
-        segments_of(system, k), parameters_of(system, k), state
-    )
+    n, parameters, state = segments_of(system, k), parameters_of(system, k), state_of(system, k)
+    state[at.TENSION_FROM], state[at.TENSION_TO] = end_tensions_at_rest(n, parameters, state)
 
 
 @kernel
@@ -190,8 +171,7 @@ def settle_portion(system, k):
     if status == OK:
         state[at.REELING] = 0.0
         _, v = motion_of(system, k)
-        for i in range(3 * (n + 1)):
-            v[i] = 0.0
+        clear(v)
         status = dynamic_chain.initialize(n, parameters, float(at.STATIC_EQUILIBRIUM), state, room_of(system, k))
     if status == OK:
         take_tensions_at_rest(system, k)

@@ -8,11 +8,10 @@ from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.status import OK
 
 from ..compilation import kernel
-from ..equations import node_loads, segment, winch
-from ..equations.boundary import move_ends
+from ..equations import node_loads, segment
 from ..equations.properties import property_of
 from ..linear_algebra.vectors import add, add_scaled, dot, put_at, scale, sub
-from ..motion.drum_in_equilibrium import drum_at
+from ..motion.drum_in_equilibrium import advance_with
 from ..step.outputs import wave_time, write_direction
 from .chord import chord_load, chord_of, no_work_size, write_common
 
@@ -61,16 +60,13 @@ def largest_tension(n, parameters, state, work):
     return max(dot(ground_force, e), -dot(kite_force, e))
 
 
-advance_drum = drum_at(settle, tension_at_ground, largest_tension)
+advance_in_equilibrium = advance_with(settle, tension_at_ground, largest_tension)
 
 
 @kernel
 def advance(n, parameters, given, before, state, work):
     """Move a state (modified) over a communication step with `StepInputs`; returns a status. n is 1."""
-    if winch.follows_force(parameters):
-        return advance_drum(n, parameters, given, state, work)
-    move_ends(n, given, state)
-    return OK
+    return advance_in_equilibrium(n, parameters, given, state, work)
 
 
 @kernel

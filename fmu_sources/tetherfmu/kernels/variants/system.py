@@ -18,37 +18,37 @@ from tetherfmu.runtime.status import (
 from ..arrays import copy, inputs_size, outputs_size, parameters_size, state_size
 from ..compilation import kernel
 from ..equations import wind_points
+from ..equations.free_points import free_points, load_on, take_loads
 from ..equations.lines import (
-    comes_from,
     conditions_of,
-    first_of,
-    free_points,
-    goes_on,
-    has_coordinates,
-    has_sheaves,
     inputs_of,
-    is_portion,
-    is_rope,
-    is_turned,
     lines_of,
-    load_on,
     motion_of,
     number_of_line,
-    outputs_of_line,
     parameters_of,
     put_reeling,
     room_of,
     segments_of,
     state_of,
-    take_loads,
     with_states,
 )
 from ..equations.properties import property_in, sees_reeling
 from ..equations.rope_at_drum import tension_at_winch
+from ..equations.ropes import (
+    comes_from,
+    first_of,
+    goes_on,
+    has_coordinates,
+    has_sheaves,
+    is_portion,
+    is_rope,
+    is_turned,
+    outputs_of_line,
+)
 from ..equations.winch import follows_force, follows_length, is_sought
 from ..line.backward_euler import given_steps
 from ..linear_algebra.vectors import add, get, put_at, scale, sub, vector_at
-from ..motion import adaptive_steps, iteration_limit
+from ..motion import adaptive_steps, fixed_steps
 from ..points import sheave_room, system_room
 from ..rest import dynamic_chain, resting_forces, resting_line, resting_points
 from ..step import breaking, power_balance, transaction
@@ -113,7 +113,7 @@ def take_outputs(system, outputs):
     The plan (modified) says which line a status is about.
     """
     steps, duration = given_steps(parameters_of(system, 0)), state_of(system, 0)[at.LAST_STEP]  # with common iterations
-    most = iteration_limit.of_steps(adaptive_steps.work_of(system), steps, system_room.is_any_sought(system), duration)
+    most = fixed_steps.most_iterations(adaptive_steps.work_of(system), steps, system_room.is_any_sought(system), duration)
     breaking.fit(system)
     status = OK
     for k in range(lines_of(system)):

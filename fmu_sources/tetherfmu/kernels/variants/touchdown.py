@@ -14,10 +14,9 @@ from ..arrays import positions_and_velocities
 from ..compilation import kernel, view
 from ..equations.properties import property_of
 from ..linear_algebra.vectors import add_scaled, get, norm, put_at, sub, vector_at
-from ..rest.elastic_catenary import point_in_space
+from ..rest.elastic_catenary import SAMPLES, crossing_and_sag, point_in_space
 from ..rest.grounded_catenary import hang_on_ground, lying_span, parts_with, scene_of
 from ..step.outputs import away_from_chord, wave_time, write_direction
-from .curve import SAMPLES, crossing_and_sag
 
 CLEAR = 0.02  # see `part_in_air`
 
@@ -60,14 +59,9 @@ def part_in_air(line, load, state):
     ground, kite = get(x, 0), get(x, 1)
     if not load[2] < 0.0:
         return 1.0
-    arc = vector_at(state, at.GROUND_TENSION_VECTOR)[2] / load[2]
-    point = point_in_space(
-        ground,
-        vector_at(state, at.GROUND_TENSION_VECTOR),
-        load,
-        min(line.length, max(0.0, arc)),
-        property_of(line, 0, at.STIFFNESS),
-    )
+    tension = vector_at(state, at.GROUND_TENSION_VECTOR)
+    arc, stiffness = tension[2] / load[2], property_of(line, 0, at.STIFFNESS)
+    point = point_in_space(ground, tension, load, min(line.length, max(0.0, arc)), stiffness)
     missing = max(0.0, -arc, arc - line.length)
     clear = (point[2] - plane_of(line.parameters, ground, kite) + missing) / (CLEAR * line.length)
     part = min(1.0, max(0.0, clear))

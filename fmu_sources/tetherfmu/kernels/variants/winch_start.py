@@ -14,10 +14,10 @@ from ..compilation import kernel
 from ..equations import winch
 from ..equations.boundary import distance_of_ends
 from ..equations.drum import HELD, INWARDS, OUTWARDS, balance, direction_of, drum_of
-from ..equations.notes import note
 from ..equations.properties import chain_of, property_of
 from ..motion import secant
 from ..motion.drum_in_equilibrium import EXACT, LONGEST, MOST_EVALUATIONS, NARROW, ROUNDING
+from ..notes import note
 
 FARTHEST = 0.2  # change of the length, relative, between two of them
 

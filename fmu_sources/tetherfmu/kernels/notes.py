@@ -4,7 +4,7 @@ from math import sqrt
 
 from tetherfmu.runtime import layout as at
 
-from ..compilation import kernel
+from .compilation import kernel
 
 
 @kernel

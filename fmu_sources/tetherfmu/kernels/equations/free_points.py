@@ -1,0 +1,130 @@
+"""The free points of a system, at which lines end: their numbers, loads and scratch space."""
+
+from collections import namedtuple
+
+from tetherfmu.runtime import layout as at
+from tetherfmu.runtime import plan_layout as places
+
+from ..arrays import behind, split
+from ..compilation import kernel, view
+from ..flat_arrays import part
+from ..linear_algebra.condensed import Rows
+from ..linear_algebra.point_blocks import matrix_size
+from ..linear_algebra.vectors import ZERO_VECTOR, add_scaled, get, put, put_at, vector_at
+from .continuation import given_derivatives, is_continued
+from .end_motion import estimated_rates
+from .lines import (
+    conditions_of,
+    lines_of,
+    number_in,
+    number_of_line,
+    parameters_of,
+    place_of_inputs,
+    segments_of,
+    state_of,
+    with_states,
+)
+
+Points = namedtuple("Points", "matrix right solution mass stage_mass mass_rate change load_rate")
+Points.__doc__ = """Scratch arrays of F free points, m = 3 F.
+
+matrix : see `linear_algebra.point_blocks`.  right, solution : right-hand side of a stage [N], q [m/s], m.
+mass, stage_mass : of the point with its half segments at the start of the step and at a stage [kg], F.
+mass_rate : the rate of `mass` [kg/s], F.  change : of the velocities by what follows a step [m/s], m.
+load_rate : rates of the loads in the communication step [N/s], m.
+"""
+
+
+@kernel
+def point_at(system, k, end):
+    """Number of the free point at the start (end 0) or at the end (1) of line k, or DRIVEN, where there is none."""
+    return number_of_line(system, k, places.START_POINT + end)
+
+
+@kernel
+def is_at_point(system, k, end):
+    """Whether the start (end 0) or the end (1) of line k is a free point."""
+    return point_at(system, k, end) != places.DRIVEN
+
+
+@kernel
+def free_points(system):
+    """Number of free points."""
+    return number_in(system.plan, places.FREE_POINTS)
+
+
+@kernel
+def size_of_blocks(system):
+    """Rows and width of the matrix of the free points, see `linear_algebra.point_blocks`."""
+    return free_points(system), number_in(system.plan, places.BAND)
+
+
+@kernel
+def load_on(system, point):
+    """Load on a free point [N] at the start of the communication step."""
+    first, size = place_of_inputs(system, lines_of(system) - 1)
+    return vector_at(system.inputs, first + size + 3 * point)
+
+
+@kernel
+def load_at(system, point, time):
+    """Load on a free point [N] at a time [s] of the communication step."""
+    return add_scaled(load_on(system, point), time, get(points_of(system).load_rate, point))
+
+
+@kernel
+def places_of_load(end):
+    """Where the state of a line has what it remembers of the load on a point at its start (end 0) or its end (1).
+
+    The places of the last load [N] and of its recent rate [N/s], and among the inputs that of a given rate: those that the
+    velocity of a driven end and its rate have.
+    """
+    if end == 1:
+        return at.LAST_RATED, at.RECENT_RATES, at.KITE_VELOCITY
+    return at.LAST_RATED + 3, at.RECENT_RATES + 3, at.GROUND_VELOCITY
+
+
+@kernel
+def take_loads(system, k, step, before):
+    """Loads on the free points at line k in a step [s] from the states `before`: how they go on, and what is kept of them.
+
+    Their rates [N/s], as of a load on a kite end (`boundary.inputs_of_step`), go into `Points.load_rate`, loads and recent
+    rates into the state of the line (both modified).
+    """
+    old, state = state_of(with_states(system, before), k), state_of(system, k)
+    for end in range(2):
+        if is_at_point(system, k, end):
+            (last, recent, place), point = places_of_load(end), point_at(system, k, end)
+            load, longest = load_on(system, point), old[at.LONGEST_SO_FAR]
+            times = old[at.LAST_STEP], old[at.LAST_STEP], old[at.LAST_STEP]
+            change = load, vector_at(old, last), vector_at(old, recent), times, longest
+            estimate = estimated_rates(*change, step) if is_continued(parameters_of(system, k)) else ZERO_VECTOR
+            put(points_of(system).load_rate, point, given_derivatives(old, place, estimate))
+            put_at(state, last, load)
+            put_at(state, recent, estimated_rates(*change, longest))
+
+
+@kernel
+def points_size(points, band):
+    """Length of what so many free points need of `work`, with this band of their matrix."""
+    return matrix_size(points, band) + 15 * points
+
+
+@view
+def points_of(system):
+    """`Points` of a system."""
+    count, room = free_points(system), behind(number_in(system.plan, places.POINTS_WORK), system.work)
+    m, size = 3 * count, matrix_size(*size_of_blocks(system))
+    matrix, room = part(room, 0, size), behind(size, room)
+    right, solution, change, room = split(m, room)
+    load_rate, room = part(room, 0, m), behind(m, room)
+    masses = part(room, 0, count), part(room, count, count), part(room, 2 * count, count)
+    return Points(matrix, right, solution, *masses, change, load_rate)
+
+
+@kernel
+def rows_of(system, k):
+    """`condensed.Rows` of the equations of line k: its free nodes are inner rows, and its free points are shared."""
+    n, conditions = segments_of(system, k), conditions_of(system, k)
+    at_start, at_end = is_at_point(system, k, 0), is_at_point(system, k, 1)
+    return Rows(n, 1 if at_start else conditions.first, n - 1 if at_end else conditions.last, at_start, at_end)

@@ -1,0 +1,100 @@
+"""Which lines of a system are portions of ropes that run over sheaves, and which ones drums beside them pay out."""
+
+from tetherfmu.runtime import layout as at
+from tetherfmu.runtime import plan_layout as places
+
+from ..arrays import outputs_size
+from ..compilation import kernel, view
+from ..flat_arrays import part
+from .lines import conditions_of, number_in, number_of_line, parameters_of
+from .properties import property_of
+from .winch import follows_force
+
+
+@kernel
+def sheaves_of(system):
+    """Number of sheaves."""
+    return number_in(system.plan, places.SHEAVES)
+
+
+@kernel
+def has_sheaves(system):
+    """Whether any line runs over a sheave."""
+    return sheaves_of(system) > 0
+
+
+@kernel
+def coordinates_in(system):
+    """Number of sheaves, and of drums that may turn beside them; see `points/coordinates.py`."""
+    return number_in(system.plan, places.COORDINATES)
+
+
+@kernel
+def has_coordinates(system):
+    """Whether there is any."""
+    return coordinates_in(system) > 0
+
+
+@kernel
+def goes_on(system, k):
+    """Whether line k goes on over a sheave at its end."""
+    return number_of_line(system, k, places.THROUGH) != 0
+
+
+@kernel
+def comes_from(system, k):
+    """Whether line k comes from a sheave at its start."""
+    return has_sheaves(system) and k > 0 and number_of_line(system, k - 1, places.THROUGH) != 0
+
+
+@kernel
+def first_of(system, k):
+    """The first portion of the rope of which line k is one."""
+    while comes_from(system, k):
+        k -= 1
+    return k
+
+
+@kernel
+def is_freed(system, k):
+    """Whether the arrays of line k are those of a line that has let go at its end."""
+    return number_of_line(system, k, places.FREED) != 0
+
+
+@kernel
+def is_portion(system, k):
+    """Whether line k is a portion of one that runs over sheaves."""
+    return has_sheaves(system) and (goes_on(system, k) or comes_from(system, k))
+
+
+@kernel
+def is_even(system, k):
+    """Whether all segments of line k are equal: it is a portion, and none is the gap of a line that has let go."""
+    return is_portion(system, k) and not is_freed(system, k)
+
+
+@kernel
+def is_turned(system, k):
+    """Whether drums that turn beside sheaves, or hold several lines, pay out line k."""
+    if not has_coordinates(system):
+        return False
+    return parameters_of(system, k)[at.HELD_BY] != 0.0 and follows_force(parameters_of(system, k))
+
+
+@kernel
+def is_rope(system, k):
+    """Whether rope may run into line k or out of it, over a sheave or off such a drum."""
+    return is_portion(system, k) or is_turned(system, k)
+
+
+@kernel
+def stiffness_of(system, k):
+    """EA [N] of the first segment of line k."""
+    return property_of(conditions_of(system, k), 0, at.STIFFNESS)
+
+
+@view
+def outputs_of_line(system, k, outputs):
+    """Part of line k of an array of outputs."""
+    size = outputs_size(number_of_line(system, k, places.SHAPE_POINTS), is_portion(system, k))
+    return part(outputs, number_of_line(system, k, places.OUTPUTS_AT), size)
