@@ -22,7 +22,16 @@ from ..points.coordinates import carries_drum, coordinate_at, count_of, is_any_r
 from ..points.drum_tension import nodes_of
 from ..points.running_drums import has_friction
 from ..points.sheave_pulls import acceleration_at_sheave, end_acceleration, take_pulls
-from ..points.sheave_room import PULLED, drum_numbers_at, numbers_at, portion_in_step, single_at
+from ..points.sheave_room import (
+    PULLED,
+    drum_numbers_at,
+    has_run,
+    numbers_at,
+    portion_in_step,
+    single_at,
+    speed_in,
+    speed_out,
+)
 from ..points.sheave_stages import take_lengths
 from ..points.sheaves import solve_gains
 from ..points.system_room import integrator_of
@@ -118,6 +127,16 @@ def hold(system, c):
 
 
 @kernel
+def end_lengths(system, time):
+    """Let the states (modified) have the lengths of portions and their rates at the end of a communication step [s]."""
+    for k in range(lines_of(system)):
+        if has_run(system, k):
+            state, leaving = state_of(system, k), speed_out(system, k, at_sheave.SPEED)
+            state[at.LENGTH] = numbers_at(system, k)[at_sheave.LENGTH_NOW]
+            state[at.REELING] = speed_in(system, k, time, at_sheave.SPEED) - leaving
+
+
+@kernel
 def end_ropes(system, time):
     """Let the states (modified) have what coordinates and portions have at the end of a communication step, a time [s]."""
     for j in range(count_of(system)):
@@ -139,7 +158,5 @@ def end_ropes(system, time):
                 leaving, gain = numbers[at_sheave.SPEED], numbers[at_sheave.GAIN]
                 state[at.PAYOUT] += numbers[at_sheave.PAID]
                 state[at.SHEAVE_SPEED], state[at.SHEAVE_ACCELERATION] = leaving, gain
-            if numbers[at_sheave.HAS_RUN] != 0.0:
-                state[at.LENGTH] = numbers[at_sheave.LENGTH_NOW]
-                state[at.REELING] = numbers[at_sheave.INTO] - leaving
+            if has_run(system, k):
                 state[at.ACCELERATION] = numbers[at_sheave.INTO_GAIN] - gain

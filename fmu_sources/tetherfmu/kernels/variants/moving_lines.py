@@ -48,16 +48,16 @@ def begin_line(system, k, shape, given, before):
 @kernel
 def move(system, steps, step):
     """Move all lines (modified) over a communication step [s] with `FixedSteps`; a status, and what is noted with it."""
-    if steps.size == 0.0:
-        status = adaptive_steps.integrate(system, step)
-        for k in range(lines_of(system)):
-            if status == OK:
-                n, state, (x, _) = segments_of(system, k), state_of(system, k), motion_of(system, k)
-                note_stiff_and_slack(chain_of(n, parameters_of(system, k), state), x, state)
-        return status
-    status = fixed_steps.integrate(system, steps, step)
+    is_adaptive = steps.size == 0.0
+    status = adaptive_steps.integrate(system, step) if is_adaptive else fixed_steps.integrate(system, steps, step)
+    if status == OK and has_coordinates(system):
+        rope_states.end_lengths(system, step)
     for k in range(lines_of(system)):
-        note_unconverged(system_room.numbers_of(system, k)[system_room.UNCONVERGED], steps.size, state_of(system, k))
+        n, state, (x, _) = segments_of(system, k), state_of(system, k), motion_of(system, k)
+        if not is_adaptive:
+            note_unconverged(system_room.numbers_of(system, k)[system_room.UNCONVERGED], steps.size, state)
+        elif status == OK:
+            note_stiff_and_slack(chain_of(n, parameters_of(system, k), state), x, state)
     return status
 
 
