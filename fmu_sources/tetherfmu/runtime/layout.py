@@ -96,7 +96,7 @@ SOLVER_STEP = 5  # internal step that the solver would try next [s], 0 before th
 SOLVER_ERROR = 6  # error estimate of the last accepted step, for the PI rule; `step_control.UNRESOLVED` if there was none
 LAST_STEP = 7  # last communication step [s], 0 before the first
 # the inputs whose rates are estimated, as they were at the start of the last communication step: velocities of the kite end
-# and of the ground end, of a free one see `lines.places_of_load`; load; reel-out speed, rate of `winch_length`, winch force
+# and of the ground end, of a free one see `places_of_load`; load; reel-out speed, rate of `winch_length`, winch force
 LAST_RATED = 8
 LAST_KITE_VELOCITY, LAST_GROUND_VELOCITY = LAST_RATED, LAST_RATED + 3
 LAST_REEL_OUT_SPEED, LAST_WINCH_FORCE = LAST_RATED + 9, LAST_RATED + 11

@@ -124,13 +124,16 @@ def tension_of(stiffness, pull):
 
 
 @kernel
-def tension_of_rope(chain, x, v):
-    """Tension where the rope leaves the winch [N], of R_0 with the nodes at x [m], v [m/s]: but for their accelerations."""
+def tension_of_rope(chain, x, v, moves):
+    """Tension where the rope leaves the winch [N], of R_0 with the nodes at x [m], v [m/s]: but for their accelerations.
+
+    moves : 1, or 0 without the velocities.
+    """
     total, part, lowest = of_speed(chain), 1.0, get(x, 0)[2]
     for s in range(chain.n):
         x_p, x_q = get(x, s), get(x, s + 1)
-        r, u, height = sub(x_q, x_p), sub(get(v, s + 1), get(v, s)), segment.mean_height(x_p, x_q) - lowest
-        total += pull(chain, s, part, segment.BY_LENGTH, r, u, height)
+        u, height = scale(moves, sub(get(v, s + 1), get(v, s))), segment.mean_height(x_p, x_q) - lowest
+        total += pull(chain, s, part, segment.BY_LENGTH, sub(x_q, x_p), u, height)
         part = next_part(chain, s, part)
     return tension_of(property_of(chain, 0, at.STIFFNESS), total)
 
@@ -153,16 +156,10 @@ def tension_at_winch(n, parameters, state):
 
     Where positions do not hold the tensions, `spring_at_winch`; by the stretch_rate law the spring of the first segment.
     """
-    held, (x, _) = vector_at(state, at.GROUND_TENSION_VECTOR), positions_and_velocities(n, state)
+    held, (x, v) = vector_at(state, at.GROUND_TENSION_VECTOR), positions_and_velocities(n, state)
     if not feels_rope(parameters):
         return spring_at_ground(n, parameters, state)
     if norm(held) > 0.0:
         return spring_at_winch(n, parameters, state)
     chain = chain_at(n, parameters, state[at.LENGTH], 0.0, ZERO_VECTOR)
-    total, part, lowest = 0.0, 1.0, get(x, 0)[2]
-    for s in range(n):
-        x_p, x_q = get(x, s), get(x, s + 1)
-        height = segment.mean_height(x_p, x_q) - lowest
-        total += pull(chain, s, part, segment.BY_LENGTH, sub(x_q, x_p), ZERO_VECTOR, height)
-        part = next_part(chain, s, part)
-    return tension_of(property_of(chain, 0, at.STIFFNESS), total)
+    return tension_of_rope(chain, x, v, 0.0)

@@ -20,12 +20,11 @@ from ..points import sheave_room as at_sheave
 from ..points.coordinates import (
     coordinate_at,
     count_of,
-    first_portion,
     growth_of,
     is_any_running,
     is_drum,
-    last_portion,
     own_numbers,
+    portions_of,
     runs,
     weight_of,
 )
@@ -67,7 +66,7 @@ def is_long(system, k):
 def may_run(system, c, sign):
     """Whether a coordinate may run forwards (sign 1) or backwards (-1): no portion that changes is at a stop."""
     stops = 0
-    for k in range(first_portion(system, c), last_portion(system, c) + 1):
+    for k in range(*portions_of(system, c)):
         growth = sign * growth_of(system, c, k)
         stops += (growth < 0.0 and is_short(system, k)) or (growth > 0.0 and is_long(system, k))
     return stops == 0

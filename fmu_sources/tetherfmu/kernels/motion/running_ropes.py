@@ -21,12 +21,11 @@ from ..points.coordinates import (
     coordinate_at,
     count_of,
     count_running,
-    first_portion,
     growth_of,
-    last_portion,
     line_of,
     number_coordinates,
     own_numbers,
+    portions_of,
     runs,
     weight_of,
 )
@@ -74,7 +73,7 @@ def begin_coordinate(numbers, speed, gain):
 def error_of_rope(system, c, h):
     """Error of a coordinate in a step of h [s] over what is allowed [-], as of a node that moves with the rope there."""
     numbers, worst = own_numbers(system, c), 0.0
-    for k in range(first_portion(system, c), last_portion(system, c) + 1):
+    for k in range(*portions_of(system, c)):
         weight = abs(weight_of(system, c, k, IN)) + weight_of(system, c, k, OUT)
         if weight != 0.0:
             _, v = motion_of(system, k)
@@ -101,7 +100,7 @@ def error_of_ropes(system, h):
 def room_to_stop(system, c, sign, is_after):
     """Room until a coordinate that runs forwards (sign 1) or backwards (-1) comes to a stop, as `room_of_coordinate`."""
     least, which = inf, at_sheave.LENGTH if is_after else at_sheave.LENGTH_NOW
-    for k in range(first_portion(system, c), last_portion(system, c) + 1):
+    for k in range(*portions_of(system, c)):
         growth, length = sign * growth_of(system, c, k), numbers_at(system, k)[which]
         if growth < 0.0:
             least = min(least, (length - shortest_of(system, k)) / (LOCATED * shortest_of(system, k)))

@@ -131,15 +131,9 @@ def stages_of(system, c):
 
 
 @kernel
-def first_portion(system, c):
-    """The first portion on which a coordinate acts."""
-    return 0 if is_drum(system, c) else c
-
-
-@kernel
-def last_portion(system, c):
-    """The last one; a drum need not act on all in between."""
-    return lines_of(system) - 1 if is_drum(system, c) else c + 1
+def portions_of(system, c):
+    """The first portion on which a coordinate acts, and the one behind the last; a drum need not act on all in between."""
+    return (0, lines_of(system)) if is_drum(system, c) else (c, c + 2)
 
 
 @kernel

@@ -23,7 +23,7 @@ from ..equations.rope_at_sheave import IN, OUT
 from ..equations.ropes import comes_from, goes_on, is_even, is_rope, is_turned, stiffness_of
 from ..linear_algebra.vectors import add, add_at, dot, get, put, scale, sub
 from . import sheave_room as at_sheave
-from .coordinates import coordinate_at, count_of, is_drum, number_of, own_numbers, weight_of
+from .coordinates import coordinate_at, count_of, is_drum, number_of, own_numbers, portions_of, weight_of
 from .running_drums import drum_with_lines
 from .sheave_border import pivot_of, row_times, solve_column
 from .sheave_pulls import loss_with, take_segments, tension_in
@@ -178,84 +178,78 @@ def add_rates_of_pull(system, k, side, slope, slopes, row):
 
 
 @kernel
-def take_sheave(system, k, step):
-    """T_1, T_2, E of the sheave at the end of line k, and how the moves p change them, into its numbers (modified)."""
-    numbers, n, h = numbers_at(system, k), segments_of(system, k), step.h
-    w_1, w_2 = scratch_of(system, k), scratch_of(system, k + 1)
-    stiffness_1, stiffness_2 = stiffness_of(system, k), stiffness_of(system, k + 1)
-    tension_1 = tension_in(stiffness_1, -numbers[at_sheave.PULL + 1])
-    tension_2 = tension_in(stiffness_2, numbers_at(system, k + 1)[at_sheave.PULL])
-    by_1, by_2 = -1.0 / (1.0 + max(tension_1, 0.0) / stiffness_1), 1.0 / (1.0 + max(tension_2, 0.0) / stiffness_2)
-    to_1, to_2 = sub(get(w_1.x, n - 1), get(w_1.x, n)), sub(get(w_2.x, 1), get(w_2.x, 0))
-    turns = turn_of(to_1, to_2), turn_of(to_2, to_1)
-    numbers[at_sheave.TENSION_BEHIND], numbers[at_sheave.TENSION_AHEAD] = tension_1, tension_2
-    numbers[at_sheave.LOSS] = loss_with(system, k, to_1, to_2)
-    numbers[at_sheave.MOVED_BEHIND] = by_1 / h * row_times(system, k, OUT, w_1.move)
-    numbers[at_sheave.MOVED_AHEAD] = by_2 / h * row_times(system, k + 1, IN, w_2.move)
-    numbers[at_sheave.MOVED_WRAP] = wrap_times(turns, n, w_1.move, w_2.move)
+def tension_at(system, k, side):
+    """Tension at an end of portion k in the iteration [N], and its slope by R_a or R_b there [-]."""
+    stiffness, sign = stiffness_of(system, k), 1.0 if side == IN else -1.0
+    tension = tension_in(stiffness, sign * numbers_at(system, k)[at_sheave.PULL + side])
+    return tension, sign / (1.0 + max(tension, 0.0) / stiffness)
 
 
 @kernel
-def take_slopes(system, k, step):
-    """How tensions and wrap at the sheave at the end of line k change with the speeds of all sheaves (modified)."""
-    numbers, n, h = numbers_at(system, k), segments_of(system, k), step.h
-    w_1, w_2 = scratch_of(system, k), scratch_of(system, k + 1)
-    by_1 = -1.0 / (1.0 + max(numbers[at_sheave.TENSION_BEHIND], 0.0) / stiffness_of(system, k))
-    by_2 = 1.0 / (1.0 + max(numbers[at_sheave.TENSION_AHEAD], 0.0) / stiffness_of(system, k + 1))
-    to_1, to_2 = sub(get(w_1.x, n - 1), get(w_1.x, n)), sub(get(w_2.x, 1), get(w_2.x, 0))
-    turns = turn_of(to_1, to_2), turn_of(to_2, to_1)
-    slopes_1, slopes_2, slopes_wrap = slopes_of(system)
-    row = count_of(system) * number_of(system, k)
-    for j in range(count_of(system)):
-        behind, ahead = single_at(system, k, SOLUTIONS + j), single_at(system, k + 1, SOLUTIONS + j)
-        slopes_1[row + j] = by_1 / h * row_times(system, k, OUT, behind)
-        slopes_2[row + j] = by_2 / h * row_times(system, k + 1, IN, ahead)
-        slopes_wrap[row + j] = wrap_times(turns, n, behind, ahead)
-    add_rates_of_pull(system, k, OUT, (by_1, h), slopes_1, row)
-    add_rates_of_pull(system, k + 1, IN, (by_2, h), slopes_2, row)
+def away_from_sheave(system, k):
+    """Vectors away from the sheave at the end of line k along both portions in the iteration [m]."""
+    n, x_1, x_2 = segments_of(system, k), scratch_of(system, k).x, scratch_of(system, k + 1).x
+    return sub(get(x_1, n - 1), get(x_1, n)), sub(get(x_2, 1), get(x_2, 0))
 
 
 @kernel
-def take_drum(system, c, step):
-    """The same of a drum: T_2 is the sum of the tensions of its lines times their ratios, T_1 is W + c u (modified)."""
-    numbers, drum, h = own_numbers(system, c), drum_with_lines(system, c), step.h
-    total, size, moved = 0.0, 0.0, 0.0
-    for k in range(lines_of(system)):
-        weight = weight_of(system, c, k, IN)
-        if weight != 0.0:
-            tension = tension_in(stiffness_of(system, k), numbers_at(system, k)[at_sheave.PULL])
-            numbers_at(system, k)[at_sheave.TENSION_IN] = tension
-            total += weight * tension
-            size += abs(weight * tension)
-            moved += weight * slope_in(system, k) / h * row_times(system, k, IN, scratch_of(system, k).move)
-    motor = force_at(drum, step.time + h)
-    numbers[at_sheave.TENSION_AHEAD] = total
-    numbers[at_sheave.TENSION_BEHIND] = motor + drum.damping * numbers[at_sheave.STAGE_SPEED]
-    numbers[at_sheave.BEHIND] = size + abs(motor) + drum.friction
-    numbers[at_sheave.MOVED_BEHIND], numbers[at_sheave.MOVED_AHEAD], numbers[at_sheave.MOVED_WRAP] = 0.0, moved, 0.0
+def take_tensions(system, c, step):
+    """T_1, T_2, E of a coordinate, and how the moves p change them, into its numbers (modified).
+
+    T_2 of a drum is the sum of the tensions of its lines times their ratios, T_1 is W + c u.
+    """
+    numbers, h, size = own_numbers(system, c), step.h, 0.0
+    for i in range(2):
+        numbers[at_sheave.TENSION_BEHIND + i] = numbers[at_sheave.MOVED_BEHIND + i] = 0.0
+    for k in range(*portions_of(system, c)):
+        for side in (IN, OUT):
+            weight = weight_of(system, c, k, side)
+            if weight != 0.0:
+                (tension, slope), ahead = tension_at(system, k, side), 1 - side
+                moved = weight * slope / h * row_times(system, k, side, scratch_of(system, k).move)
+                numbers[at_sheave.TENSION_BEHIND + ahead] += weight * tension
+                numbers[at_sheave.MOVED_BEHIND + ahead] += moved
+                size += abs(weight * tension)
+                if is_drum(system, c):
+                    numbers_at(system, k)[at_sheave.TENSION_IN] = tension
+    if is_drum(system, c):
+        drum = drum_with_lines(system, c)
+        motor = force_at(drum, step.time + h)
+        numbers[at_sheave.TENSION_BEHIND] = motor + drum.damping * numbers[at_sheave.STAGE_SPEED]
+        numbers[at_sheave.BEHIND] = size + abs(motor) + drum.friction
+        numbers[at_sheave.MOVED_WRAP] = 0.0
+    else:
+        to_1, to_2 = away_from_sheave(system, c)
+        turns = turn_of(to_1, to_2), turn_of(to_2, to_1)
+        moves = scratch_of(system, c).move, scratch_of(system, c + 1).move
+        numbers[at_sheave.LOSS] = loss_with(system, c, to_1, to_2)
+        numbers[at_sheave.MOVED_WRAP] = wrap_times(turns, segments_of(system, c), *moves)
 
 
 @kernel
-def slope_in(system, k):
-    """Slope of the tension where line k leaves drums by R_a [-]."""
-    return 1.0 / (1.0 + max(numbers_at(system, k)[at_sheave.TENSION_IN], 0.0) / stiffness_of(system, k))
-
-
-@kernel
-def take_slopes_of_drum(system, c, step):
-    """The same as `take_slopes`, of a drum (modified)."""
+def take_slopes(system, c, step):
+    """How tensions and wrap at a coordinate change with the speeds of all coordinates (modified)."""
     count, h, (slopes_1, slopes_2, slopes_wrap) = count_of(system), step.h, slopes_of(system)
     row = count * number_of(system, c)
     for j in range(row, row + count):
         slopes_1[j] = slopes_2[j] = slopes_wrap[j] = 0.0
-    slopes_1[row + number_of(system, c)] = drum_with_lines(system, c).damping
-    for k in range(lines_of(system)):
-        weight = weight_of(system, c, k, IN)
-        if weight != 0.0:
-            slope = weight * slope_in(system, k)
-            for j in range(count):
-                slopes_2[row + j] += slope / h * row_times(system, k, IN, single_at(system, k, SOLUTIONS + j))
-            add_rates_of_pull(system, k, IN, (slope, h), slopes_2, row)
+    for k in range(*portions_of(system, c)):
+        for side in (IN, OUT):
+            weight = weight_of(system, c, k, side)
+            if weight != 0.0:
+                _, slope = tension_at(system, k, side)
+                slope, slopes = weight * slope, slopes_2 if side == IN else slopes_1
+                for j in range(count):
+                    slopes[row + j] += slope / h * row_times(system, k, side, single_at(system, k, SOLUTIONS + j))
+                add_rates_of_pull(system, k, side, (slope, h), slopes, row)
+    if is_drum(system, c):
+        slopes_1[row + number_of(system, c)] = drum_with_lines(system, c).damping
+    else:
+        to_1, to_2 = away_from_sheave(system, c)
+        turns = turn_of(to_1, to_2), turn_of(to_2, to_1)
+        for j in range(count):
+            columns = single_at(system, c, SOLUTIONS + j), single_at(system, c + 1, SOLUTIONS + j)
+            slopes_wrap[row + j] = wrap_times(turns, segments_of(system, c), *columns)
 
 
 @kernel
@@ -268,7 +262,8 @@ def change_in(system, k, h):
             for j in range(count_of(system)):
                 c = coordinate_at(system, j)
                 total -= by_rate * weight_of(system, c, k, other) * own_numbers(system, c)[at_sheave.CHANGE]
-    return slope_in(system, k) * total
+    _, slope = tension_at(system, k, IN)
+    return slope * total
 
 
 @kernel
@@ -278,11 +273,7 @@ def take_sheaves(system, step):
         if is_rope(system, k):
             take_portion(system, k, step)
     for j in range(count_of(system)):
-        c = coordinate_at(system, j)
-        if is_drum(system, c):
-            take_drum(system, c, step)
-        else:
-            take_sheave(system, c, step)
+        take_tensions(system, coordinate_at(system, j), step)
 
 
 @kernel
@@ -290,8 +281,4 @@ def take_all_slopes(system, step):
     """Z of all coordinates, and how tensions and wrap at all of them change with the speeds (modified)."""
     solve_columns(system, step)
     for j in range(count_of(system)):
-        c = coordinate_at(system, j)
-        if is_drum(system, c):
-            take_slopes_of_drum(system, c, step)
-        else:
-            take_slopes(system, c, step)
+        take_slopes(system, coordinate_at(system, j), step)

@@ -26,18 +26,7 @@ from ..equations.ropes import stiffness_of
 from ..linear_algebra import small_matrix
 from . import sheave_room as at_sheave
 from . import system_room as at_line
-from .coordinates import (
-    coordinate_at,
-    count_of,
-    first_portion,
-    growth_of,
-    is_drum,
-    last_portion,
-    line_of,
-    number_of,
-    own_numbers,
-    weight_of,
-)
+from .coordinates import coordinate_at, count_of, growth_of, is_drum, line_of, number_of, own_numbers, portions_of, weight_of
 from .fixed_sheave_rows import add_columns, change_in, take_all_slopes, take_sheaves
 from .running_drums import friction_of_drum, has_friction, mass_of_drum, urges
 from .sheave_pulls import density_of, mass_of
@@ -70,7 +59,7 @@ def mass_at(system, c):
 def least_slope(system, c, h):
     """What the slope of the equation of a coordinate is at least [N s/m], see LEAST_PIVOT."""
     inertia = 0.0
-    for k in range(first_portion(system, c), last_portion(system, c) + 1):
+    for k in range(*portions_of(system, c)):
         for side in (IN, OUT):
             weight = weight_of(system, c, k, side)
             if weight != 0.0:
@@ -350,7 +339,7 @@ def is_unconverged(system, c, h):
     """Whether a coordinate is not found, or the last iteration moved the rope at it too far."""
     numbers, count = own_numbers(system, c), 0
     moved = h * abs(numbers[at_sheave.CHANGE])
-    for k in range(first_portion(system, c), last_portion(system, c) + 1):
+    for k in range(*portions_of(system, c)):
         weight = abs(growth_of(system, c, k))
         count += weight != 0.0 and weight * moved > segments_of(system, k) * numbers_of(system, k)[at_line.GOAL]
     return numbers[at_sheave.IS_FOUND] == 0.0 or count > 0

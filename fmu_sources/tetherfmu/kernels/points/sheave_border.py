@@ -29,18 +29,7 @@ from ..linear_algebra.vectors import add_at, add_scaled, dot, get, put, scale
 from . import running_drums
 from . import sheave_room as at_sheave
 from .at_points import take_ends
-from .coordinates import (
-    coordinate_at,
-    count_of,
-    first_portion,
-    is_drum,
-    last_portion,
-    number_of,
-    own_numbers,
-    runs,
-    stages_of,
-    weight_of,
-)
+from .coordinates import coordinate_at, count_of, is_drum, number_of, own_numbers, portions_of, runs, stages_of, weight_of
 from .sheave_pulls import density_of, mass_of
 from .sheave_room import (
     BORDER,
@@ -213,7 +202,7 @@ def form_border(system, time, h):
             take_equation(system, c, time, d, matrix)
         for k in range(lines_of(system)):
             clear(single_at(system, k, SOLUTIONS + j))
-        for k in range(first_portion(system, c), last_portion(system, c) + 1):
+        for k in range(*portions_of(system, c)):
             for side in (IN, OUT):
                 weight = weight_of(system, c, k, side)
                 if weight != 0.0:
@@ -230,7 +219,7 @@ def form_border(system, time, h):
 def row_of_coordinate(system, c, which):
     """Row of a coordinate times one of the arrays of each portion on which it acts."""
     total = 0.0
-    for k in range(first_portion(system, c), last_portion(system, c) + 1):
+    for k in range(*portions_of(system, c)):
         for side in (OUT, IN):
             weight = weight_of(system, c, k, side)
             if weight != 0.0:

@@ -19,17 +19,7 @@ from ..linear_algebra.both_ends import get_node
 from ..linear_algebra.vectors import add, dot, get, put, scale
 from . import running_drums
 from . import sheave_room as at_sheave
-from .coordinates import (
-    coordinate_at,
-    count_of,
-    first_portion,
-    growth_of,
-    last_portion,
-    own_numbers,
-    runs,
-    stages_of,
-    weight_of,
-)
+from .coordinates import coordinate_at, count_of, growth_of, own_numbers, portions_of, runs, stages_of, weight_of
 from .sheave_pulls import acceleration_at_sheave, density_of, end_acceleration, mass_of, push, take_pulls
 from .sheave_room import (
     ACCELERATIONS,
@@ -227,7 +217,7 @@ def put_speed(system, c, h, speed):
     numbers[at_sheave.STAGE_SPEED], numbers[at_sheave.PASSED] = speed, numbers[at_sheave.REACHED] + h * speed
     numbers[at_sheave.GAIN] = (speed - numbers[at_sheave.SPEED]) / h
     if speed != 0.0 or numbers[at_sheave.SPEED] != 0.0:
-        for k in range(first_portion(system, c), last_portion(system, c) + 1):
+        for k in range(*portions_of(system, c)):
             if weight_of(system, c, k, IN) != 0.0 or weight_of(system, c, k, OUT) != 0.0:
                 numbers_at(system, k)[at_sheave.HAS_RUN] = 1.0
 
@@ -301,7 +291,7 @@ def take_limits(system, c, h):
     """Limits of the speed of a coordinate in an iteration of a step of h [s] (modified)."""
     numbers = own_numbers(system, c)
     speed, lowest, highest, least = numbers[at_sheave.STAGE_SPEED], -inf, inf, inf
-    for k in range(first_portion(system, c), last_portion(system, c) + 1):
+    for k in range(*portions_of(system, c)):
         growth = growth_of(system, c, k)
         if growth != 0.0:
             down, up = limits_by(system, k, growth, speed, h)

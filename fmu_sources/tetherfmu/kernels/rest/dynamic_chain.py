@@ -56,6 +56,6 @@ def outputs_of(n, parameters, state, shape_points, outputs, work):
         if state[at.LAST_STEP] <= 0.0:
             tension = tension_at_winch(n, parameters, state)
             if norm(vector_at(state, at.GROUND_TENSION_VECTOR)) == 0.0:
-                tension = tension_of_rope(chain_of(n, parameters, state), x, v)
+                tension = tension_of_rope(chain_of(n, parameters, state), x, v, 1.0)
         outputs[at.GROUND_TENSION] = tension
         outputs[at.MAX_TENSION] = max(outputs[at.MAX_TENSION], tension)

@@ -45,7 +45,7 @@ static void put_in_line(const Arrays *arrays, int line, int place, double value)
 }
 
 /* The same of a component of the load on a free point. It waits in all lines there, in the place of the acceleration that a
-driven end would have, see `lines.places_of_load`. */
+driven end would have, see `free_points.places_of_load`. */
 static void put_rate_of_load(const Arrays *arrays, int point, int component, double value)
 {
     for (int k = 0; k < LINES; k++) {
