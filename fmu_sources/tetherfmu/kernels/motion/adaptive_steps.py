@@ -31,13 +31,22 @@ from ..notes import note_peak
 from ..points import system_room as at_line
 from ..points import system_step
 from ..points.coordinates import is_any_running
+from ..points.sheave_room import is_running
 from ..points.system_drums import chain_in_step
 from ..points.system_room import drum_at, has_drum, has_free_nodes, integrator_of, is_any_turning, moves, numbers_of, turns
 from ..points.system_step import apply_changes, collect_changes, whole_masses
 from .breaks import begin_breaks, break_lines, can_any_break, part_to_break
 from .pieces import MOST_IDLE, accept_drum, begin_drums, drum_error, error_of_drum, part_to_event, project_drums, turn_drums
 from .rope_directions import turn_ropes
-from .running_ropes import accept_ropes, begin_ropes, error_of_ropes, forget_tensions, part_to_rope_event
+from .running_ropes import (
+    accept_ropes,
+    begin_ropes,
+    error_of_ropes,
+    forget_tensions,
+    keep_energy_of_ropes,
+    part_to_rope_event,
+    transition_of_ropes,
+)
 
 
 @kernel
@@ -57,7 +66,10 @@ def error_of_line(system, k, time, h):
         of_line, largest = error_of_step(conditions_of(system, k), chain, h, v, drum_error(system, k), w)
         error, numbers_of(system, k)[at_line.LARGEST] = larger_error(error, of_line), largest
         if turns(system, k) and not has_free_nodes(system, k):
-            numbers_of(system, k)[at_line.SPEED] = keep_energy_of_drum(drum_at(system, k), chain, w)
+            numbers_of(system, k)[at_line.SPEED] = keep_energy_of_drum(drum_at(system, k).mass, chain, w)
+        if is_running(system, k) and not has_free_nodes(system, k):
+            error = larger_error(error, transition_of_ropes(system, k, chain, h, w))
+            keep_energy_of_ropes(system, k, chain, w)
     return error
 
 
@@ -170,10 +182,10 @@ def integrate(system, duration):
             memory[at.REJECTIONS] += 1.0
             continue
         before_event = part_to_event(system, time, h_now, weight)
-        if has_coordinates(system):
-            before_event = min(before_event, part_to_rope_event(system, time, h_now, weight))
         if may_break:
             before_event = min(before_event, part_to_break(system, time, h_now, weight))
+        if has_coordinates(system):  # the last one, as it takes lengths anew
+            before_event = min(before_event, part_to_rope_event(system, time, h_now, weight))
         if before_event < inf and h_now > SMALLEST_PIECE * duration and idle < MOST_IDLE:
             piece = h_now * before_event
             weight *= 0.5  # if the next piece is too long again, the one after it will not be

@@ -23,12 +23,22 @@ from ..equations.lines import (
     with_states,
 )
 from ..equations.properties import property_of
+from ..equations.ropes import has_coordinates
+from ..equations.winch import follows_force, reel
+from ..flat_arrays import part
 from ..line.drum_events import OVERLOAD, part_of_piece
 from ..linear_algebra.vectors import dot, get, sub
 from ..notes import note, note_peak
+from ..points import sheave_room as at_sheave
+from ..points import system_room as at_line
+from ..points.coordinates import coordinate_at, count_of, is_braked, own_numbers
 from ..points.system_drums import chain_at_start, chain_in_step
-from ..points.system_room import any_line, integrator_of, moves
+from ..points.system_room import any_line, integrator_of, moves, numbers_of
+from .rope_directions import begin_directions
+from .rope_states import hold
 from .stopped_drums import put_reeling_speed
+
+KEPT_REELING = at_line.START_LENGTH  # 5 numbers, which a drum has in the stages of fixed steps
 
 
 @kernel
@@ -77,9 +87,10 @@ def part_to_break(system, time, h, weight):
 
 @kernel
 def stop_winch(system, k, time):
-    """Brake the winch of line k (modified) at a time [s] of the communication step."""
+    """Let line k (modified) keep its length from a time [s] of the communication step on."""
     chain = chain_at_start(system, k, time)
     put_reeling_speed(system, k, chain.length, 0.0, chain.reeling)
+    keep_reeling(system, k)
     put_reeling(system, k, (chain.length, 0.0, 0.0, 0.0, 0.0))
     state_of(system, k)[at.ACCELERATION] = 0.0
 
@@ -97,6 +108,18 @@ def break_line(system, k, s, tension, time):
     note_peak(state, tension)
     stop_winch(system, k, time)
     torn.tear(segments_of(system, k), s, parameters_of(system, k))
+    if has_coordinates(system):
+        brake_drums(system)
+
+
+@kernel
+def brake_drums(system):
+    """Stop the drums (modified) of which all lines are broken."""
+    for j in range(count_of(system)):
+        c = coordinate_at(system, j)
+        if is_braked(system, c):
+            hold(system, c)
+            own_numbers(system, c)[at_sheave.SPEED] = 0.0
 
 
 @kernel
@@ -116,6 +139,8 @@ def break_lines(system, time):
 @kernel
 def begin_breaks(system):
     """Break lines (modified) that bear too much as a communication step begins; whether any may break in it."""
+    if has_coordinates(system) and can_any_break(system):
+        begin_directions(system)
     return can_any_break(system) and not (break_lines(system, 0.0) and not can_any_break(system))
 
 
@@ -136,8 +161,32 @@ def break_at_ends(system, step):
 
 
 @kernel
-def go_back(system, before):
-    """Let the lines (modified) be as whole as in the states `before`."""
+def keep_reeling(system, k):
+    """Keep how line k reels in the communication step, for `go_back` (modified)."""
+    numbers, reeling = numbers_of(system, k), conditions_of(system, k).reeling
+    for i in range(len(reeling)):
+        numbers[KEPT_REELING + i] = reeling[i]
+
+
+@kernel
+def mend_winch(system, k, step, first):
+    """Let line k (modified), mended, reel in a communication step [s] as before it broke in it; first : state before it."""
+    state, kept = state_of(system, k), part(numbers_of(system, k), KEPT_REELING, 5)
+    reeling = kept[0], kept[1], kept[2], kept[3], kept[4]
+    put_reeling(system, k, reeling)
+    if follows_force(parameters_of(system, k)):
+        state[at.LENGTH], state[at.REELING], state[at.ACCELERATION] = (
+            first[at.LENGTH],
+            first[at.REELING],
+            first[at.ACCELERATION],
+        )
+    else:
+        reel(reeling, step, state)
+
+
+@kernel
+def go_back(system, step, before):
+    """Let the lines (modified) be as whole in a communication step [s] as in the states `before`."""
     for k in range(lines_of(system)):
         state, first = state_of(system, k), state_of(with_states(system, before), k)
         if state[at.TORN_SEGMENT] != 0.0 and first[at.TORN_SEGMENT] == 0.0:
@@ -145,3 +194,4 @@ def go_back(system, before):
             state[at.WARNED_VALUES + limits.BROKE] = 0.0
             state[at.WARNINGS] -= 1 << limits.BROKE
             torn.mend(segments_of(system, k), parameters_of(system, k))
+            mend_winch(system, k, step, first)

@@ -18,7 +18,9 @@ from ..equations.boundary import chain_with
 from ..equations.free_points import is_at_point, point_at
 from ..equations.lines import conditions_of, lines_of, motion_of, parameters_of, segments_of, state_of
 from ..equations.properties import point_mass, rest_length
+from ..equations.ropes import is_rope
 from ..linear_algebra.vectors import ZERO_VECTOR, add, add_at, get, scale, sub
+from ..points.sheave_room import LENGTH_NOW, numbers_at
 from ..points.system_room import put_length
 
 
@@ -37,7 +39,8 @@ def push_point(system, point, impulse):
     for k in range(lines_of(system)):
         for end in range(2):
             if point_at(system, k, end) == point:
-                mass += mass_at_end(system, k, state_of(system, k)[at.LENGTH], end)
+                length = numbers_at(system, k)[LENGTH_NOW] if is_rope(system, k) else state_of(system, k)[at.LENGTH]
+                mass += mass_at_end(system, k, length, end)
     for k in range(lines_of(system)):
         for end in range(2):
             if point_at(system, k, end) == point:

@@ -21,17 +21,18 @@ from tetherfmu.runtime import layout as at
 from ..arrays import clear
 from ..compilation import kernel
 from ..equations.lines import lines_of, parameters_of, segments_of
-from ..equations.rope_at_sheave import IN, OUT
+from ..equations.rope_at_sheave import IN
 from ..equations.ropes import stiffness_of
 from ..linear_algebra import small_matrix
 from . import sheave_room as at_sheave
 from . import system_room as at_line
 from .coordinates import coordinate_at, count_of, growth_of, is_drum, line_of, number_of, own_numbers, portions_of, weight_of
 from .fixed_sheave_rows import add_columns, change_in, take_all_slopes, take_sheaves
-from .running_drums import friction_of_drum, has_friction, mass_of_drum, urges
-from .sheave_pulls import density_of, mass_of
+from .running_drums import friction_of_drum, has_friction, urges
+from .sheave_pulls import density_of
 from .sheave_room import has_run, numbers_at, shared_of, slopes_of
 from .sheave_stages import is_out_of_limits, place_portions, put_speed, take_limits
+from .sheaves import inertia_of, mass_at
 from .system_fixed_drums import follow, take_masses
 from .system_room import moves, numbers_of
 
@@ -50,21 +51,9 @@ def density_at(system, c):
 
 
 @kernel
-def mass_at(system, c):
-    """m [kg] of a sheave or a drum."""
-    return mass_of_drum(system, c) if is_drum(system, c) else mass_of(system, c)
-
-
-@kernel
 def least_slope(system, c, h):
     """What the slope of the equation of a coordinate is at least [N s/m], see LEAST_PIVOT."""
-    inertia = 0.0
-    for k in range(*portions_of(system, c)):
-        for side in (IN, OUT):
-            weight = weight_of(system, c, k, side)
-            if weight != 0.0:
-                inertia += weight * weight * numbers_at(system, k)[at_sheave.INERTIA + 2 * side]
-    return LEAST_PIVOT * (inertia + mass_at(system, c)) / h
+    return LEAST_PIVOT * inertia_of(system, c) / h
 
 
 @kernel

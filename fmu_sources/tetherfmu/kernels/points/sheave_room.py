@@ -197,22 +197,26 @@ def shared_with(system, count, first):
 
 @view
 def shared_at_rest(system, count):
-    """As many of so many of them, for `variants/rope_shares.py`; and room for one number more of each."""
+    """As many of so many of them, for `variants/rope_shares.py`; and room for one number more of each, and one."""
     first = number_in(system.plan, places.SHEAVES_WORK)
-    behind_them = part(system.work, first + count * (2 * count + 3), count)
-    return shared_with(system, count, first), behind_them
+    behind_them, last = first + count * (2 * count + 3), first + count * (2 * count + 4)
+    return shared_with(system, count, first), part(system.work, behind_them, count), part(system.work, last, 1)
+
+
+@kernel
+def held_ratio(system, k, carrier):
+    """Ratio [-] with which the drum that the line `carrier` carries holds line k; 0 where it does not."""
+    total, parameters = 0.0, parameters_of(system, k)
+    for i in range(at.MOST_HOLDERS):
+        if parameters[at.HELD_BY + i] == carrier + 1.0:
+            total += parameters[at.HELD_RATIO + i]
+    return total
 
 
 @kernel
 def ratio_of(system, k, carrier):
-    """Rope of line k for each metre that the drum pays out which the line `carrier` carries [-]; 0 where it holds it not."""
-    total = 0.0
-    if is_turned(system, k):
-        parameters = parameters_of(system, k)
-        for i in range(at.MOST_HOLDERS):
-            if parameters[at.HELD_BY + i] == carrier + 1.0:
-                total += parameters[at.HELD_RATIO + i]
-    return total
+    """Rope of line k for each metre that the drum pays out which the line `carrier` carries [-]."""
+    return held_ratio(system, k, carrier) if is_turned(system, k) else 0.0
 
 
 @kernel

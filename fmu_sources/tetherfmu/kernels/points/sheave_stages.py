@@ -19,7 +19,7 @@ from ..linear_algebra.both_ends import get_node
 from ..linear_algebra.vectors import add, dot, get, put, scale
 from . import running_drums
 from . import sheave_room as at_sheave
-from .coordinates import coordinate_at, count_of, growth_of, own_numbers, portions_of, runs, stages_of, weight_of
+from .coordinates import coordinate_at, count_of, growth_of, is_braked, own_numbers, portions_of, runs, stages_of, weight_of
 from .sheave_pulls import acceleration_at_sheave, density_of, end_acceleration, mass_of, push, take_pulls
 from .sheave_room import (
     ACCELERATIONS,
@@ -297,7 +297,9 @@ def take_limits(system, c, h):
             down, up = limits_by(system, k, growth, speed, h)
             lowest, highest = max(lowest, down), min(highest, up)
             least = min(least, numbers_at(system, k)[at_sheave.LENGTH] / abs(growth))
-    if numbers[at_sheave.KEEPS] > 0.0:
+    if is_braked(system, c):
+        lowest = highest = 0.0
+    elif numbers[at_sheave.KEEPS] > 0.0:
         lowest = 0.0
     elif numbers[at_sheave.KEEPS] < 0.0:
         highest = 0.0

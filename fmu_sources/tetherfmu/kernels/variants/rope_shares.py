@@ -10,7 +10,7 @@ from math import inf
 
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import plan_layout as places
-from tetherfmu.runtime.status import NO_SHARES, OK
+from tetherfmu.runtime.status import NO_SHARES, OK, REELED_TOO_SHORT, WINCH_TOO_SHORT
 
 from ..arrays import clear
 from ..compilation import kernel
@@ -33,6 +33,7 @@ BALANCED, ROUNDED = 1e-10, 1e-7  # difference of tensions over their size: goal,
 DIFFERENCE = 1e-7  # of the rope, for slopes
 SOFTEST, STIFFER = 2.0**-15, 8.0  # stiffness of rope that fits anywhere, over that of the given one; from step to step
 LONGEST_STEP = 0.25  # of a portion beside the sheave
+MOST_SEARCHES = 3.0  # of free points, each with all that one may take, in all of the search
 
 
 @kernel
@@ -75,9 +76,8 @@ def imbalance_of_drum(system, k):
 @kernel
 def straight_length(system, k, spans):
     """Unstretched length [m] with which a straight rope, so long [m], pulls with the force of its winch."""
-    force = inputs_of(system, k)[at.WINCH_FORCE]
     stiffness = property_in(parameters_of(system, k), segments_of(system, k), 0, at.STIFFNESS)
-    return spans / (1.0 + max(force, 0.0) / stiffness)
+    return spans / (1.0 + max(inputs_of(system, k)[at.WINCH_FORCE], 0.0) / stiffness)
 
 
 @kernel
@@ -179,9 +179,15 @@ def settle_portion(system, k):
 
 
 @kernel
-def find_differences(system, as_given, differences):
-    """T ahead - T behind of sheaves, then imbalances of drums [N], at rest (modified); a status, and the largest tension."""
+def find_differences(system, as_given, differences, spent):
+    """T ahead - T behind of sheaves, then imbalances of drums [N], at rest (modified); a status, and the largest tension.
+
+    spent : Newton iterations of all searches for the free points so far (modified); with too many the status is NO_SHARES.
+    """
+    if spent[0] > MOST_SEARCHES * resting_points.BUDGET * lines_of(system):
+        return NO_SHARES, 0.0
     status = resting_points.find(system, as_given)
+    spent[0] += resting_points.spent_in(system)
     largest = 0.0
     for k in range(lines_of(system)):
         if status == OK and is_portion(system, k):
@@ -256,8 +262,11 @@ def work_of(moves, differences):
 
 
 @kernel
-def find_moves(system, differences, shared, length):
-    """A step of Newton's method [m] into shared[3] (modified) from differences [N]; a status.  length : of the ropes [m]."""
+def find_moves(system, differences, shared, length, spent):
+    """A step of Newton's method [m] into shared[3] (modified) from differences [N]; a status.
+
+    length : of the ropes [m].  spent : as for `find_differences`.
+    """
     (matrix, _, unit, moves, other), count = shared, len(differences)
     h, status = DIFFERENCE * length, OK
     for j in range(count):
@@ -265,7 +274,7 @@ def find_moves(system, differences, shared, length):
             unit[i] = 1.0 if i == j else 0.0
         if status == OK:
             move_rope(system, h, unit)
-            status, _ = find_differences(system, True, other)
+            status, _ = find_differences(system, True, other, spent)
             move_rope(system, -h, unit)
             for i in range(count):
                 matrix[count * i + j] = (differences[i] - other[i]) / h
@@ -280,29 +289,29 @@ def find_moves(system, differences, shared, length):
 
 
 @kernel
-def balance_ropes(system, as_given, shared, differences):
+def balance_ropes(system, as_given, shared, differences, spent):
     """Search for the lengths of the portions (modified) from those that they have; a status.
 
-    as_given : whether the search for the free points begins where the inputs have them.
+    as_given : whether the search for the free points begins where the inputs have them.  spent : see `find_differences`.
     """
     length, moves = 0.0, shared[3]
     for k in range(lines_of(system)):
         if is_portion(system, k):
             length = max(length, numbers_at(system, k)[at_sheave.LENGTH_NOW])
-    status, largest = find_differences(system, as_given, differences)
+    status, largest = find_differences(system, as_given, differences, spent)
     last = inf
     for _ in range(ITERATIONS):
         size = size_of(differences)
         if status != OK or size <= BALANCED * largest or (size >= 0.5 * last and size <= ROUNDED * largest):
             return status
         last = size
-        status = find_moves(system, differences, shared, length)
+        status = find_moves(system, differences, shared, length, spent)
         if status != OK:
             return status
         start, taken = work_of(moves, differences), part_within(system, moves)
         move_rope(system, taken, moves)
         for trial in range(TRIALS):
-            status, largest = find_differences(system, True, differences)
+            status, largest = find_differences(system, True, differences, spent)
             left = work_of(moves, differences) if status == OK else -inf
             if left > -0.5 * start or trial == TRIALS - 1:
                 break
@@ -323,29 +332,51 @@ def put_stiffness(system, factor):
 
 
 @kernel
-def find_shares(system):
-    """Put all sought points and the lengths of all portions where they are in equilibrium (modified); a status.
-
-    Where drums are sought, from straight ropes if those of `initial_length` do not lead there. Where portions of stiff rope
-    do not fit together on the way, with softer rope first.
-    """
-    sought, (sheaves, drums) = share_ropes(system, False), count_unknowns(system)
-    if sought == 0:
-        return resting_points.find(system, False)
-    shared, differences = shared_at_rest(system, sheaves + drums)
-    status = balance_ropes(system, False, shared, differences)
+def search_for_shares(system, sheaves, drums):
+    """Search as `find_shares` for the lengths of portions beside so many sheaves, and of so many drums; a status."""
+    shared, differences, spent = shared_at_rest(system, sheaves + drums)
+    spent[0] = 0.0
+    status = balance_ropes(system, False, shared, differences, spent)
     if status != OK and drums > 0:
         share_ropes(system, True)
-        return balance_ropes(system, False, shared, differences)
+        return balance_ropes(system, False, shared, differences, spent)
     if status == OK:
         return OK
     share_ropes(system, False)
     factor, found = SOFTEST, OK
     put_stiffness(system, SOFTEST)
     while factor <= 1.0 and found == OK:
-        found = balance_ropes(system, factor > SOFTEST, shared, differences)
+        found = balance_ropes(system, factor > SOFTEST, shared, differences, spent)
         put_stiffness(system, STIFFER if factor < 1.0 else 1.0)
         factor *= STIFFER
     if factor <= 1.0:
         put_stiffness(system, 1.0 / factor)
     return found if found == OK else status
+
+
+@kernel
+def fits(system):
+    """Whether each rope is as long as its portions are together at least."""
+    room = 0.0
+    for k in range(lines_of(system)):
+        if is_portion(system, k):
+            spare = numbers_at(system, k)[at_sheave.LENGTH_NOW] - shortest_of(system, k)
+            room = room + spare if comes_from(system, k) else spare
+            if room < 0.0 and not goes_on(system, k):
+                return False
+    return True
+
+
+@kernel
+def find_shares(system):
+    """Put all sought points and the lengths of all portions where they are in equilibrium (modified); a status.
+
+    Where drums are sought, from straight ropes if those of `initial_length` do not lead there. Where portions of stiff rope
+    do not fit together on the way, with softer rope first. Portions that get too short on the way are NO_SHARES.
+    """
+    sought, (sheaves, drums) = share_ropes(system, False), count_unknowns(system)
+    if sought == 0:
+        return resting_points.find(system, False)
+    status = search_for_shares(system, sheaves, drums)
+    is_short = status in (REELED_TOO_SHORT, WINCH_TOO_SHORT)
+    return NO_SHARES if is_short and fits(system) else status
