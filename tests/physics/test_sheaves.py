@@ -243,7 +243,7 @@ def test_a_state_of_a_portion_a_little_below_its_shortest_length():
 
 @pytest.mark.parametrize("control", ["speed", "length"])
 def test_a_start_that_leaves_no_room_is_refused_as_such(control):
-    """A sheave 1 mm from the start of four segments, whatever the winch is told; and a rope that is too short for all of it."""
+    """A sheave 1 mm from the start of four segments, with either winch; and a rope that is too short for all."""
     points = [Point("a", (0.0, 0.0, 0.0)), Point("s", (0.001, 0.0, 0.0)), Point("b", (10.0, 0.0, 0.0))]
     rope = Line("r", "a", "b", Tether(segments=4, initial_length=10.05), winch=Winch(winch_control=control), through=["s"])
     system = TetherSystem(points, [rope])
