@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from over_sheaves import DENSITY, HEAVY, LIGHT, Atwood, G, rope
-from tetherfmu import Line, Point, SharedWinch, Solver, TetherSystem, Winch
+from tetherfmu import Line, Point, SharedWinch, Solver, StepRefused, TetherSystem, Winch
 
 ADAPTIVE, SECOND = Solver(), Solver(fixed_step=0.002)
 EULER = Solver(fixed_step=0.002, fixed_step_method="backward_euler")
@@ -129,6 +129,18 @@ def test_the_end_stops_at_the_last_sheave(solver):
     assert found.length[1] == pytest.approx(0.05, rel=1e-6)
     assert found.speed[0] == 0.0
     assert found.tension_to[0] == pytest.approx((20.0 + 4.95 * 0.2) * G, rel=1e-3)
+
+
+def test_releases_that_are_no_numbers():
+    """They are refused as such, also where nothing could be let go of."""
+    points = [Point("a", (0.0, 0.0, 0.0)), Point("s", (1.0, 0.0, 0.0)), Point("b", (3.0, 0.0, -4.0), mass=0.0)]
+    system = TetherSystem(points, [Line("rope", "a", "b", rope(5.05, 4), through=["s"], initial_portions=[1.0, 4.05])])
+    system.initialize()
+    for value, said in ((np.nan, "rope.release is nan"), (np.inf, "rope.release is inf"), (True, "without any mass")):
+        before = system.get_state()
+        with pytest.raises(StepRefused, match=said):
+            system.step(0.02, releases={"rope": value})
+        assert np.array_equal(system.get_state(), before)
 
 
 def with_drum(solver=ADAPTIVE):

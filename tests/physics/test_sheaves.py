@@ -226,6 +226,34 @@ def test_a_state_goes_on_bit_for_bit(solver):
     assert np.array_equal(system.get_state(), before)
 
 
+def test_a_state_of_a_portion_a_little_below_its_shortest_length():
+    """As fixed steps may leave it; one that no step leaves is no state."""
+    rope = Line("rope", "a", "b", Tether(segments=1, initial_length=15.0), through=["s"], initial_portions=[7.0, 8.0])
+    system = TetherSystem(POINTS, [rope])
+    system.initialize()
+    state = system.get_state()
+    place = np.flatnonzero(state == 7.0)[0]
+    state[place] = 0.01 * (1.0 - 2e-9)
+    system.set_state(state)
+    assert system.outputs().portions["rope"].length[0] == state[place]
+    state[place] = 0.004
+    with pytest.raises(ValueError, match="impossible numbers"):
+        system.set_state(state)
+
+
+@pytest.mark.parametrize("control", ["speed", "length"])
+def test_a_start_that_leaves_no_room_is_refused_as_such(control):
+    """A sheave 1 mm from the start of four segments, with either winch; and a rope that is too short for all."""
+    points = [Point("a", (0.0, 0.0, 0.0)), Point("s", (0.001, 0.0, 0.0)), Point("b", (10.0, 0.0, 0.0))]
+    rope = Line("r", "a", "b", Tether(segments=4, initial_length=10.05), winch=Winch(winch_control=control), through=["s"])
+    system = TetherSystem(points, [rope])
+    with pytest.raises(StepRefused, match="no lengths of the portions were found"):
+        system.initialize()
+    if control == "length":
+        with pytest.raises(StepRefused, match=r"winch_length 0\.05 m"):
+            system.initialize(winch_lengths={"r": 0.05})
+
+
 POINTS = [Point("a", (0.0, 0.0, 0.0)), Point("s", (5.0, 0.0, 5.0)), Point("b", (10.0, 0.0, 0.0), mass=5.0)]
 WRONG = {
     "ends as initial_portions": ({"initial_portions": [5.0, 5.0]}, {}, "add up to 10"),

@@ -1,6 +1,6 @@
 """Single segments between driven ends whose rope runs, while they go slack and taut: no node moves, all is in the rope.
 
-energy    two springs without damping, of which only taut ones pull, and a sheave of 2 kg: its energy stays, whatever the step
+energy    two springs without damping, of which only taut ones pull, and a sheave of 2 kg keep their energy
 one line  on a drum that holds no other is the line with its own winch: the error of each step is that at the transition, too
 """
 
