@@ -3,7 +3,8 @@
 With the lengths of all portions the free points are found as ever (`resting_points.py`), and with these each portion is in
 equilibrium. A rope that passes a sheave by q makes the tension ahead fall and that behind it rise; both are slopes of one
 potential, so that Newton's method on q, with differences for the slopes, goes along its fall. A drum whose start is
-sought (`winch_start`) is one unknown more: what it pays out, with T - W - c u - F sign(u) for the difference.
+sought (`winch_start`) is one unknown more, also one that holds several lines without sheaves: what it pays out, with its
+imbalance (`sought_drums.py`) for the difference.
 """
 
 from math import inf
@@ -15,7 +16,6 @@ from tetherfmu.runtime.status import NO_SHARES, OK
 from ..compilation import kernel
 from ..equations import rope_at_sheave as rope
 from ..equations import segment, winch
-from ..equations.drum import HELD, INWARDS, OUTWARDS, balance, drum_of
 from ..equations.lines import (
     comes_from,
     first_of,
@@ -30,13 +30,15 @@ from ..equations.lines import (
     state_of,
 )
 from ..equations.properties import chain_without_flow, property_in, property_of, put_property, rest_length
-from ..equations.rope_at_drum import tension_of
+from ..equations.rope_at_drum import tension_at_winch, tension_of
 from ..linear_algebra import small_matrix
 from ..linear_algebra.vectors import ZERO_VECTOR, norm, sub, vector_at
 from ..points import sheave_room as at_sheave
+from ..points.coordinates import has_sought_drum, is_alone, is_shared_out, is_sought_by_drums
 from ..points.sheave_room import numbers_at, shared_at_rest, shortest_of
 from ..rest import dynamic_chain, resting_points
 from ..rest.resting_line import given_position, is_sought, start_state
+from .sought_drums import WAITING, about_drums, imbalance_of_drum, part_of_drum, put_start
 
 ITERATIONS, TRIALS = 60, 12
 BALANCED, ROUNDED = 1e-10, 1e-7  # difference of tensions over their size: goal, and enough where it falls no more
@@ -46,16 +48,10 @@ LONGEST_STEP = 0.25  # of a portion beside the sheave
 
 
 @kernel
-def has_sought_drum(system, k):
-    """Whether line k is the first portion of a rope whose drum is to be in balance at the start."""
-    return goes_on(system, k) and winch.is_sought(parameters_of(system, k))
-
-
-@kernel
 def is_balanced(system, k):
     """Whether line k goes on over a sheave that is to have the same tension on both sides: not if all portions are given."""
     j, count = first_of(system, k), 0
-    count += has_sought_drum(system, j)
+    count += is_sought_by_drums(system, j)
     while goes_on(system, j):
         count += parameters_of(system, j)[at.GIVEN_PORTION] == 0.0
         j += 1
@@ -71,15 +67,6 @@ def count_unknowns(system):
         sheaves += is_balanced(system, k)
         drums += has_sought_drum(system, k)
     return sheaves, drums
-
-
-@kernel
-def imbalance_of_drum(system, k):
-    """T - W - c u - F sign(u) [N] of the drum of line k, which is at rest or turns with the speed of its start."""
-    inputs = inputs_of(system, k)
-    speed, drum = inputs[at.REEL_OUT_SPEED], drum_of(parameters_of(system, k), inputs[at.WINCH_FORCE], 0.0)
-    direction = HELD if speed == 0.0 else (OUTWARDS if speed > 0.0 else INWARDS)
-    return balance(drum, direction, state_of(system, k)[at.TENSION_FROM], speed, 0.0)
 
 
 @kernel
@@ -114,7 +101,8 @@ def share_ropes(system, is_straight):
     """
     sought = 0
     for k in range(lines_of(system)):
-        if is_portion(system, k) and not comes_from(system, k):
+        sought += has_sought_drum(system, k)
+        if is_shared_out(system, k) and not comes_from(system, k):
             for i in range(at.STATE_HEADER):
                 state_of(system, k)[i] = 0.0  # for the length of the whole rope
             whole, last, given, spans, unknown = whole_length(system, k), k, 0.0, 0.0, 0
@@ -125,9 +113,8 @@ def share_ropes(system, is_straight):
                 spans += span_of(system, j)
                 unknown += parameters_of(system, j)[at.GIVEN_PORTION] == 0.0
                 sought += parameters_of(system, j)[at.GIVEN_PORTION] == 0.0
-            if has_sought_drum(system, k):
-                sought += 1
-                whole = straight_length(system, k, spans) if is_straight else whole
+            if is_straight and has_sought_drum(system, k) and is_alone(system, k):
+                whole = straight_length(system, k, spans)
             spread = 1.0 / (last + 1 - k)
             for j in range(k, last + 1):
                 length = parameters_of(system, j)[at.GIVEN_PORTION] * whole / given if unknown == 0 else 0.0
@@ -175,24 +162,27 @@ def end_tensions_at_rest(n, parameters, state):
 
 @kernel
 def take_tensions_at_rest(system, k):
-    """Tensions at both ends of portion k, which is in equilibrium, into its state (modified)."""
-    state = state_of(system, k)
-    state[at.TENSION_FROM], state[at.TENSION_TO] = end_tensions_at_rest(
-        segments_of(system, k), parameters_of(system, k), state
-    )
+    """Tensions at both ends of portion k at rest, or at the drum of a line that is none, into its state (modified)."""
+    n, parameters, state = segments_of(system, k), parameters_of(system, k), state_of(system, k)
+    if is_portion(system, k):
+        state[at.TENSION_FROM], state[at.TENSION_TO] = end_tensions_at_rest(n, parameters, state)
+    else:
+        state[at.TENSION_FROM] = tension_at_winch(n, parameters, state)
 
 
 @kernel
-def settle_portion(system, k):
-    """Bring portion k (modified) to rest between its points; a status."""
+def settle_line(system, k):
+    """Bring portion k (modified) to rest between its points, a line that is none into its `initial_shape`; a status."""
     n, parameters, state = segments_of(system, k), parameters_of(system, k), state_of(system, k)
-    status = start_state(system, k)
-    if status == OK:
+    status, shape = start_state(system, k), parameters[at.INITIAL_SHAPE]
+    if status == OK and is_portion(system, k):
+        shape = float(at.STATIC_EQUILIBRIUM)
         state[at.REELING] = 0.0
         _, v = motion_of(system, k)
         for i in range(3 * (n + 1)):
             v[i] = 0.0
-        status = dynamic_chain.initialize(n, parameters, float(at.STATIC_EQUILIBRIUM), state, room_of(system, k))
+    if status == OK:
+        status = dynamic_chain.initialize(n, parameters, shape, state, room_of(system, k))
     if status == OK:
         take_tensions_at_rest(system, k)
     return status
@@ -204,9 +194,9 @@ def find_differences(system, as_given, differences):
     status = resting_points.find(system, as_given)
     largest = 0.0
     for k in range(lines_of(system)):
-        if status == OK and is_portion(system, k):
+        if status == OK and is_shared_out(system, k):
             system.plan[places.STATUS_LINE] = k
-            status = settle_portion(system, k)
+            status = settle_line(system, k)
             state = state_of(system, k)
             largest = max(largest, abs(state[at.TENSION_FROM]), abs(state[at.TENSION_TO]))
     j = 0
@@ -230,30 +220,41 @@ def move_rope(system, factor, moves):
             numbers_at(system, k)[at_sheave.LENGTH_NOW] -= factor * moves[j]
             numbers_at(system, k + 1)[at_sheave.LENGTH_NOW] += factor * moves[j]
             j += 1
-    for k in range(lines_of(system)):
-        if has_sought_drum(system, k):
-            numbers_at(system, k)[at_sheave.LENGTH_NOW] += factor * moves[j]
+    for c in range(lines_of(system)):
+        if has_sought_drum(system, c):
+            for k in range(lines_of(system)):
+                numbers_at(system, k)[at_sheave.LENGTH_NOW] += factor * part_of_drum(system, k, c) * moves[j]
             j += 1
+
+
+@kernel
+def change_of(system, k, moves):
+    """What `moves` [m] make of the length of line k [m]."""
+    change, j = 0.0, 0
+    for c in range(lines_of(system)):
+        if is_balanced(system, c):
+            change += moves[j] if c + 1 == k else 0.0
+            change -= moves[j] if c == k else 0.0
+            j += 1
+    for c in range(lines_of(system)):
+        if has_sought_drum(system, c):
+            change += part_of_drum(system, k, c) * moves[j]
+            j += 1
+    return change
 
 
 @kernel
 def part_within(system, moves):
     """Part of `moves` [m] by which no portion changes too much, or gets too short."""
-    part, j, (drum, _) = 1.0, 0, count_unknowns(system)
+    part = 1.0
     for k in range(lines_of(system)):
-        if is_portion(system, k):
-            change = moves[j - 1] if comes_from(system, k) and is_balanced(system, k - 1) else 0.0
-            change -= moves[j] if is_balanced(system, k) else 0.0
-            if has_sought_drum(system, k):
-                change += moves[drum]
-                drum += 1
-            length = numbers_at(system, k)[at_sheave.LENGTH_NOW]
+        if is_shared_out(system, k):
+            change, length = change_of(system, k, moves), numbers_at(system, k)[at_sheave.LENGTH_NOW]
             room = min(LONGEST_STEP * length, 0.5 * (length - shortest_of(system, k)))
             if change < 0.0 and -change * part > room:
                 part = room / -change
             elif change * part > LONGEST_STEP * length:
                 part = LONGEST_STEP * length / change
-        j += is_balanced(system, k)
     return part
 
 
@@ -307,7 +308,7 @@ def balance_ropes(system, as_given, shared, differences):
     """
     length, moves = 0.0, shared[3]
     for k in range(lines_of(system)):
-        if is_portion(system, k):
+        if is_shared_out(system, k):
             length = max(length, numbers_at(system, k)[at_sheave.LENGTH_NOW])
     status, largest = find_differences(system, as_given, differences)
     last = inf
@@ -343,7 +344,7 @@ def put_stiffness(system, factor):
 
 
 @kernel
-def find_shares(system):
+def search(system):
     """Put all sought points and the lengths of all portions where they are in equilibrium (modified); a status.
 
     Where drums are sought, from straight ropes if those of `initial_length` do not lead there. Where portions of stiff rope
@@ -369,3 +370,19 @@ def find_shares(system):
     if factor <= 1.0:
         put_stiffness(system, 1.0 / factor)
     return found if found == OK else status
+
+
+@kernel
+def find_shares(system):
+    """`search`; where it finds no balance of drums, from what it finds with these as they are given (all modified)."""
+    status, (sheaves, drums) = search(system), count_unknowns(system)
+    if status == OK or drums == 0:
+        return status
+    share_ropes(system, False)
+    put_start(system, float(at.WINCH_IN_BALANCE), WAITING)
+    status = search(system)
+    put_start(system, WAITING, float(at.WINCH_IN_BALANCE))
+    if status != OK:
+        return status
+    shared, differences = shared_at_rest(system, sheaves + drums)
+    return OK if balance_ropes(system, True, shared, differences) == OK else about_drums(system)
