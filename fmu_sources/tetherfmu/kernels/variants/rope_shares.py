@@ -45,6 +45,7 @@ BALANCED, ROUNDED = 1e-10, 1e-7  # difference of tensions over their size: goal,
 DIFFERENCE = 1e-7  # of the rope, for slopes
 SOFTEST, STIFFER = 2.0**-15, 8.0  # stiffness of rope that fits anywhere, over that of the given one; from step to step
 LONGEST_STEP = 0.25  # of a portion beside the sheave
+LONGEST = 1e5  # [m] of a line, as `initial_length` may be
 
 
 @kernel
@@ -253,8 +254,8 @@ def part_within(system, moves):
             room = min(LONGEST_STEP * length, 0.5 * (length - shortest_of(system, k)))
             if change < 0.0 and -change * part > room:
                 part = room / -change
-            elif change * part > LONGEST_STEP * length:
-                part = LONGEST_STEP * length / change
+            elif change * part > min(LONGEST_STEP * length, LONGEST - length):
+                part = min(LONGEST_STEP * length, LONGEST - length) / change
     return part
 
 
@@ -278,7 +279,10 @@ def work_of(moves, differences):
 
 @kernel
 def find_moves(system, differences, shared, length):
-    """A step of Newton's method [m] into shared[3] (modified) from differences [N]; a status.  length : of the ropes [m]."""
+    """A step of Newton's method [m] into shared[3] (modified) from differences [N]; a status.  length : of the ropes [m].
+
+    Where ropes hang loose without weight, and nothing changes, a long one along the differences.
+    """
     (matrix, _, unit, moves, other), count = shared, len(differences)
     h, status = DIFFERENCE * length, OK
     for j in range(count):
@@ -293,7 +297,8 @@ def find_moves(system, differences, shared, length):
     for i in range(count):
         moves[i] = differences[i]
     if status == OK and not small_matrix.solve(count, matrix, moves):
-        return NO_SHARES
+        for i in range(count):
+            moves[i] = differences[i] / size_of(differences) * length
     if work_of(moves, differences) < 0.0:
         for i in range(count):
             moves[i] = -moves[i]
@@ -321,6 +326,8 @@ def balance_ropes(system, as_given, shared, differences):
         if status != OK:
             return status
         start, taken = work_of(moves, differences), part_within(system, moves)
+        if taken == 0.0:  # drums pay out without end
+            return NO_SHARES
         move_rope(system, taken, moves)
         for trial in range(TRIALS):
             status, largest = find_differences(system, True, differences)
