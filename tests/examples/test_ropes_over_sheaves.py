@@ -10,7 +10,7 @@ sys.path.append(str(EXAMPLES))
 
 from systems import sheaves
 
-pytestmark = pytest.mark.filterwarnings("ignore:.*presses its ends apart")  # where the masses are let go
+pytestmark = pytest.mark.filterwarnings("error")
 
 
 def test_atwood_runs_as_the_formula_says():

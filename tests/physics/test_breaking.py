@@ -19,6 +19,7 @@ from tetherfmu import (
     Ground,
     Line,
     Point,
+    Solver,
     StepRefused,
     Tether,
     TetherDynamic,
@@ -26,6 +27,7 @@ from tetherfmu import (
     TetherStraight,
     TetherSystem,
 )
+from tetherfmu.runtime import layout as at
 
 VOID = Environment(gravity=0.0, air_density=0.0)
 LENGTH, FORCE = 100.0, 2000.0
@@ -236,6 +238,22 @@ def test_states_before_and_after_the_event_are_restored_bit_for_bit(event, solve
     assert np.array_equal(tether.get_state(), after)
     tether.set_state(after)
     assert np.array_equal(fly(35, 20), more)
+
+
+@pytest.mark.parametrize("control", ["speed", "force"])
+def test_a_step_that_is_given_up_after_a_break_begins_with_the_whole_line(control):
+    """It has the numbers of those fixed steps that do it anew; the recoil needs more internal steps than there may be."""
+    step, segments, found = 2.0, 80, []
+    drum = {"winch_mass": 30.0} if control == "force" else {}
+    given = {"winch_force": 2500.0} if control == "force" else {"reel_out_speed": 1.0}
+    strong = Tether(segments=segments, initial_length=LENGTH, breaking_force=3000.0, slack_stiffness_ratio=0.0)
+    for solver in (Solver(relative_tolerance=1e-7), Solver(fixed_step=step * segments / at.COARSE_WORK)):
+        tether = TetherDynamic(strong, solver=solver, winch_control=control, **drum)
+        tether.initialize((0.0, 0.0, 100.45), kite_velocity=(0.0, 0.0, 2.0), reel_out_speed=1.0)
+        found.append(tether.step(step, (0.0, 0.0, 100.45 + 3.0 * step), (0.0, 0.0, 3.0), **given))
+    assert found[0].break_time > 0.0
+    for name in ("break_time", "tether_length", "winch_speed", "ground_tension", "kite_tension"):
+        assert getattr(found[0], name) == getattr(found[1], name), name
 
 
 def test_a_refused_step_undoes_a_release():

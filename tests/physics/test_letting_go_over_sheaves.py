@@ -16,7 +16,7 @@ from tetherfmu import Line, Point, SharedWinch, Solver, TetherSystem, Winch
 
 ADAPTIVE, SECOND = Solver(), Solver(fixed_step=0.002)
 EULER = Solver(fixed_step=0.002, fixed_step_method="backward_euler")
-pytestmark = pytest.mark.filterwarnings("ignore::tetherfmu.PlausibilityWarning")
+pytestmark = pytest.mark.filterwarnings("ignore:.*backward Euler", "ignore:.*the tension at a sheave")
 
 
 class RunOff(Atwood):

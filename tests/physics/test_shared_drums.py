@@ -20,8 +20,8 @@ from solvers import ADAPTIVE, with_each_solver
 from tetherfmu import Line, Point, SharedWinch, Solver, StepRefused, TetherSystem, Winch
 
 TIGHT = Solver(relative_tolerance=1e-6)
-# at the start lines have the tension of rest, of which moving drums and wind know nothing
-pytestmark = pytest.mark.filterwarnings("ignore:.*presses its ends apart", "ignore:.*at the start", "ignore:.*at a sheave")
+# where it jumps
+LOOSE = pytest.mark.filterwarnings("ignore:.*stretched by", "ignore:.*slack", "ignore:.*at a sheave")
 
 
 # --- formulas
@@ -97,6 +97,7 @@ def test_tethers_in_series():
     assert found[0] == pytest.approx(found[1], rel=1e-9)
 
 
+@LOOSE
 def test_a_drum_beside_a_sheave_starts_with_its_speed():
     """In balance with half of the weight of the block it keeps it, but for the rope that comes."""
     points = [Point("top", (0.0, 0.0, 0.0)), Point("block", (0.0, 0.0, -10.0), mass=50.0), Point("end", (0.0, 0.0, 0.0))]
@@ -150,7 +151,7 @@ def test_it_comes_to_rest():
     assert np.sum(np.diff(payouts) == 0.0) > 20
 
 
-@pytest.mark.filterwarnings("ignore:.*stretched by", "ignore:.*slack")  # where it is stopped
+@LOOSE
 @with_each_solver(0.005)
 def test_it_stops_where_segments_get_too_short(solver):
     """At 4 segments of 1 cm; reeled in by 1.3 times the weight."""
@@ -171,6 +172,7 @@ def test_it_stops_where_segments_get_too_short(solver):
     assert outputs.winches["drum"].payout > -0.95
 
 
+@LOOSE
 def test_longest_length_beside_a_sheave():
     """The drum of a line that runs over none stops there, while another line runs over a sheave."""
     points = [Point("top", (0.0, 0.0, 0.0)), Point("load", (0.0, 0.0, -10.0), mass=40.0)]

@@ -35,10 +35,13 @@ from tetherfmu import Line, Point, Solver, StepRefused, Tether, TetherSystem, Wi
 # --- Atwood's machine
 
 
-@pytest.mark.filterwarnings("ignore:.*presses its ends apart")  # at the start it is as stretched as at rest
+@pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize("sheave_mass", [0.0, 5.0])
 def test_atwood(sheave_mass):
-    """Payout within 2e-4 m in 2 s, tensions within 0.05 N: what is left are waves along the rope, which is not rigid."""
+    """Payout within 2e-4 m in 2 s, tensions within 0.05 N: what is left are waves along the rope, which is not rigid.
+
+    Rope that runs further in a step than it is stretched is not taken for slack: it is not warned of, and stays straight.
+    """
     atwood = Atwood(sheave_mass)
     system = atwood.system()
     for k in range(100):
@@ -50,6 +53,7 @@ def test_atwood(sheave_mass):
             assert (found.tension_to[0], found.tension_from[1]) == pytest.approx(atwood.tensions(time), abs=0.05)
     assert found.speed[0] == pytest.approx(atwood.speed(time), abs=1e-3)
     assert found.payout[0] > 2.5
+    assert not system.positions["rope"][:, :2].any()
 
 
 # --- friction
@@ -78,7 +82,6 @@ def test_the_onset(solver):
     assert slips_at(solver) == pytest.approx(100.0 * np.exp(0.3 * np.pi / 2.0), abs=0.4 if solver is ADAPTIVE else 0.15)
 
 
-@pytest.mark.filterwarnings("ignore:.*presses its ends apart")  # after the start with 100 N in all of it
 @with_each_solver()
 def test_efficiency(solver):
     """The side that the rope runs from has 0.95 of the tension on the other one, but for mu u^2."""
@@ -127,6 +130,7 @@ def test_falls(falls, solver):
     assert risen == pytest.approx(paid / falls * (1.0 + share / 1e7), rel=1e-3, abs=5e-4)
 
 
+@pytest.mark.filterwarnings("error")
 @with_each_solver()
 @pytest.mark.parametrize("control", ["speed", "length"])
 def test_a_winch_pays_out_the_whole_line(control, solver):
@@ -171,7 +175,6 @@ def test_a_moving_frame(solver):
 TIGHT = Solver(relative_tolerance=1e-7)
 
 
-@pytest.mark.filterwarnings("ignore:.*presses its ends apart")
 @pytest.mark.parametrize(("sheave_mass", "reel"), [(0.0, 0.0), (5.0, 0.5)])
 def test_energy(sheave_mass, reel):
     (coarse, size), (fine, _) = (energy_from_nowhere(step, sheave_mass, reel, TIGHT) for step in (0.01, 0.005))
@@ -179,7 +182,6 @@ def test_energy(sheave_mass, reel):
     assert coarse / fine == pytest.approx(4.0, rel=0.1)
 
 
-@pytest.mark.filterwarnings("ignore:.*presses its ends apart")
 def test_friction_makes_heat():
     """Without a winch that turns its power is 0, and friction takes u (T2 - T1) from a rope that hardly stretches."""
     system = corner(200.0, friction=0.3)

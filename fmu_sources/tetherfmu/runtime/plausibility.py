@@ -147,7 +147,7 @@ SENTENCES = {
     ),
     BROKE: (
         "segment {segment:.0f}, counted from the winch, broke {time:.6g} s after the start under {value:.6g} N; from then "
-        "on the winch is braked, and no other segment breaks"
+        "on the tether keeps its length, and no other segment breaks"
     ),
     IDLE_RELEASE: _IDLE.format(name="release", why="this tether cannot let go; the dynamic one can"),
     SLACK_AT_SHEAVE: (

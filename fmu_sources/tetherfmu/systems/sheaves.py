@@ -113,8 +113,6 @@ def check_turned(line, why):
     for tether in line.tethers:
         if tether.damping_law != at.STRAIN_RATE:
             raise ValueError(f"{line.name}.damping_law is stretch_rate, and {why}; it must be strain_rate")
-        if tether.breaking_force != 0.0:
-            raise ValueError(f"{line.name}.breaking_force is {tether.breaking_force!r}, and {why}; it must be 0")
 
 
 def check_drum(line, why):

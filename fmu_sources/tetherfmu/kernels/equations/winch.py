@@ -54,6 +54,13 @@ def gain_at(reeling, time):
 
 
 @kernel
+def reel(reeling, step, state):
+    """Let a state (modified) have the length, its rate and the rate of that at the end of a communication step [s]."""
+    state[at.LENGTH], state[at.REELING] = length_at(reeling, step), rate_at(reeling, step)
+    state[at.ACCELERATION] = gain_at(reeling, step)
+
+
+@kernel
 def with_jump(parameters, reeling, step, state):
     """Coefficients of the length in a step of `step` [s] from a state, and the jump of the speed over the step [m/s2]."""
     jump = NEUTRAL if follows_force(parameters) else (reeling[1] - state[at.REELING]) / step

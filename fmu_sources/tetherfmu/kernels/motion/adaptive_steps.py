@@ -187,10 +187,10 @@ def integrate(system, duration):
             memory[at.REJECTIONS] += 1.0
             continue
         before_event = part_to_event(system, time, h_now, weight)
-        if has_coordinates(system):
-            before_event = min(before_event, part_to_rope_event(system, time, h_now, weight))
         if may_break:
             before_event = min(before_event, part_to_break(system, time, h_now, weight))
+        if has_coordinates(system):  # the last one, as it takes lengths anew
+            before_event = min(before_event, part_to_rope_event(system, time, h_now, weight))
         if before_event < inf and h_now > SMALLEST_PIECE * duration and idle < MOST_IDLE:
             piece = h_now * before_event
             weight *= 0.5  # if the next piece is too long again, the one after it will not be

@@ -11,9 +11,10 @@ from tetherfmu.runtime import plausibility as limits
 
 from ..compilation import kernel
 from ..equations import segment, torn
-from ..equations.boundary import chain_during, chain_with, place_ends
+from ..equations.boundary import place_ends
 from ..equations.lines import (
     conditions_of,
+    has_coordinates,
     lines_of,
     motion_of,
     parameters_of,
@@ -24,11 +25,19 @@ from ..equations.lines import (
 )
 from ..equations.notes import note, note_peak
 from ..equations.properties import property_of
+from ..equations.winch import follows_force, reel
+from ..flat_arrays import part
 from ..line.drum_events import OVERLOAD, part_of_piece
 from ..linear_algebra.vectors import dot, get, sub
-from ..points.system_drums import chain_in_step
-from ..points.system_room import has_drum, integrator_of, length_of, moves
+from ..points import sheave_room as at_sheave
+from ..points.coordinates import coordinate_at, count_of, is_braked, own_numbers
+from ..points.system_drums import chain_at_start, chain_in_step
+from ..points.system_room import START_LENGTH, integrator_of, moves, numbers_of
+from .rope_directions import begin_directions
+from .rope_states import hold
 from .stopped_drums import put_reeling_speed
+
+KEPT_REELING = START_LENGTH  # 5 numbers, which a drum has in the stages of fixed steps
 
 
 @kernel
@@ -65,13 +74,6 @@ def weakest(chain, x, v):
 
 
 @kernel
-def chain_now(system, k, time):
-    """`Chain` of line k in its state at a time [s] of the communication step."""
-    conditions = conditions_of(system, k)
-    return chain_with(conditions, *length_of(system, k)) if has_drum(system, k) else chain_during(conditions, time)
-
-
-@kernel
 def part_to_break(system, time, h, weight):
     """Part of the step of h [s] from a time [s] after which the first line is expected to break; inf if none has in it.
 
@@ -83,16 +85,17 @@ def part_to_break(system, time, h, weight):
             w, (x, v) = integrator_of(system, k), motion_of(system, k)
             _, after, strength = weakest(chain_in_step(system, k, time + h), w.x, w.v)
             if after < -OVERLOAD * strength:
-                _, now, _ = weakest(chain_now(system, k, time), x, v)
+                _, now, _ = weakest(chain_at_start(system, k, time), x, v)
                 least = min(least, part_of_piece(weight * now, after))
     return least
 
 
 @kernel
 def stop_winch(system, k, time):
-    """Brake the winch of line k (modified) at a time [s] of the communication step."""
-    chain = chain_now(system, k, time)
+    """Let line k (modified) keep its length from a time [s] of the communication step on."""
+    chain = chain_at_start(system, k, time)
     put_reeling_speed(system, k, chain.length, 0.0, chain.reeling)
+    keep_reeling(system, k)
     put_reeling(system, k, (chain.length, 0.0, 0.0, 0.0, 0.0))
     state_of(system, k)[at.ACCELERATION] = 0.0
 
@@ -106,7 +109,7 @@ def time_since_start(state, time):
 @kernel
 def break_line(system, k, s, tension, time):
     """Let segment s of line k (modified) break under a tension [N] at a time [s] of the communication step."""
-    state, chain, (x, _) = state_of(system, k), chain_now(system, k, time), motion_of(system, k)
+    state, chain, (x, _) = state_of(system, k), chain_at_start(system, k, time), motion_of(system, k)
     length, _ = segment.geometry(sub(get(x, s + 1), get(x, s)))
     elongation, stiffness = segment.spring(chain, s, length, False)
     state[at.TORN_SEGMENT], state[at.TORN_AT] = s + 1.0, time_since_start(state, time)
@@ -115,6 +118,18 @@ def break_line(system, k, s, tension, time):
     note_peak(state, tension)
     stop_winch(system, k, time)
     torn.tear(segments_of(system, k), s, parameters_of(system, k))
+    if has_coordinates(system):
+        brake_drums(system)
+
+
+@kernel
+def brake_drums(system):
+    """Stop the drums (modified) of which all lines are broken."""
+    for j in range(count_of(system)):
+        c = coordinate_at(system, j)
+        if is_braked(system, c):
+            hold(system, c)
+            own_numbers(system, c)[at_sheave.SPEED] = 0.0
 
 
 @kernel
@@ -124,7 +139,7 @@ def break_lines(system, time):
     for k in range(lines_of(system)):
         if can_break(system, k):
             x, v = motion_of(system, k)
-            s, lacking, strength = weakest(chain_now(system, k, time), x, v)
+            s, lacking, strength = weakest(chain_at_start(system, k, time), x, v)
             if lacking <= OVERLOAD * strength:
                 break_line(system, k, s, strength - lacking, time)
                 count += 1
@@ -134,6 +149,8 @@ def break_lines(system, time):
 @kernel
 def begin_breaks(system):
     """Break lines (modified) that bear too much as a communication step begins; whether any may break in it."""
+    if has_coordinates(system) and can_any_break(system):
+        begin_directions(system)
     return can_any_break(system) and not (break_lines(system, 0.0) and not can_any_break(system))
 
 
@@ -148,8 +165,32 @@ def break_at_ends(system, step):
 
 
 @kernel
-def go_back(system, before):
-    """Let the lines (modified) be as whole as in the states `before`."""
+def keep_reeling(system, k):
+    """Keep how line k reels in the communication step, for `go_back` (modified)."""
+    numbers, reeling = numbers_of(system, k), conditions_of(system, k).reeling
+    for i in range(len(reeling)):
+        numbers[KEPT_REELING + i] = reeling[i]
+
+
+@kernel
+def mend_winch(system, k, step, first):
+    """Let line k (modified), mended, reel in a communication step [s] as before it broke in it; first : state before it."""
+    state, kept = state_of(system, k), part(numbers_of(system, k), KEPT_REELING, 5)
+    reeling = kept[0], kept[1], kept[2], kept[3], kept[4]
+    put_reeling(system, k, reeling)
+    if follows_force(parameters_of(system, k)):
+        state[at.LENGTH], state[at.REELING], state[at.ACCELERATION] = (
+            first[at.LENGTH],
+            first[at.REELING],
+            first[at.ACCELERATION],
+        )
+    else:
+        reel(reeling, step, state)
+
+
+@kernel
+def go_back(system, step, before):
+    """Let the lines (modified) be as whole in a communication step [s] as in the states `before`."""
     for k in range(lines_of(system)):
         state, first = state_of(system, k), state_of(with_states(system, before), k)
         if state[at.TORN_SEGMENT] != 0.0 and first[at.TORN_SEGMENT] == 0.0:
@@ -157,3 +198,4 @@ def go_back(system, before):
             state[at.WARNED_VALUES + limits.BROKE] = 0.0
             state[at.WARNINGS] -= 1 << limits.BROKE
             torn.mend(segments_of(system, k), parameters_of(system, k))
+            mend_winch(system, k, step, first)

@@ -33,6 +33,7 @@ from ..points.coordinates import (
     first_portion,
     growth_of,
     is_any_running,
+    is_braked,
     is_drum,
     last_portion,
     own_numbers,
@@ -75,8 +76,8 @@ def is_long(system, k):
 
 @kernel
 def may_run(system, c, sign):
-    """Whether a coordinate may run forwards (sign 1) or backwards (-1): no portion that changes is at a stop."""
-    stops = 0
+    """Whether a coordinate may run forwards (sign 1) or backwards (-1): no portion that changes is at a stop, no brake."""
+    stops = 1 if is_braked(system, c) else 0
     for k in range(first_portion(system, c), last_portion(system, c) + 1):
         growth = sign * growth_of(system, c, k)
         stops += (growth < 0.0 and is_short(system, k)) or (growth > 0.0 and is_long(system, k))
@@ -85,7 +86,7 @@ def may_run(system, c, sign):
 
 @kernel
 def has_to_stop(system, c):
-    """Whether a coordinate runs on a portion that is as short as it may be."""
+    """Whether a coordinate runs that may not."""
     speed = own_numbers(system, c)[at_sheave.SPEED]
     return speed != 0.0 and not may_run(system, c, 1.0 if speed > 0.0 else -1.0)
 

@@ -35,9 +35,12 @@ from ..points.sheave_pulls import acceleration_at_sheave, end_acceleration, take
 from ..points.sheave_room import (
     PULLED,
     drum_numbers_at,
+    has_run,
     numbers_at,
     portion_in_step,
     single_at,
+    speed_in,
+    speed_out,
 )
 from ..points.sheave_stages import take_lengths
 from ..points.sheaves import solve_gains
@@ -156,6 +159,16 @@ def begin_end(system):
 
 
 @kernel
+def end_lengths(system, time):
+    """Let the states (modified) have the lengths of portions and their rates at the end of a communication step [s]."""
+    for k in range(lines_of(system)):
+        if has_run(system, k):
+            state = state_of(system, k)
+            state[at.LENGTH] = numbers_at(system, k)[at_sheave.LENGTH_NOW]
+            state[at.REELING] = speed_in(system, k, time) - speed_out(system, k)
+
+
+@kernel
 def end_ropes(system, time):
     """Let the states (modified) have what coordinates and portions have at the end of a communication step, a time [s]."""
     begin_end(system)
@@ -174,7 +187,5 @@ def end_ropes(system, time):
                 leaving, gain = numbers[at_sheave.SPEED], numbers[at_sheave.GAIN]
                 state[at.PAYOUT] += numbers[at_sheave.PAID]
                 state[at.SHEAVE_SPEED], state[at.SHEAVE_ACCELERATION] = leaving, gain
-            if numbers[at_sheave.HAS_RUN] != 0.0:
-                state[at.LENGTH] = numbers[at_sheave.LENGTH_NOW]
-                state[at.REELING] = numbers[at_sheave.INTO] - leaving
+            if has_run(system, k):
                 state[at.ACCELERATION] = numbers[at_sheave.INTO_GAIN] - gain

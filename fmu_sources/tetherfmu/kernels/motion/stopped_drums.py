@@ -19,6 +19,7 @@ from ..equations.lines import (
     add_at,
     conditions_of,
     is_at_point,
+    is_rope,
     lines_of,
     motion_of,
     parameters_of,
@@ -28,6 +29,7 @@ from ..equations.lines import (
 )
 from ..equations.properties import point_mass, rest_length
 from ..linear_algebra.vectors import ZERO_VECTOR, add, get, scale, sub
+from ..points.sheave_room import LENGTH_NOW, numbers_at
 from ..points.system_room import put_length
 
 
@@ -46,7 +48,8 @@ def push_point(system, point, impulse):
     for k in range(lines_of(system)):
         for end in range(2):
             if point_at(system, k, end) == point:
-                mass += mass_at_end(system, k, state_of(system, k)[at.LENGTH], end)
+                length = numbers_at(system, k)[LENGTH_NOW] if is_rope(system, k) else state_of(system, k)[at.LENGTH]
+                mass += mass_at_end(system, k, length, end)
     for k in range(lines_of(system)):
         for end in range(2):
             if point_at(system, k, end) == point:

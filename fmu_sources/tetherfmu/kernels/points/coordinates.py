@@ -25,19 +25,23 @@ from ..equations.lines import (
     lines_of,
     number_of_line,
     parameters_of,
+    state_of,
 )
 from ..equations.rope_at_sheave import IN, OUT
+from ..equations.torn import is_torn
 from ..flat_arrays import part
 from ..line.rodas4p import STAGES
 from . import sheave_room as at_sheave
-from .sheave_room import drum_numbers_at, numbers_at, ratio_of, shared_of
+from .sheave_room import drum_numbers_at, held_ratio, numbers_at, ratio_of, shared_of
 from .system_room import shares_of
 
 
 @kernel
 def carries_drum(system, k):
-    """Whether line k carries a drum that is a coordinate."""
-    return number_of_line(system, k, places.DRUM) != 0 and is_turned(system, k)
+    """Whether line k carries a drum that is a coordinate, also where it broke."""
+    parameters = parameters_of(system, k)
+    control = parameters[at.WHOLE_CONTROL if is_torn(parameters) else at.WINCH_CONTROL]
+    return number_of_line(system, k, places.DRUM) != 0 and control == at.WINCH_BY_FORCE
 
 
 @kernel
@@ -62,6 +66,17 @@ def own_numbers(system, c):
 def sheave_numbers_at(system, k):
     """Those of the sheave at the end of line k; an array as long as `drum_numbers_at`."""
     return part(numbers_at(system, k), 0, at_sheave.DRUM_NUMBERS)
+
+
+@kernel
+def is_braked(system, c):
+    """Whether a coordinate is a drum whose lines all broke: it turns no more."""
+    whole = 1
+    if is_drum(system, c):
+        whole = 0
+        for k in range(lines_of(system)):
+            whole += state_of(system, k)[at.TORN_SEGMENT] == 0.0 and held_ratio(system, k, line_of(system, c)) != 0.0
+    return whole == 0
 
 
 # --- which there are

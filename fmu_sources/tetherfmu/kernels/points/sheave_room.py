@@ -216,15 +216,19 @@ def shared_at_rest(system, count):
 
 
 @kernel
-def ratio_of(system, k, carrier):
-    """Rope of line k for each metre that the drum pays out which the line `carrier` carries [-]; 0 where it holds it not."""
-    total = 0.0
-    if is_turned(system, k):
-        parameters = parameters_of(system, k)
-        for i in range(at.MOST_HOLDERS):
-            if parameters[at.HELD_BY + i] == carrier + 1.0:
-                total += parameters[at.HELD_RATIO + i]
+def held_ratio(system, k, carrier):
+    """Ratio [-] with which the drum that the line `carrier` carries holds line k; 0 where it does not."""
+    total, parameters = 0.0, parameters_of(system, k)
+    for i in range(at.MOST_HOLDERS):
+        if parameters[at.HELD_BY + i] == carrier + 1.0:
+            total += parameters[at.HELD_RATIO + i]
     return total
+
+
+@kernel
+def ratio_of(system, k, carrier):
+    """Rope of line k for each metre that the drum pays out which the line `carrier` carries [-]."""
+    return held_ratio(system, k, carrier) if is_turned(system, k) else 0.0
 
 
 @kernel

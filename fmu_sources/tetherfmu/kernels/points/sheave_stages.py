@@ -32,6 +32,7 @@ from .coordinates import (
     count_of,
     first_portion,
     growth_of,
+    is_braked,
     last_portion,
     own_numbers,
     runs,
@@ -318,7 +319,9 @@ def take_limits(system, c, h):
             down, up = limits_by(system, k, growth, speed, h)
             lowest, highest = max(lowest, down), min(highest, up)
             least = min(least, numbers_at(system, k)[at_sheave.LENGTH] / abs(growth))
-    if numbers[at_sheave.KEEPS] > 0.0:
+    if is_braked(system, c):
+        lowest = highest = 0.0
+    elif numbers[at_sheave.KEEPS] > 0.0:
         lowest = 0.0
     elif numbers[at_sheave.KEEPS] < 0.0:
         highest = 0.0

@@ -222,19 +222,22 @@ def note_jump(n, i, places, parameters, before, state):
 
 @kernel
 def note_jump_of_length(parameters, before, state):
-    """The same of the length that a winch follows; 0 stands for `initial_length`."""
+    """The same of the length that a winch follows; 0 stands for `initial_length`. That of all portions over sheaves."""
     if winch.follows_length(parameters) and state[at.LAST_WINCH_LENGTH] != 0.0:
-        off = state[at.LAST_WINCH_LENGTH] - before[at.LENGTH]
+        first = before[at.LAST_WINCH_LENGTH] if before[at.LAST_WINCH_LENGTH] != 0.0 else parameters[at.INITIAL_LENGTH]
         explained = abs(before[at.REELING]) * state[at.LAST_STEP]
-        off = max(0.0, abs(off) - explained)
-        note(state, limits.LENGTH_JUMP, off * off, limits.LARGEST_JUMP * before[at.LENGTH])
+        off = max(0.0, abs(state[at.LAST_WINCH_LENGTH] - first) - explained)
+        note(state, limits.LENGTH_JUMP, off * off, limits.LARGEST_JUMP * first)
 
 
 @kernel
 def note_winch_speed(before, state):
-    """Note the speed of a winch [m/s], now or as the mean of a step, in the state (modified)."""
-    mean = (state[at.LENGTH] - before[at.LENGTH]) / state[at.LAST_STEP]
-    fastest = max(abs(mean), abs(state[at.REELING]))
+    """Note the speed of a winch [m/s], now or as the mean of a step, in the state (modified).
+
+    Rope that goes on over a sheave comes from the winch, too.
+    """
+    paid = state[at.LENGTH] - before[at.LENGTH] + state[at.PAYOUT] - before[at.PAYOUT]
+    fastest = max(abs(paid) / state[at.LAST_STEP], abs(state[at.REELING] + state[at.SHEAVE_SPEED]))
     note(state, limits.FAST_WINCH, fastest * fastest, limits.FASTEST_WINCH)
 
 

@@ -155,9 +155,7 @@ def remember(parameters, inputs, given, state):
     """
     step = given.step
     if not winch.follows_force(parameters):
-        state[at.LENGTH] = winch.length_at(given.reeling, step)
-        state[at.REELING] = winch.rate_at(given.reeling, step)
-        state[at.ACCELERATION] = winch.gain_at(given.reeling, step)
+        winch.reel(given.reeling, step, state)
     state[at.LAST_WINCH_LENGTH] = inputs[at.WINCH_LENGTH]
     for k in range(len(given.rated)):
         put_at(state, at.LAST_RATED + 3 * k, given.rated[k])

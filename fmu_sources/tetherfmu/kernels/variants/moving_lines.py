@@ -48,22 +48,23 @@ def begin_line(system, k, shape, given, before):
 @kernel
 def move(system, steps, step):
     """Move all lines (modified) over a communication step [s] with `FixedSteps`; a status, and what is noted with it."""
-    if steps.size == 0.0:
-        status = adaptive_steps.integrate(system, step)
-        for k in range(lines_of(system)):
-            if status == OK:
-                n, state, (x, _) = segments_of(system, k), state_of(system, k), motion_of(system, k)
-                note_stiff_and_slack(chain_of(n, parameters_of(system, k), state), x, state)
-        return status
-    status = fixed_steps.integrate(system, steps, step)
+    is_adaptive = steps.size == 0.0
+    status = adaptive_steps.integrate(system, step) if is_adaptive else fixed_steps.integrate(system, steps, step)
+    if status == OK and has_coordinates(system):
+        rope_states.end_lengths(system, step)
     for k in range(lines_of(system)):
-        note_unconverged(system_room.numbers_of(system, k)[system_room.UNCONVERGED], steps.size, state_of(system, k))
+        n, state, (x, _) = segments_of(system, k), state_of(system, k), motion_of(system, k)
+        if not is_adaptive:
+            note_unconverged(system_room.numbers_of(system, k)[system_room.UNCONVERGED], steps.size, state)
+        elif status == OK:
+            note_stiff_and_slack(chain_of(n, parameters_of(system, k), state), x, state)
     return status
 
 
 @kernel
-def go_back(system, before):
-    """Put the nodes and the drums of all lines (modified) back to the states of before."""
+def go_back(system, step, before):
+    """Put the nodes and the drums of all lines (modified) back to the states before a communication step [s]."""
+    breaks.go_back(system, step, before)
     for k in range(lines_of(system)):
         n, state, first = segments_of(system, k), state_of(system, k), state_of(with_states(system, before), k)
         for i in range(at.STATE_HEADER, nodes_end(n)):
@@ -72,7 +73,6 @@ def go_back(system, before):
             state[at.LENGTH], state[at.REELING] = first[at.LENGTH], first[at.REELING]
     if has_coordinates(system):
         turning_sheaves.mend(system)
-    breaks.go_back(system, before)
 
 
 @kernel
@@ -82,7 +82,7 @@ def move_coarsely(system, step, before):
     Of order 2, or backward Euler in a stiff tether, whose waves these do not resolve.
     """
     h = step * adaptive_steps.work_of(system) / at.COARSE_WORK
-    go_back(system, before)
+    go_back(system, step, before)
     if has_coordinates(system):
         running_ropes.begin_ropes(system)
     method = at.BACKWARD_EULER if fallback.stiff_swing(system, h) > 0.0 else at.SECOND_ORDER

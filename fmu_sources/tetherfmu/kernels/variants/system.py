@@ -237,7 +237,7 @@ def check_ropes(system):
         system.plan[places.STATUS_LINE] = k
         if is_rope(system, k) and not sees_reeling(parameters):
             return SHEAVES_WITH_STRETCH_RATE
-        if is_rope(system, k) and parameters[at.CAN_BREAK] != 0.0:
+        if is_portion(system, k) and parameters[at.CAN_BREAK] != 0.0:
             return SHEAVES_THAT_BREAK
         if goes_on(system, k) and follows_force(parameters) and has_stop(segments_of(system, k), parameters):
             return SHEAVES_WITH_STOP
