@@ -28,14 +28,18 @@ def folder(built_once):
 
 
 @pytest.mark.parametrize("native", FLAVOURS)
+@pytest.mark.parametrize("strength", [0.0, 330.0])
 @in_shared_process
-def test_the_numbers_of_the_python_api(folder, native):
-    """Bit for bit, also where a state is restored, with other parameters of a drum."""
-    text = TEXT.replace("winch_mass = 8", "winch_mass = 4")
+def test_the_numbers_of_the_python_api(folder, native, strength):
+    """Bit for bit, also where a state is restored, with other parameters of a drum, and where a line breaks [N]."""
+    line = 'to = "load"\n'
+    text = TEXT.replace("winch_mass = 8", "winch_mass = 4").replace(line, f"{line}breaking_force = {strength}\n")
     (folder / str(native) / "other.toml").write_text(text, encoding="utf-8")
     system = TetherSystem.from_file(folder / str(native) / "other.toml")
     system.initialize(winch_forces={"c": 30.0})
-    host = Host(folder / str(native) / "Drums.fmu").start(**{"power.winch_mass": 4.0, "c.winch_force": 30.0})
+    host = Host(folder / str(native) / "Drums.fmu").start(
+        **{"power.winch_mass": 4.0, "c.winch_force": 30.0, "a.breaking_force": strength}
+    )
     for k in range(20):
         given = {"steering": 200.0 + 10.0 * k, "power": 300.0 - 5.0 * k, "c": 30.0 + 8.0 * k}
         if k == 10:
@@ -47,11 +51,13 @@ def test_the_numbers_of_the_python_api(folder, native):
         for line, own in wanted.lines.items():
             assert host.get(f"{line}.tether_length") == own.tether_length
             assert host.get(f"{line}.tension_from") == own.ground_tension
+            assert host.get(f"{line}.break_time") == own.break_time
         assert host.get("load.position[3]") == wanted.points["load"].position[2]
         for winch, own in wanted.winches.items():
             # sums of two products, in another order
             assert host.get(f"{winch}.payout") == pytest.approx(own.payout, abs=1e-13)
             assert host.get(f"{winch}.winch_speed") == pytest.approx(own.winch_speed, abs=1e-13)
+    assert host.get("a.broken") == (strength > 0.0)
     assert host.get("power.winch_speed") != 0.0
     assert host.get("c.winch_speed") != 0.0
 

@@ -26,6 +26,7 @@ from .limits import (  # noqa: F401 - likewise
     MAX_WIND_POINTS,
     MIN_SEGMENT_LENGTH,
     NO_STOP,
+    SHORTEST_PART,
     WORK_BUDGET,
 )
 from .parameters import RECORDS, FreeKite

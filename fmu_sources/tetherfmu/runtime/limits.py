@@ -13,6 +13,7 @@ ITERATION_BUDGET = 1_000_000  # segments times fixed steps in it; a third of the
 STIFF = 1e8  # axial stiffness [N] above which the errors of positions that solvers allow show in the tension
 LEAST_REMAINDER = 1e-6  # part of an internal step: what is left of a communication step beyond it needs no step more
 MIN_SEGMENT_LENGTH = 0.01  # [m], below which reeling in is refused
+SHORTEST_PART = 0.5  # of it that fixed steps may leave where ropes stop at their ends
 DEEPEST_START = 0.1  # [m] below a flat ground, beside ground_sink: where a free end may start, and a driven one may be
 NO_STOP = 1e300  # unstretched length [m] at a stop of the winch that is not there
 

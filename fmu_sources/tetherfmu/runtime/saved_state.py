@@ -22,7 +22,7 @@ BEFORE, INITIALIZING, STEPPING, TERMINATED = range(4)  # phases of an instance; 
 
 NOT_NEGATIVE, A_STEP = (0.0, float_info.max), (0.0, at.LONGEST_STEP)
 STATE_RANGES = {  # smallest and largest number at a place of the state array; all of its numbers are finite
-    at.LENGTH: (at.MIN_SEGMENT_LENGTH, float_info.max),
+    at.LENGTH: (at.SHORTEST_PART * at.MIN_SEGMENT_LENGTH, float_info.max),
     at.SOLVER_STEP: NOT_NEGATIVE,
     at.SOLVER_ERROR: NOT_NEGATIVE,
     at.LAST_STEP: A_STEP,

@@ -93,23 +93,23 @@ def keep_energy(conditions, chain, w):
         below = above
 
 
-# --- with the drum of a winch, whose speed the first segment changes, too
+# --- with the drum of a winch, or rope that runs, whose speed the first segment changes, too
 
 
 @kernel
-def keep_energy_of_drum(drum, chain, w):
-    """Speed [m/s] of a drum with mass after a step in which its only segment, between driven ends, went over the transition.
+def keep_energy_of_drum(mass, chain, w):
+    """L' [m/s] after a step in which the only segment of a line, between driven ends, went over the transition.
 
-    As `keep_energy`, with the mass of the drum, and the rate of l - l0, of which the speed of the drum is a part. `chain` is
-    that at the end of the step, w.x and w.v are the driven ends.
+    As `keep_energy`, with the mass [kg] that L' moves, 0 where it is as before, and the rate of l - l0, of which L' is a
+    part. `chain` is that at the end of the step, w.x and w.v are the driven ends.
     """
     speed = chain.reeling
-    if drum.mass == 0.0 or not went_over(0, chain, w):
+    if mass == 0.0 or not went_over(0, chain, w):
         return speed
     length, e = segment.geometry(sub(get(w.x, 1), get(w.x, 0)))
     over = length - rest_length(chain, 0)
     rate = dot(e, sub(get(w.v, 1), get(w.v, 0))) - speed
     if rate * over <= 0.0:
         return speed
-    square = rate * rate + excess_stiffness(0, chain, w) * over * over / drum.mass
+    square = rate * rate + excess_stiffness(0, chain, w) * over * over / mass
     return speed + rate - copysign(sqrt(max(square, 0.0)), rate)

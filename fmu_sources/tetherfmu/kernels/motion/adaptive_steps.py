@@ -37,6 +37,7 @@ from ..line.taut_slack import keep_energy_of_drum
 from ..linear_algebra.vectors import get
 from ..points import system_step
 from ..points.coordinates import is_any_running
+from ..points.sheave_room import is_running
 from ..points.system_drums import chain_in_step
 from ..points.system_room import (
     LARGEST,
@@ -54,7 +55,15 @@ from ..points.system_step import apply_changes, collect_changes, whole_masses
 from .breaks import begin_breaks, break_lines, can_any_break, part_to_break
 from .pieces import MOST_IDLE, accept_drum, begin_drums, drum_error, error_of_drum, part_to_event, project_drums, turn_drums
 from .rope_directions import turn_ropes
-from .running_ropes import accept_ropes, begin_ropes, error_of_ropes, forget_tensions, part_to_rope_event
+from .running_ropes import (
+    accept_ropes,
+    begin_ropes,
+    error_of_ropes,
+    forget_tensions,
+    keep_energy_of_ropes,
+    part_to_rope_event,
+    transition_of_ropes,
+)
 
 
 @kernel
@@ -74,7 +83,10 @@ def error_of_line(system, k, time, h):
         of_line, largest = error_of_step(conditions_of(system, k), chain, h, v, drum_error(system, k), w)
         error, numbers_of(system, k)[LARGEST] = larger_error(error, of_line), largest
         if turns(system, k) and not has_free_nodes(system, k):
-            numbers_of(system, k)[SPEED] = keep_energy_of_drum(drum_at(system, k), chain, w)
+            numbers_of(system, k)[SPEED] = keep_energy_of_drum(drum_at(system, k).mass, chain, w)
+        if is_running(system, k) and not has_free_nodes(system, k):
+            error = larger_error(error, transition_of_ropes(system, k, chain, h, w))
+            keep_energy_of_ropes(system, k, chain, w)
     return error
 
 

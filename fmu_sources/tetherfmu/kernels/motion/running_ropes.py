@@ -23,6 +23,7 @@ from ..equations.rope_at_sheave import IN, OUT
 from ..line.drum_events import SLOW, part_of_piece
 from ..line.rodas4p import GAMMA
 from ..line.step_control import allowed_errors
+from ..line.taut_slack import keep_energy_of_drum, wrong_impulse
 from ..points import sheave_room as at_sheave
 from ..points.coordinates import (
     carries_drum,
@@ -47,6 +48,7 @@ from ..points.sheave_room import (
     through,
     winch_of,
 )
+from ..points.sheaves import inertia_of
 from .rope_directions import may_run, overload, urge
 from .rope_states import evaluate
 
@@ -111,6 +113,50 @@ def error_of_ropes(system, h):
         if runs(system, c):
             worst = max(worst, error_of_rope(system, c, h))
     return worst
+
+
+@kernel
+def mass_of_rate(system, k):
+    """Mass [kg] that L' of portion k moves with the coordinates that run there; 0 where none does."""
+    mobility = 0.0
+    for j in range(count_of(system)):
+        c = coordinate_at(system, j)
+        growth = growth_of(system, c, k)
+        if runs(system, c) and growth != 0.0:
+            mobility += growth * growth / inertia_of(system, c)
+    return 1.0 / mobility if mobility > 0.0 else 0.0
+
+
+@kernel
+def transition_of_ropes(system, k, chain, h, w):
+    """Error of L' of portion k, a segment between driven ends, from its `taut_slack.wrong_impulse` in a step of h [s].
+
+    Over what is allowed [-], squared; 0 where it is less. chain, w : as for `step_control.error_of_step`.
+    """
+    mass, (_, v) = mass_of_rate(system, k), motion_of(system, k)
+    if mass == 0.0:
+        return 0.0
+    conditions = conditions_of(system, k)
+    _, scale = allowed_errors(conditions, v)
+    scale = max(scale, conditions.parameters[at.RELATIVE_TOLERANCE] * abs(chain.reeling))
+    transition = wrong_impulse(0, chain, h, w) / mass / scale
+    return transition * transition if transition > 1.0 else 0.0
+
+
+@kernel
+def keep_energy_of_ropes(system, k, chain, w):
+    """Let the coordinates (modified) at portion k, a segment between driven ends, have the speeds that keep the energy.
+
+    Each gets its part of what changes L', see `taut_slack.keep_energy_of_drum`.
+    """
+    mass = mass_of_rate(system, k)
+    change = keep_energy_of_drum(mass, chain, w) - chain.reeling
+    if change != 0.0:
+        for j in range(count_of(system)):
+            c = coordinate_at(system, j)
+            growth = growth_of(system, c, k)
+            if runs(system, c) and growth != 0.0:
+                own_numbers(system, c)[at_sheave.STAGE_SPEED] += change * mass * growth / inertia_of(system, c)
 
 
 @kernel

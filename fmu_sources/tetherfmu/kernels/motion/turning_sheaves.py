@@ -49,8 +49,6 @@ from .rope_directions import begin_directions, has_to_stop, stop_ropes
 from .running_ropes import accept_ropes
 from .turning import turns_smoothly
 
-TOO_SHORT = 0.5  # of the shortest length of a portion: winches that leave less are refused
-
 # --- a step that is attempted
 
 
@@ -220,7 +218,7 @@ def go_back(system):
 def check(system):
     """OK, or REELED_TOO_SHORT about a portion that its winch has left too short; the plan (modified) says which."""
     for k in range(lines_of(system)):
-        if has_run(system, k) and numbers_at(system, k)[at_sheave.LENGTH_NOW] < TOO_SHORT * shortest_of(system, k):
+        if has_run(system, k) and numbers_at(system, k)[at_sheave.LENGTH_NOW] < at.SHORTEST_PART * shortest_of(system, k):
             note_line(system.plan, k)
             return REELED_TOO_SHORT
     return OK

@@ -20,7 +20,7 @@ from tetherfmu.runtime import layout as at
 
 from ..compilation import kernel
 from ..equations.lines import lines_of, parameters_of, segments_of, stiffness_of
-from ..equations.rope_at_sheave import IN, OUT
+from ..equations.rope_at_sheave import IN
 from ..line.drum_events import OVERLOAD
 from ..linear_algebra import small_matrix
 from . import sheave_room as at_sheave
@@ -37,10 +37,11 @@ from .coordinates import (
     weight_of,
 )
 from .fixed_sheave_rows import add_all_columns, change_in, take_all_slopes, take_sheaves
-from .running_drums import friction_of_drum, has_friction, mass_of_drum
-from .sheave_pulls import density_of, mass_of
+from .running_drums import friction_of_drum, has_friction
+from .sheave_pulls import density_of
 from .sheave_room import has_run, numbers_at, shared_of, slopes_of
 from .sheave_stages import is_out_of_limits, place_portions, put_speed, take_limits
+from .sheaves import inertia_of, mass_at
 from .system_fixed_drums import follow, take_masses
 from .system_room import GOAL, numbers_of
 
@@ -59,21 +60,9 @@ def density_at(system, c):
 
 
 @kernel
-def mass_at(system, c):
-    """m [kg] of a sheave or a drum."""
-    return mass_of_drum(system, c) if is_drum(system, c) else mass_of(system, c)
-
-
-@kernel
 def least_slope(system, c, h):
     """What the slope of the equation of a coordinate is at least [N s/m], see LEAST_PIVOT."""
-    inertia = 0.0
-    for k in range(first_portion(system, c), last_portion(system, c) + 1):
-        for side in (IN, OUT):
-            weight = weight_of(system, c, k, side)
-            if weight != 0.0:
-                inertia += weight * weight * numbers_at(system, k)[at_sheave.INERTIA + 2 * side]
-    return LEAST_PIVOT * (inertia + mass_at(system, c)) / h
+    return LEAST_PIVOT * inertia_of(system, c) / h
 
 
 @kernel

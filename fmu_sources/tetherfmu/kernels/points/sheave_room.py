@@ -209,10 +209,10 @@ def shared_with(system, count, first):
 
 @view
 def shared_at_rest(system, count):
-    """As many of so many of them, for `variants/rope_shares.py`; and room for one number more of each."""
+    """As many of so many of them, for `variants/rope_shares.py`; and room for one number more of each, and one."""
     first = number_in(system.plan, places.SHEAVES_WORK)
-    behind_them = part(system.work, first + count * (2 * count + 3), count)
-    return shared_with(system, count, first), behind_them
+    behind_them, last = first + count * (2 * count + 3), first + count * (2 * count + 4)
+    return shared_with(system, count, first), part(system.work, behind_them, count), part(system.work, last, 1)
 
 
 @kernel

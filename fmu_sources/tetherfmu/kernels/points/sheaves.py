@@ -28,7 +28,17 @@ from ..linear_algebra import small_matrix
 from ..linear_algebra.vectors import dot, get, put_at
 from . import running_drums
 from . import sheave_room as at_sheave
-from .coordinates import coordinate_at, count_of, is_drum, number_of, own_numbers, runs
+from .coordinates import (
+    coordinate_at,
+    count_of,
+    first_portion,
+    is_drum,
+    last_portion,
+    number_of,
+    own_numbers,
+    runs,
+    weight_of,
+)
 from .sheave_pulls import (
     acceleration_at_sheave,
     couple,
@@ -44,6 +54,24 @@ from .sheave_room import PULLED, from_drums, numbers_at, shared_of, single_at, s
 
 MOST_CORRECTIONS, BALANCED = 8, 1e-13  # of Newton's method for u'; what is left over the tensions when it has converged
 TINY = 1e-200  # what keeps a quotient from 0/0
+
+
+@kernel
+def mass_at(system, c):
+    """m [kg] of a sheave or a drum."""
+    return running_drums.mass_of_drum(system, c) if is_drum(system, c) else mass_of(system, c)
+
+
+@kernel
+def inertia_of(system, c):
+    """m [kg] of a sheave or a drum with that of the rope which it moves past nodes at rest."""
+    inertia = 0.0
+    for k in range(first_portion(system, c), last_portion(system, c) + 1):
+        for side in (IN, OUT):
+            weight = weight_of(system, c, k, side)
+            if weight != 0.0:
+                inertia += weight * weight * numbers_at(system, k)[at_sheave.INERTIA + 2 * side]
+    return inertia + mass_at(system, c)
 
 
 @kernel

@@ -242,6 +242,12 @@ def check(system):
 
 
 @kernel
+def spent_in(system):
+    """Newton iterations for the shapes of all lines in the last search [-]; 0 without sought points."""
+    return 0.0 if any_sought(system) == places.DRIVEN else search_of(system).spent[0]
+
+
+@kernel
 def find(system, begins_as_given):
     """Put the sought points where they are in equilibrium, into the inputs of their lines (modified); a status.
 

@@ -92,8 +92,8 @@ def energy_of_driven_node(system, k):
 
 @kernel
 def is_released(system, k):
-    """Whether an input says that line k lets go: of a rope over sheaves its first portion has it, and its last one does."""
-    return not goes_on(system, k) and inputs_of(system, first_of(system, k))[at.RELEASE] != 0.0
+    """Whether a finite input says that line k lets go: of a rope its first portion has it, and its last one does."""
+    return not goes_on(system, k) and 0.0 < abs(inputs_of(system, first_of(system, k))[at.RELEASE]) <= at.LARGEST_INPUT
 
 
 @kernel

@@ -11,16 +11,14 @@ from math import inf
 
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import plan_layout as places
-from tetherfmu.runtime.status import NO_SHARES, OK
+from tetherfmu.runtime.status import NO_SHARES, OK, REELED_TOO_SHORT, WINCH_TOO_SHORT
 
 from ..compilation import kernel
 from ..equations import rope_at_sheave as rope
-from ..equations import segment, winch
+from ..equations import segment
 from ..equations.lines import (
-    comes_from,
     first_of,
     goes_on,
-    inputs_of,
     is_portion,
     lines_of,
     motion_of,
@@ -34,11 +32,12 @@ from ..equations.rope_at_drum import tension_at_winch, tension_of
 from ..linear_algebra import small_matrix
 from ..linear_algebra.vectors import ZERO_VECTOR, norm, sub, vector_at
 from ..points import sheave_room as at_sheave
-from ..points.coordinates import has_sought_drum, is_alone, is_shared_out, is_sought_by_drums
+from ..points.coordinates import has_sought_drum, is_shared_out, is_sought_by_drums
 from ..points.sheave_room import numbers_at, shared_at_rest, shortest_of
 from ..rest import dynamic_chain, resting_points
-from ..rest.resting_line import given_position, is_sought, start_state
-from .sought_drums import WAITING, about_drums, imbalance_of_drum, part_of_drum, put_start
+from ..rest.resting_line import start_state
+from .first_shares import fits, share_ropes
+from .sought_drums import WAITING, about_drums, holds_several, imbalance_of_drum, part_of_drum, put_start
 
 ITERATIONS, TRIALS = 60, 12
 BALANCED, ROUNDED = 1e-10, 1e-7  # difference of tensions over their size: goal, and enough where it falls no more
@@ -46,6 +45,7 @@ DIFFERENCE = 1e-7  # of the rope, for slopes
 SOFTEST, STIFFER = 2.0**-15, 8.0  # stiffness of rope that fits anywhere, over that of the given one; from step to step
 LONGEST_STEP = 0.25  # of a portion beside the sheave
 LONGEST = 1e5  # [m] of a line, as `initial_length` may be
+MOST_SEARCHES = 3.0  # of free points, each with all that one may take, in all of the search
 
 
 @kernel
@@ -68,74 +68,6 @@ def count_unknowns(system):
         sheaves += is_balanced(system, k)
         drums += has_sought_drum(system, k)
     return sheaves, drums
-
-
-@kernel
-def whole_length(system, k):
-    """Unstretched length of the rope whose first portion is k at the start [m]."""
-    return winch.first_length(parameters_of(system, k), inputs_of(system, k), state_of(system, k))
-
-
-@kernel
-def straight_length(system, k, spans):
-    """Unstretched length [m] with which a straight rope, so long [m], pulls with the force of its winch."""
-    force, stiffness = (
-        inputs_of(system, k)[at.WINCH_FORCE],
-        property_in(parameters_of(system, k), segments_of(system, k), 0, at.STIFFNESS),
-    )
-    return spans / (1.0 + max(force, 0.0) / stiffness)
-
-
-@kernel
-def span_of(system, k):
-    """Distance of the ends of portion k where both are given [m], else 0."""
-    if is_sought(system, k, 0) or is_sought(system, k, 1):
-        return 0.0
-    return norm(sub(given_position(system, k, 1), given_position(system, k, 0)))
-
-
-@kernel
-def share_ropes(system, is_straight):
-    """Lengths of all portions as they are given, or by the distances of their points (modified); how many are sought.
-
-    is_straight : whether ropes whose drums are sought have their `straight_length`.
-    """
-    sought = 0
-    for k in range(lines_of(system)):
-        sought += has_sought_drum(system, k)
-        if is_shared_out(system, k) and not comes_from(system, k):
-            for i in range(at.STATE_HEADER):
-                state_of(system, k)[i] = 0.0  # for the length of the whole rope
-            whole, last, given, spans, unknown = whole_length(system, k), k, 0.0, 0.0, 0
-            while goes_on(system, last):
-                last += 1
-            for j in range(k, last + 1):
-                given += parameters_of(system, j)[at.GIVEN_PORTION]
-                spans += span_of(system, j)
-                unknown += parameters_of(system, j)[at.GIVEN_PORTION] == 0.0
-                sought += parameters_of(system, j)[at.GIVEN_PORTION] == 0.0
-            if is_straight and has_sought_drum(system, k) and is_alone(system, k):
-                whole = straight_length(system, k, spans)
-            spread = 1.0 / (last + 1 - k)
-            for j in range(k, last + 1):
-                length = parameters_of(system, j)[at.GIVEN_PORTION] * whole / given if unknown == 0 else 0.0
-                if unknown > 0:
-                    span = span_of(system, j)
-                    length = whole * (span / spans if spans > 0.0 and span > 0.0 else spread)
-                numbers_at(system, j)[at_sheave.LENGTH_NOW] = length
-            if unknown > 0:
-                even_out(system, k, last, whole)
-    return sought
-
-
-@kernel
-def even_out(system, k, last, whole):
-    """Let the portions from k to the last have the whole length [m] together (modified)."""
-    total = 0.0
-    for j in range(k, last + 1):
-        total += numbers_at(system, j)[at_sheave.LENGTH_NOW]
-    for j in range(k, last + 1):
-        numbers_at(system, j)[at_sheave.LENGTH_NOW] *= whole / total
 
 
 @kernel
@@ -190,9 +122,15 @@ def settle_line(system, k):
 
 
 @kernel
-def find_differences(system, as_given, differences):
-    """T ahead - T behind of sheaves, then imbalances of drums [N], at rest (modified); a status, and the largest tension."""
+def find_differences(system, as_given, differences, spent):
+    """T ahead - T behind of sheaves, then imbalances of drums [N], at rest (modified); a status, and the largest tension.
+
+    spent : Newton iterations of all searches for the free points so far (modified); with too many the status is NO_SHARES.
+    """
+    if spent[0] > MOST_SEARCHES * resting_points.BUDGET * lines_of(system):
+        return NO_SHARES, 0.0
     status = resting_points.find(system, as_given)
+    spent[0] += resting_points.spent_in(system)
     largest = 0.0
     for k in range(lines_of(system)):
         if status == OK and is_shared_out(system, k):
@@ -278,10 +216,11 @@ def work_of(moves, differences):
 
 
 @kernel
-def find_moves(system, differences, shared, length):
-    """A step of Newton's method [m] into shared[3] (modified) from differences [N]; a status.  length : of the ropes [m].
+def find_moves(system, differences, shared, length, spent):
+    """A step of Newton's method [m] into shared[3] (modified) from differences [N]; a status.
 
     Where ropes hang loose without weight, and nothing changes, a long one along the differences.
+    length : of the ropes [m].  spent : as for `find_differences`.
     """
     (matrix, _, unit, moves, other), count = shared, len(differences)
     h, status = DIFFERENCE * length, OK
@@ -290,7 +229,7 @@ def find_moves(system, differences, shared, length):
             unit[i] = 1.0 if i == j else 0.0
         if status == OK:
             move_rope(system, h, unit)
-            status, _ = find_differences(system, True, other)
+            status, _ = find_differences(system, True, other, spent)
             move_rope(system, -h, unit)
             for i in range(count):
                 matrix[count * i + j] = (differences[i] - other[i]) / h
@@ -306,23 +245,23 @@ def find_moves(system, differences, shared, length):
 
 
 @kernel
-def balance_ropes(system, as_given, shared, differences):
+def balance_ropes(system, as_given, shared, differences, spent):
     """Search for the lengths of the portions (modified) from those that they have; a status.
 
-    as_given : whether the search for the free points begins where the inputs have them.
+    as_given : whether the search for the free points begins where the inputs have them.  spent : see `find_differences`.
     """
     length, moves = 0.0, shared[3]
     for k in range(lines_of(system)):
         if is_shared_out(system, k):
             length = max(length, numbers_at(system, k)[at_sheave.LENGTH_NOW])
-    status, largest = find_differences(system, as_given, differences)
+    status, largest = find_differences(system, as_given, differences, spent)
     last = inf
     for _ in range(ITERATIONS):
         size = size_of(differences)
         if status != OK or size <= BALANCED * largest or (size >= 0.5 * last and size <= ROUNDED * largest):
             return status
         last = size
-        status = find_moves(system, differences, shared, length)
+        status = find_moves(system, differences, shared, length, spent)
         if status != OK:
             return status
         start, taken = work_of(moves, differences), part_within(system, moves)
@@ -330,7 +269,7 @@ def balance_ropes(system, as_given, shared, differences):
             return NO_SHARES
         move_rope(system, taken, moves)
         for trial in range(TRIALS):
-            status, largest = find_differences(system, True, differences)
+            status, largest = find_differences(system, True, differences, spent)
             left = work_of(moves, differences) if status == OK else -inf
             if left > -0.5 * start or trial == TRIALS - 1:
                 break
@@ -351,27 +290,21 @@ def put_stiffness(system, factor):
 
 
 @kernel
-def search(system):
-    """Put all sought points and the lengths of all portions where they are in equilibrium (modified); a status.
-
-    Where drums are sought, from straight ropes if those of `initial_length` do not lead there. Where portions of stiff rope
-    do not fit together on the way, with softer rope first.
-    """
-    sought, (sheaves, drums) = share_ropes(system, False), count_unknowns(system)
-    if sought == 0:
-        return resting_points.find(system, False)
-    shared, differences = shared_at_rest(system, sheaves + drums)
-    status = balance_ropes(system, False, shared, differences)
+def search_for_shares(system, sheaves, drums):
+    """Search as `find_shares` for the lengths of portions beside so many sheaves, and of so many drums; a status."""
+    shared, differences, spent = shared_at_rest(system, sheaves + drums)
+    spent[0] = 0.0
+    status = balance_ropes(system, False, shared, differences, spent)
     if status != OK and drums > 0:
         share_ropes(system, True)
-        return balance_ropes(system, False, shared, differences)
+        return balance_ropes(system, False, shared, differences, spent)
     if status == OK:
         return OK
     share_ropes(system, False)
     factor, found = SOFTEST, OK
     put_stiffness(system, SOFTEST)
     while factor <= 1.0 and found == OK:
-        found = balance_ropes(system, factor > SOFTEST, shared, differences)
+        found = balance_ropes(system, factor > SOFTEST, shared, differences, spent)
         put_stiffness(system, STIFFER if factor < 1.0 else 1.0)
         factor *= STIFFER
     if factor <= 1.0:
@@ -380,16 +313,33 @@ def search(system):
 
 
 @kernel
-def find_shares(system):
-    """`search`; where it finds no balance of drums, from what it finds with these as they are given (all modified)."""
-    status, (sheaves, drums) = search(system), count_unknowns(system)
-    if status == OK or drums == 0:
-        return status
-    share_ropes(system, False)
+def search_from_given(system, sheaves, drums):
+    """The same from what is found with all drums as they are given; a status."""
     put_start(system, float(at.WINCH_IN_BALANCE), WAITING)
-    status = search(system)
+    sought, (others, _) = share_ropes(system, False), count_unknowns(system)
+    status = search_for_shares(system, others, 0) if sought > 0 else resting_points.find(system, False)
     put_start(system, WAITING, float(at.WINCH_IN_BALANCE))
     if status != OK:
         return status
-    shared, differences = shared_at_rest(system, sheaves + drums)
-    return OK if balance_ropes(system, True, shared, differences) == OK else about_drums(system)
+    shared, differences, spent = shared_at_rest(system, sheaves + drums)
+    spent[0] = 0.0
+    return OK if balance_ropes(system, True, shared, differences, spent) == OK else about_drums(system)
+
+
+@kernel
+def find_shares(system):
+    """Put all sought points and the lengths of all portions where they are in equilibrium (modified); a status.
+
+    Where drums are sought, from straight ropes if those of `initial_length` do not lead there, and those of several lines
+    from what is found without them. Where portions of stiff rope do not fit together on the way, with softer rope first.
+    Portions that get too short on the way are NO_SHARES.
+    """
+    sought, (sheaves, drums) = share_ropes(system, False), count_unknowns(system)
+    if sought == 0:
+        return resting_points.find(system, False)
+    status = search_for_shares(system, sheaves, drums)
+    if status != OK and holds_several(system):
+        share_ropes(system, False)  # of lines that are no portions
+        status = search_from_given(system, sheaves, drums)
+    is_short = status in (REELED_TOO_SHORT, WINCH_TOO_SHORT)
+    return NO_SHARES if is_short and fits(system) else status

@@ -6,7 +6,7 @@ forces are those at the line with its largest ratio.
 
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import plan_layout as places
-from tetherfmu.runtime.status import NO_BALANCE_OF_DRUMS, NO_SHARES
+from tetherfmu.runtime.status import NO_BALANCE_OF_DRUMS
 
 from ..compilation import kernel
 from ..equations.drum import HELD, INWARDS, OUTWARDS, balance, drum_of
@@ -44,11 +44,25 @@ def put_start(system, now, then):
 
 
 @kernel
-def about_drums(system):
-    """NO_BALANCE_OF_DRUMS about the line that carries the least balanced drum; NO_SHARES where all hold one rope alone."""
-    worst, status = -1.0, NO_SHARES
+def has_several(system, k):
+    """Whether line k carries such a drum that is no winch of its own."""
+    return has_sought_drum(system, k) and not is_alone(system, k)
+
+
+@kernel
+def holds_several(system):
+    """Whether any line does."""
+    count = 0
     for k in range(lines_of(system)):
-        if has_sought_drum(system, k) and not is_alone(system, k) and abs(imbalance_of_drum(system, k)) > worst:
-            worst, status = abs(imbalance_of_drum(system, k)), NO_BALANCE_OF_DRUMS | at.WINCH_FORCE << 8
-            system.plan[places.STATUS_LINE] = k
-    return status
+        count += has_several(system, k)
+    return count > 0
+
+
+@kernel
+def about_drums(system):
+    """NO_BALANCE_OF_DRUMS about the line that carries the least balanced one of these drums."""
+    worst = -1.0
+    for k in range(lines_of(system)):
+        if has_several(system, k) and not abs(imbalance_of_drum(system, k)) <= worst:
+            worst, system.plan[places.STATUS_LINE] = abs(imbalance_of_drum(system, k)), k
+    return NO_BALANCE_OF_DRUMS | at.WINCH_FORCE << 8
