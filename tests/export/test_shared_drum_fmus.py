@@ -69,7 +69,8 @@ def test_variables(folder, native):
     assert {"steering.winch_force", "power.winch_mass", "power.winch_damping", "steering.winch_friction"} <= names
     assert {"steering.winch_speed", "power.payout", "c.winch_force", "c.winch_mass"} <= names
     assert {"a.release", "a.broken", "c.release"} <= names
-    assert not names & {"steering.reel_out_speed", "a.winch_force", "a.winch_mass"}
+    assert {"steering.winch_start", "steering.reel_out_speed"} <= names  # parameters of its start
+    assert not names & {"a.winch_force", "a.winch_mass", "a.winch_start", "a.reel_out_speed"}
 
 
 @pytest.mark.parametrize("native", FLAVOURS)

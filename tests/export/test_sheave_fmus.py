@@ -8,7 +8,7 @@ from fmpy import read_model_description
 
 from isolation import in_shared_process
 from runtime.host import STEP, Host
-from tetherfmu import Solver, TetherSystem
+from tetherfmu import PlausibilityWarning, Solver, TetherSystem
 from tetherfmu.export import systems
 from tetherfmu.export.build_options import BuildOptions
 
@@ -161,3 +161,20 @@ def test_what_is_refused_is_named(folder, native):
 
 def test_their_evidence_is_met(folder, capfd):
     assert_checks_pass(folder, capfd)
+
+
+@every_flavour
+@in_shared_process
+def test_what_is_implausible_is_said_once_of_a_line(folder, native):
+    """Of the portion where it is worst; not again of another one."""
+    loads = {"light": (0.0, 0.0, -2e5), "heavy": (0.0, 0.0, -3e5)}
+    system = TetherSystem.from_file(FILES / "atwood.toml")
+    system.initialize(loads=loads)
+    with pytest.warns(PlausibilityWarning, match=r"the line rope\[2\]: a segment is stretched by"):
+        system.step(STEP)
+    host = Host(folder / str(native) / "Atwood.fmu").start(**{f"{name}.load": load for name, load in loads.items()})
+    host.step(STEP)
+    host.step(STEP, **{"light.load": (0.0, 0.0, -9e5)})
+    assert sum("is stretched by" in each for each in host.messages) == 1
+    assert sum("is stretched by" in each for each in system.implausible) == 1
+    assert any("the line rope[2]: a segment is stretched by" in each for each in host.messages)

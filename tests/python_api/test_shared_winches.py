@@ -112,9 +112,9 @@ WRONG = {
         r"drum\.lines\.a is 0; it must be a number between 0\.001 and 1000",
     ),
     "a ratio that is no number": (lambda: SharedWinch("drum", {"a": "1"}), r"drum\.lines\.a is '1'"),
-    "a speed without effect": (
-        lambda: SharedWinch("drum", {"a": 1}, "length", 0.5),
-        r"drum\.reel_out_speed is 0\.5 and has no effect: control is 'length'",
+    "a force without effect": (
+        lambda: SharedWinch("drum", {"a": 1}, "length", winch_force=0.5),
+        r"drum\.winch_force is 0\.5 and has no effect: control is 'length'",
     ),
     "a drum that all lines turn the other way": (
         lambda: SharedWinch("drum", {"a": -1, "b": -0.5}, "force"),
@@ -124,9 +124,13 @@ WRONG = {
         lambda: SharedWinch("drum", {"a": 1}, winch_mass=2.0),
         r"drum\.winch_mass is 2\.0 and has no effect: control is 'speed'",
     ),
-    "a start speed without effect": (
-        lambda: SharedWinch("drum", {"a": 1}, "force", reel_out_speed=1.0),
-        r"drum\.reel_out_speed is 1\.0 and has no effect: control is 'force'",
+    "a start without effect": (
+        lambda: SharedWinch("drum", {"a": 1}, "length", winch_start="equilibrium"),
+        r"drum\.winch_start is 2 and has no effect: control is 'length'",
+    ),
+    "a start that is none": (
+        lambda: SharedWinch("drum", {"a": 1}, "force", winch_start="rest"),
+        r"drum\.winch_start is 'rest'; it must be one of 1 \(given\), 2 \(equilibrium\)",
     ),
     "a mass below 0": (lambda: SharedWinch("drum", {"a": 1}, "force", winch_mass=-1.0), r"drum\.winch_mass is -1\.0"),
     "a force that is none": (

@@ -38,7 +38,9 @@ MEANINGS = {
     "tension_from": "tension of the first segment, at {}; with winch_control = force where the line leaves the winch",
     "tension_to": "tension of the last segment, at {}",
 }
-OF_A_DRUM = ("winch_mass", "winch_damping", "winch_friction")  # parameters of shared winches that are controlled by force
+# parameters of shared winches that are controlled by force
+OF_A_DRUM = ("winch_mass", "winch_damping", "winch_friction", "winch_start")
+SPEED = "reel_out_speed"  # an input of those by speed; of others a parameter, with which they start
 TOLD = {  # inputs of shared winches
     "reel_out_speed": "speed at which {} pays out a line with the ratio 1; positive pays out",
     "winch_length": "length of a line with the ratio 1 that {} is to pay out from the start",
@@ -257,10 +259,19 @@ def _parameters(structure):
             yield replace(each, name=f"{line.name}.{each.name}")
         yield from _parameters_of_sheaves(line)
     for winch in structure.winches:
-        for name, start in winch.drum:
-            each = dict(quantities(Winch))[name]
-            declared = replace(each, meaning=each.meaning.replace("force control: ", ""))
-            yield Variable(f"{winch.name}.{name}", PARAMETER, "Real", declared, 0, start, group="winch")
+        yield from _parameters_of_winch(winch)
+
+
+def _parameters_of_winch(winch):
+    """Parameters of a shared winch: of its drum, and how it starts."""
+    drum = dict(winch.drum)
+    for each in parameters_of((Winch,), drum):
+        if each.name in drum:
+            declared = replace(each.quantity, meaning=each.quantity.meaning.replace("force control: ", ""))
+            yield replace(each, name=f"{winch.name}.{each.name}", quantity=declared)
+    if winch.input != SPEED:
+        declared = Quantity("m/s", f"{TURNED['winch_speed'][1]} at the start", -at.LARGEST_INPUT, at.LARGEST_INPUT)
+        yield Variable(f"{winch.name}.{SPEED}", PARAMETER, "Real", declared, 0, winch.reel_out_speed, group="winch")
 
 
 def _parameters_of_sheaves(line):
@@ -296,11 +307,15 @@ _QUANTITIES_OF_A_LINE = frozenset(name for record in RECORDS_OF_A_LINE for name,
 def _known(structure, line, output, element, known):
     """Names of what an output of a line depends on when initialization ends; None for anything.
 
-    Between driven points each line has its own shape; where a free one is sought, all lines together have one. known : names
-    of inputs and parameters.
+    Between driven points each line has its own shape; where a free one is sought, all lines together have one, and so do
+    those of drums that are sought. known : names of inputs and parameters.
     """
     found = depends_on(DYNAMIC, output, element, line.shape_points, line.wind_points)
-    if line.through or (structure.free and any(name.startswith(("kite_position", "ground_position")) for name in found)):
+    if (
+        line.through
+        or any(each.carrier for each in structure.holding(line.name))
+        or (structure.free and any(name.startswith(("kite_position", "ground_position")) for name in found))
+    ):
         return None
     named = (each for name in found for each in _dependencies(name, structure, line))
     return tuple(name for name in dict.fromkeys(named) if name in known)

@@ -28,6 +28,7 @@ from .system_variables import (
     OF_PORTIONS,
     OF_SHEAVES,
     OF_THE_SYSTEM,
+    SPEED,
     SUMMED,
     TURNED,
     input_name,
@@ -172,8 +173,8 @@ def _selection(table, references, left_out):
 
 
 def _is_checked(name, structure):
-    """Whether a parameter is one that the kernel `pack` does not check: of a free point, or of a sheave."""
-    return name.partition(".")[0] in structure.free or name.endswith("]")
+    """Whether a parameter is one that the kernel `pack` does not check: of a free point, a sheave, or a start speed."""
+    return name.partition(".")[0] in structure.free or name.endswith(("]", f".{SPEED}"))
 
 
 def lines_of(structure):
@@ -205,8 +206,8 @@ def names_of_inputs(structure, portion):
 
 
 def told_by(winches, line, name):
-    """Names of the inputs of shared winches that make an input of a line, "" if none does."""
-    holding = (each for each in winches if each.input == name and line.name in dict(each.ratios))
+    """Names of the inputs, and start speeds, of shared winches that make an input of a line, "" if none does."""
+    holding = (each for each in winches if name in (each.input, SPEED) and line.name in dict(each.ratios))
     return " and ".join(f"{each.name}.{name}" for each in holding if each.carrier in ("", line.name))
 
 
@@ -294,13 +295,13 @@ def _held_of(structure, places):
     for k, line in enumerate(lines_of(structure)):
         for winch in structure.holding(line.name):
             own = PLACES[winch.input]
-            if winch.carrier:
-                if winch.carrier == line.name:
-                    yield first + own, places[f"{winch.name}.{winch.input}"], k, own, 1.0
+            if winch.carrier not in ("", line.name):
                 continue
             if winch.input == "winch_length" and winch is structure.holding(line.name)[0]:
                 yield first + own, places[f"{line.name}.initial_length"], k, own, 1.0
-            yield first + own, places[f"{winch.name}.{winch.input}"], k, own, float(dict(winch.ratios)[line.name])
+            factor = 1.0 if winch.carrier else float(dict(winch.ratios)[line.name])
+            for name in dict.fromkeys((winch.input, SPEED)):
+                yield first + PLACES[name], places[f"{winch.name}.{name}"], k, PLACES[name], factor
         first += len(line.inputs)
 
 

@@ -4,7 +4,9 @@ The FMI slaves and the Python API run them. Arrays: `plan_layout.py`.
 """
 
 from array import array
+from functools import reduce
 from math import dist, inf
+from operator import or_
 from typing import NamedTuple
 
 from . import layout as at
@@ -71,7 +73,11 @@ class Instance:
         self.parameters_at = self.outputs_at + sum(line.outputs_size for line in lines)
         self.values, self.state = zeros(self.parameters_at + room), zeros(0)
         self.counts, self.segments, self.status = (), 0, status.OK
-        self._warned = [0] * len(lines)
+        self._warned, self._portions = [0] * len(lines), [[]]  # the latter of each line that may run over sheaves
+        for k, line in enumerate(lines):
+            self._portions[-1].append(k)
+            if not line.is_through and k + 1 < len(lines):
+                self._portions.append([])
 
     def _rows(self):
         """First places of the lines in the plan."""
@@ -153,20 +159,24 @@ class Instance:
         self.state[:] = state
 
     def warnings(self):
-        """Sentences on what has been implausible since the start, each once, with the name of its line."""
+        """Sentences on what has been implausible since the start, each once of a line, named by its worst portion."""
         said = []
-        for k, first in enumerate(self.states_at):
-            if self.state[first + at.WARNINGS] != self._warned[k]:
-                said += self._said_of(k, self._warned[k])
-                self._warned[k] |= plausibility.kinds(self.state_of(k))
+        for portions in self._portions:
+            if any(self.state[self.states_at[k] + at.WARNINGS] != self._warned[k] for k in portions):
+                said += self._said_of(portions, [self._warned[k] for k in portions])
+                for k in portions:
+                    self._warned[k] |= plausibility.kinds(self.state_of(k))
         return said
 
     def said(self):
         """All of these sentences since the start."""
-        return [each for k in range(len(self.lines)) for each in self._said_of(k, 0)]
+        return [each for portions in self._portions for each in self._said_of(portions, [0])]
 
-    def _said_of(self, k, warned):
-        return [self._about(k, each) for each in plausibility.sentences(self.state_of(k), warned)]
+    def _said_of(self, portions, warned):
+        """Of the portions of a line, a list, what has not been said of any; warned : sets of bits."""
+        states = {k: self.state_of(k) for k in portions}
+        worst = plausibility.worst(states, reduce(or_, warned))
+        return [self._about(k, each) for k in portions for each in plausibility.sentences(states[k], worst[k])]
 
     def _about(self, k, said):
         """A sentence on line k."""

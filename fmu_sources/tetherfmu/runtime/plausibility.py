@@ -185,9 +185,18 @@ def kinds(state):
     return bits(state[at.WARNINGS], at.WARNING_KINDS)
 
 
-def sentences(state, warned=0):
-    """Sentences on what was implausible since the start of a state, but for those with a bit in `warned`."""
-    new = kinds(state) & ~warned
+def worst(states, warned):
+    """Of states, a dict, sets of bits of what was implausible in each more than in all others, but for bits in `warned`."""
+    found = dict.fromkeys(states, 0)
+    for kind in SENTENCES:
+        values = {k: state[at.WARNED_VALUES + kind] for k, state in states.items() if kinds(state) >> kind & 1}
+        if values and not warned >> kind & 1:
+            found[max(values, key=values.get)] |= 1 << kind
+    return found
+
+
+def sentences(state, new):
+    """Sentences on what was implausible since the start of a state, of the kinds with a bit in `new`."""
     return [
         sentence.format(
             **facts(kind),

@@ -46,6 +46,7 @@ SHEAVES_WITH_STRETCH_RATE = 29
 SHEAVES_THAT_BREAK = 30
 NO_SHARES = 31
 SHEAVES_WITH_STOP = 32
+NO_BALANCE_OF_DRUMS = 33
 
 SENTENCES = {
     OK: "done",
@@ -148,6 +149,12 @@ SENTENCES = {
     SHEAVES_WITH_STOP: (
         "shortest_length or longest_length is given for a line over sheaves with force control, whose drum stops only where "
         "a portion gets too short: both must be 0"
+    ),
+    NO_BALANCE_OF_DRUMS: (
+        "no lengths of the lines that its winch holds were found at which the sum of their tensions times their ratios is "
+        "{name}, {value} N, with winch_start 2 (equilibrium) and all lines and points in equilibrium at rest; ropes pull "
+        "with their own weight and drag at least, and a load on a single line pulls alike at any length: check winch_force, "
+        "the ratios and positions of points, or set winch_start to 1 (given)"
     ),
 }
 

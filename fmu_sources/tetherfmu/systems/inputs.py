@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from tetherfmu.arguments import check_release, numbers_in_shape
 from tetherfmu.compiled_flight import put_node_winds
 from tetherfmu.fmi.portions import portions_of
-from tetherfmu.fmi.system_variables import GIVEN, RELEASE
+from tetherfmu.fmi.system_variables import GIVEN, RELEASE, SPEED
 from tetherfmu.given_inputs import check_effect
 from tetherfmu.results import StepRefused
 from tetherfmu.runtime import layout as at
@@ -29,8 +29,8 @@ class SystemInputs(TypedDict, total=False):
     Attributes
     ----------
     reel_out_speeds : dict of str to float
-        Of lines and of winches that hold several, by name [m/s]; winches of lines that are controlled by force or length
-        start with them.
+        Of lines and of winches that hold several, by name [m/s]; winches that are controlled by force or length start with
+        them.
     wind_velocity : (3,) array, or dict of str to (segments + 1, 3) array
         Wind [m/s] at `wind_reference_height`; or at each node of lines, by name, whatever the wind profile says, until there
         is another one at that height (not in `fly`).
@@ -64,7 +64,7 @@ def starts(lines, shared, free, wind_points):
     winches = {}
     for each, name in _WINCHES.items():
         alone = [line for line in lines if name == RELEASE or not holding(shared, line.name)]
-        turned = (*alone, *(winch for winch in shared if winch.input == name))
+        turned = (*alone, *(winch for winch in shared if name in (winch.input, SPEED)))
         winches[each] = {one.name: getattr(one, name, 0.0) for one in turned}
     points = {line.name: (len(portions_of(line)) * wind_points, 3) for line in lines}
     winds = {"wind_at": {name: np.zeros(shape) for name, shape in points.items()}} if wind_points else {}
@@ -122,15 +122,20 @@ def put(given, arrays, points, lines, inputs=None, at_start=False):
     names, told = [line.name for line in lines], np.tile(arrays.turned.told, (*steps, 1))
     whole_lines = [line.name for line in lines if line.number == 0]
     alone = [line.name for k, line in enumerate(lines) if k not in arrays.turned.held and line.number == 0]
+    speeds = {}
     for each, what in _WINCHES.items():
         shared = arrays.turned.by(what)
+        starting = [winch.name for winch in arrays.turned.winches if at_start and what == SPEED != winch.input]
         for name, value in given.get(each, {}).items():
             if what == RELEASE:
                 _check_known("release of a line", name, whole_lines)
                 check_release(_numbers(f"{name}.{what}", value, (), steps), f"{name}.{what}")
             else:
-                _check_known(f"{what} of a line or a winch", name, alone + shared)
+                _check_known(f"{what} of a line or a winch", name, alone + shared + starting)
             numbers = _numbers(f"{name}.{what}", value, (), steps)
+            if name in starting:
+                speeds[name] = numbers
+                continue
             if name in shared:
                 told[..., arrays.turned.place_of(name)] = numbers
                 continue
@@ -139,6 +144,8 @@ def put(given, arrays, points, lines, inputs=None, at_start=False):
             check_effect(what, own, arrays.instance.parameters_of(names.index(name)), at_start, f"{name}.{what}")
     if arrays.turned.winches:
         arrays.turned.put(told, rows)
+    if speeds:
+        arrays.turned.put_starts(speeds, rows)
     points = arrays.instance.lines[0].wind_points
     for name, value in given.get("wind_at", {}).items():
         _check_known("wind_at of a line", name, whole_lines)

@@ -28,7 +28,6 @@ from .sheaves import check_turned
 
 BY_SPEED, BY_FORCE, BY_LENGTH = "speed", "force", "length"
 GIVEN = {BY_SPEED: "reel_out_speed", BY_FORCE: "winch_force", BY_LENGTH: "winch_length"}  # its input, by what controls it
-STARTS = {"reel_out_speed": BY_SPEED, "winch_force": BY_FORCE}  # inputs with a start, by what has to control the winch
 CONTROL = dict(quantities(Winch))["winch_control"].numbers
 SMALLEST_RATIO, LARGEST_RATIO = 1e-3, 1e3
 DEPENDENT = 1e-9  # a singular value of the matrix of ratios below this part of the largest is none
@@ -50,11 +49,14 @@ class SharedWinch:
         Its input: `reel_out_speed`; `winch_force`, which the sum of tensions times ratios has to overcome [N]; or
         `winch_length`, the length paid out since the start [m].
     reel_out_speed : float
-        At the start [m/s], with the control "speed"; positive pays out. Others start at rest.
+        At the start [m/s], whatever the control; positive pays out.
     winch_force : float
         At the start [N], with the control "force"; positive reels in.
     winch_mass, winch_damping, winch_friction : float
         Of its drum as those of a `Winch`, with the control "force" [kg], [N.s/m], [N].
+    winch_start : "given" or "equilibrium"
+        With the control "force": the drum has paid out nothing, or so much that it is in balance with `winch_force`, all its
+        lines and free points without position in equilibrium together.
 
     Examples
     --------
@@ -70,6 +72,7 @@ class SharedWinch:
     winch_mass: float = 0.0
     winch_damping: float = 0.0
     winch_friction: float = 0.0
+    winch_start: int | str = at.WINCH_GIVEN
 
     def __post_init__(self):
         checked_name("winch", self.name)
@@ -89,19 +92,19 @@ class SharedWinch:
                 f"{self.name}.lines has the ratios {list(self.lines.values())}; with the control 'force' one of them must "
                 "be above 0: give all of them the other sign"
             )
-        for name in STARTS:
+        for name in ("reel_out_speed", "winch_force"):
             if not ANY_INPUT.allows(getattr(self, name)):
                 raise ValueError(
                     f"{self.name}.{name} is {getattr(self, name)!r}; it must be finite and at most {at.LARGEST_INPUT:g} in "
                     "magnitude"
                 )
-        for name, control in {**STARTS, **dict.fromkeys(OF_A_DRUM, BY_FORCE)}.items():
-            if getattr(self, name) and self.control != control:
+        with prefixed(f"{self.name}."):
+            object.__setattr__(self, "winch_start", self.drum.winch_start)
+        for name in ("winch_force", *OF_A_DRUM):
+            if getattr(self, name) != getattr(SharedWinch, name) and self.control != BY_FORCE:
                 raise ValueError(
                     f"{self.name}.{name} is {getattr(self, name)!r} and has no effect: control is {self.control!r}"
                 )
-        with prefixed(f"{self.name}."):
-            self.drum  # noqa: B018 (that it can be)
 
     @property
     def input(self) -> str:
@@ -251,6 +254,15 @@ class Turned:
             terms = (ratio * told[..., j] for j, ratio in enumerate(ratios) if ratio)
             turned = sum(terms, start=first if is_by_length else 0.0)
             rows[k][..., at.WINCH_LENGTH if is_by_length else at.REEL_OUT_SPEED] = turned
+
+    def put_starts(self, speeds, rows):
+        """Let winches that are not controlled by speed start with these [m/s], by name; rows (modified) : as in `put`."""
+        for name, k in self.carriers.items():
+            rows[k][..., at.REEL_OUT_SPEED] = speeds[name]
+        for k, ratios in zip(self.held, self._ratios, strict=True):
+            if any(self._by_length[ratios != 0.0]):
+                held = zip(ratios, self.winches, strict=True)
+                rows[k][..., at.REEL_OUT_SPEED] = sum(ratio * speeds[each.name] for ratio, each in held if ratio)
 
     def outputs(self, lines):
         """`WinchOutputs` of each winch by its name; lines : outputs of all lines (..., outputs), a list."""

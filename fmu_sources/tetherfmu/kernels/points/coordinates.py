@@ -15,9 +15,10 @@ from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import plan_layout as places
 
 from ..compilation import kernel, view
-from ..equations.lines import lines_of, number_of_line, parameters_of, state_of
+from ..equations import winch
+from ..equations.lines import inputs_of, lines_of, number_of_line, parameters_of, state_of
 from ..equations.rope_at_sheave import IN, OUT
-from ..equations.ropes import goes_on, has_coordinates
+from ..equations.ropes import goes_on, has_coordinates, is_portion, is_turned
 from ..equations.torn import is_torn
 from ..flat_arrays import part
 from ..line.rodas4p import STAGES
@@ -163,3 +164,62 @@ def weight_of(system, c, k, side):
 def growth_of(system, c, k):
     """By how much a coordinate makes portion k longer for each metre that passes [-]."""
     return weight_of(system, c, k, IN) - weight_of(system, c, k, OUT)
+
+
+# --- how drums start
+
+
+@kernel
+def start_speed(system, k):
+    """Speed [m/s] at which drums pay out line k at the start: those of its holders, which their carriers have as inputs."""
+    total, parameters = 0.0, parameters_of(system, k)
+    for i in range(at.MOST_HOLDERS):
+        holder = int(parameters[at.HELD_BY + i])
+        if holder > 0:
+            total += parameters[at.HELD_RATIO + i] * inputs_of(system, holder - 1)[at.REEL_OUT_SPEED]
+    return total
+
+
+@kernel
+def largest_ratio(system, carrier):
+    """Largest magnitude of the ratios of a drum [-]."""
+    most = 0.0
+    for k in range(lines_of(system)):
+        most = max(most, abs(ratio_of(system, k, carrier)))
+    return most
+
+
+@kernel
+def is_alone(system, k):
+    """Whether the drum that line k carries is as a winch of its own: with the ratio 1, and nothing else at either."""
+    others = 0
+    for j in range(lines_of(system)):
+        others += j != k and (ratio_of(system, j, k) != 0.0 or ratio_of(system, k, j) != 0.0)
+    return others == 0 and ratio_of(system, k, k) == 1.0
+
+
+@kernel
+def has_sought_drum(system, k):
+    """Whether line k carries a drum that is to be in balance at the start together with sheaves, or with several lines."""
+    if not (carries_drum(system, k) and winch.is_sought(parameters_of(system, k))):
+        return False
+    return goes_on(system, k) or not is_alone(system, k)
+
+
+@kernel
+def is_sought_by_drums(system, k):
+    """Whether such a drum holds line k."""
+    count = 0
+    if is_turned(system, k):
+        parameters = parameters_of(system, k)
+        for i in range(at.MOST_HOLDERS):
+            holder = int(parameters[at.HELD_BY + i])
+            if holder > 0:
+                count += has_sought_drum(system, holder - 1)
+    return count > 0
+
+
+@kernel
+def is_shared_out(system, k):
+    """Whether line k starts with a length that is found with others: a portion, or one that such a drum holds."""
+    return is_portion(system, k) or is_sought_by_drums(system, k)

@@ -15,13 +15,14 @@ from ..equations.free_points import point_at, size_of_blocks
 from ..equations.ground import carries, support, support_slope, under
 from ..equations.lines import inputs_of, lines_of, motion_of, number_of_line, parameters_of, room_of, segments_of, state_of
 from ..equations.properties import chain_of, property_of
-from ..equations.ropes import is_portion, outputs_of_line
+from ..equations.ropes import is_turned, outputs_of_line
 from ..flat_arrays import part
 from ..linear_algebra import condensed
 from ..linear_algebra.matrices import ZERO_MATRIX, scale_matrix, subtract
 from ..linear_algebra.point_blocks import add_to_block
 from ..linear_algebra.vectors import ZERO_VECTOR, add_at, add_scaled, get, norm, put, scale, vector_at
 from ..points import sheave_room as at_sheave
+from ..points.coordinates import is_shared_out, start_speed
 from ..points.sheave_room import numbers_at
 from ..step import transaction
 from . import dynamic_chain, end_tensions, newton
@@ -83,10 +84,12 @@ def position(system, k, end, x):
 
 @kernel
 def start_state(system, k):
-    """`transaction.start` of line k (modified), a portion with its length; a status."""
+    """`transaction.start` of line k (modified), with the speed of its drums and the length that is shared out; a status."""
     n, parameters, state = segments_of(system, k), parameters_of(system, k), state_of(system, k)
     status = transaction.start(n, parameters, inputs_of(system, k), state)
-    if status == OK and is_portion(system, k):
+    if is_turned(system, k):
+        state[at.REELING] = start_speed(system, k)
+    if status == OK and is_shared_out(system, k):
         state[at.LENGTH] = numbers_at(system, k)[at_sheave.LENGTH_NOW]
         status = transaction.check_length(n, parameters, state[at.LENGTH])
     return status

@@ -115,6 +115,8 @@ def note_slack_winch(n, parameters, state):
         force = state[at.LAST_WINCH_FORCE]
         drive = force - parameters[at.WINCH_FRICTION]
         is_slack = distance_of_ends(n, state) < limits.SLACK * state[at.LENGTH]
+        if parameters[at.HELD_BY] != 0.0:  # by a drum that other lines may hold
+            is_slack = is_slack and -parameters[at.WINCH_MASS] * state[at.DRUM_ACCELERATION] > 0.5 * drive
         if is_slack and max(0.0, spring_at_ground(n, parameters, state)) < limits.LEAST_RESISTANCE * drive:
             note(state, limits.WINCH_REELS_IN_SLACK, force * force, 0.0)
 

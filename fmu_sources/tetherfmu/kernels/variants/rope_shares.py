@@ -3,7 +3,8 @@
 With the lengths of all portions the free points are found as ever (`resting_points.py`), and with these each portion is in
 equilibrium. A rope that passes a sheave by q makes the tension ahead fall and that behind it rise; both are slopes of one
 potential, so that Newton's method on q, with differences for the slopes, goes along its fall. A drum whose start is
-sought (`winch_start`) is one unknown more: what it pays out, with T - W - c u - F sign(u) for the difference.
+sought (`winch_start`) is one unknown more, also one that holds several lines without sheaves: what it pays out, with its
+imbalance (`sought_drums.py`) for the difference.
 """
 
 from math import inf
@@ -15,38 +16,35 @@ from tetherfmu.runtime.status import NO_SHARES, OK, REELED_TOO_SHORT, WINCH_TOO_
 from ..arrays import clear
 from ..compilation import kernel
 from ..equations import rope_at_sheave as rope
-from ..equations import segment, winch
-from ..equations.drum import HELD, INWARDS, OUTWARDS, balance, drum_of
-from ..equations.lines import inputs_of, lines_of, motion_of, parameters_of, room_of, segments_of, state_of
+from ..equations import segment
+from ..equations.lines import lines_of, motion_of, parameters_of, room_of, segments_of, state_of
 from ..equations.properties import chain_without_flow, property_in, property_of, put_property, rest_length
-from ..equations.rope_at_drum import tension_of
-from ..equations.ropes import comes_from, first_of, goes_on, is_portion
+from ..equations.rope_at_drum import tension_at_winch, tension_of
+from ..equations.ropes import first_of, goes_on, is_portion
 from ..linear_algebra import small_matrix
 from ..linear_algebra.vectors import ZERO_VECTOR, norm, sub, vector_at
 from ..points import sheave_room as at_sheave
+from ..points.coordinates import has_sought_drum, is_shared_out, is_sought_by_drums
 from ..points.sheave_room import numbers_at, shared_at_rest, shortest_of
 from ..rest import dynamic_chain, resting_points
-from ..rest.resting_line import given_position, is_sought, start_state
+from ..rest.resting_line import start_state
+from .first_shares import fits, share_ropes
+from .sought_drums import WAITING, about_drums, holds_several, imbalance_of_drum, part_of_drum, put_start
 
 ITERATIONS, TRIALS = 60, 12
 BALANCED, ROUNDED = 1e-10, 1e-7  # difference of tensions over their size: goal, and enough where it falls no more
 DIFFERENCE = 1e-7  # of the rope, for slopes
 SOFTEST, STIFFER = 2.0**-15, 8.0  # stiffness of rope that fits anywhere, over that of the given one; from step to step
 LONGEST_STEP = 0.25  # of a portion beside the sheave
+LONGEST = 1e5  # [m] of a line, as `initial_length` may be
 MOST_SEARCHES = 3.0  # of free points, each with all that one may take, in all of the search
-
-
-@kernel
-def has_sought_drum(system, k):
-    """Whether line k is the first portion of a rope whose drum is to be in balance at the start."""
-    return goes_on(system, k) and winch.is_sought(parameters_of(system, k))
 
 
 @kernel
 def is_balanced(system, k):
     """Whether line k goes on over a sheave that is to have the same tension on both sides: not if all portions are given."""
     j, count = first_of(system, k), 0
-    count += has_sought_drum(system, j)
+    count += is_sought_by_drums(system, j)
     while goes_on(system, j):
         count += parameters_of(system, j)[at.GIVEN_PORTION] == 0.0
         j += 1
@@ -62,75 +60,6 @@ def count_unknowns(system):
         sheaves += is_balanced(system, k)
         drums += has_sought_drum(system, k)
     return sheaves, drums
-
-
-@kernel
-def imbalance_of_drum(system, k):
-    """T - W - c u - F sign(u) [N] of the drum of line k, which is at rest or turns with the speed of its start."""
-    inputs = inputs_of(system, k)
-    speed, drum = inputs[at.REEL_OUT_SPEED], drum_of(parameters_of(system, k), inputs[at.WINCH_FORCE], 0.0)
-    direction = HELD if speed == 0.0 else (OUTWARDS if speed > 0.0 else INWARDS)
-    return balance(drum, direction, state_of(system, k)[at.TENSION_FROM], speed, 0.0)
-
-
-@kernel
-def straight_length(system, k, spans):
-    """Unstretched length [m] with which a straight rope, so long [m], pulls with the force of its winch."""
-    stiffness = property_in(parameters_of(system, k), segments_of(system, k), 0, at.STIFFNESS)
-    return spans / (1.0 + max(inputs_of(system, k)[at.WINCH_FORCE], 0.0) / stiffness)
-
-
-@kernel
-def span_of(system, k):
-    """Distance of the ends of portion k where both are given [m], else 0."""
-    if is_sought(system, k, 0) or is_sought(system, k, 1):
-        return 0.0
-    return norm(sub(given_position(system, k, 1), given_position(system, k, 0)))
-
-
-@kernel
-def share_ropes(system, is_straight):
-    """Lengths of all portions as they are given, or by the distances of their points (modified); how many are sought.
-
-    is_straight : whether ropes whose drums are sought have their `straight_length`.
-    """
-    sought = 0
-    for k in range(lines_of(system)):
-        if is_portion(system, k) and not comes_from(system, k):
-            for i in range(at.STATE_HEADER):
-                state_of(system, k)[i] = 0.0  # for the length of the whole rope
-            whole = winch.first_length(parameters_of(system, k), inputs_of(system, k), state_of(system, k))
-            last, given, spans, unknown = k, 0.0, 0.0, 0
-            while goes_on(system, last):
-                last += 1
-            for j in range(k, last + 1):
-                given += parameters_of(system, j)[at.GIVEN_PORTION]
-                spans += span_of(system, j)
-                unknown += parameters_of(system, j)[at.GIVEN_PORTION] == 0.0
-                sought += parameters_of(system, j)[at.GIVEN_PORTION] == 0.0
-            if has_sought_drum(system, k):
-                sought += 1
-                whole = straight_length(system, k, spans) if is_straight else whole
-            spread = 1.0 / (last + 1 - k)
-            for j in range(k, last + 1):
-                length = parameters_of(system, j)[at.GIVEN_PORTION] * whole / given if unknown == 0 else 0.0
-                if unknown > 0:
-                    span = span_of(system, j)
-                    length = whole * (span / spans if spans > 0.0 and span > 0.0 else spread)
-                numbers_at(system, j)[at_sheave.LENGTH_NOW] = length
-            if unknown > 0:
-                even_out(system, k, last, whole)
-    return sought
-
-
-@kernel
-def even_out(system, k, last, whole):
-    """Let the portions from k to the last have the whole length [m] together (modified)."""
-    total = 0.0
-    for j in range(k, last + 1):
-        total += numbers_at(system, j)[at_sheave.LENGTH_NOW]
-    for j in range(k, last + 1):
-        numbers_at(system, j)[at_sheave.LENGTH_NOW] *= whole / total
 
 
 @kernel
@@ -158,21 +87,26 @@ def end_tensions_at_rest(n, parameters, state):
 
 @kernel
 def take_tensions_at_rest(system, k):
-    """Tensions at both ends of portion k, which is in equilibrium, into its state (modified)."""
+    """Tensions at both ends of portion k at rest, or at the drum of a line that is none, into its state (modified)."""
     n, parameters, state = segments_of(system, k), parameters_of(system, k), state_of(system, k)
-    state[at.TENSION_FROM], state[at.TENSION_TO] = end_tensions_at_rest(n, parameters, state)
+    if is_portion(system, k):
+        state[at.TENSION_FROM], state[at.TENSION_TO] = end_tensions_at_rest(n, parameters, state)
+    else:
+        state[at.TENSION_FROM] = tension_at_winch(n, parameters, state)
 
 
 @kernel
-def settle_portion(system, k):
-    """Bring portion k (modified) to rest between its points; a status."""
+def settle_line(system, k):
+    """Bring portion k (modified) to rest between its points, a line that is none into its `initial_shape`; a status."""
     n, parameters, state = segments_of(system, k), parameters_of(system, k), state_of(system, k)
-    status = start_state(system, k)
-    if status == OK:
+    status, shape = start_state(system, k), parameters[at.INITIAL_SHAPE]
+    if status == OK and is_portion(system, k):
+        shape = float(at.STATIC_EQUILIBRIUM)
         state[at.REELING] = 0.0
         _, v = motion_of(system, k)
         clear(v)
-        status = dynamic_chain.initialize(n, parameters, float(at.STATIC_EQUILIBRIUM), state, room_of(system, k))
+    if status == OK:
+        status = dynamic_chain.initialize(n, parameters, shape, state, room_of(system, k))
     if status == OK:
         take_tensions_at_rest(system, k)
     return status
@@ -190,9 +124,9 @@ def find_differences(system, as_given, differences, spent):
     spent[0] += resting_points.spent_in(system)
     largest = 0.0
     for k in range(lines_of(system)):
-        if status == OK and is_portion(system, k):
+        if status == OK and is_shared_out(system, k):
             system.plan[places.STATUS_LINE] = k
-            status = settle_portion(system, k)
+            status = settle_line(system, k)
             state = state_of(system, k)
             largest = max(largest, abs(state[at.TENSION_FROM]), abs(state[at.TENSION_TO]))
     j = 0
@@ -216,30 +150,41 @@ def move_rope(system, factor, moves):
             numbers_at(system, k)[at_sheave.LENGTH_NOW] -= factor * moves[j]
             numbers_at(system, k + 1)[at_sheave.LENGTH_NOW] += factor * moves[j]
             j += 1
-    for k in range(lines_of(system)):
-        if has_sought_drum(system, k):
-            numbers_at(system, k)[at_sheave.LENGTH_NOW] += factor * moves[j]
+    for c in range(lines_of(system)):
+        if has_sought_drum(system, c):
+            for k in range(lines_of(system)):
+                numbers_at(system, k)[at_sheave.LENGTH_NOW] += factor * part_of_drum(system, k, c) * moves[j]
             j += 1
+
+
+@kernel
+def change_of(system, k, moves):
+    """What `moves` [m] make of the length of line k [m]."""
+    change, j = 0.0, 0
+    for c in range(lines_of(system)):
+        if is_balanced(system, c):
+            change += moves[j] if c + 1 == k else 0.0
+            change -= moves[j] if c == k else 0.0
+            j += 1
+    for c in range(lines_of(system)):
+        if has_sought_drum(system, c):
+            change += part_of_drum(system, k, c) * moves[j]
+            j += 1
+    return change
 
 
 @kernel
 def part_within(system, moves):
     """Part of `moves` [m] by which no portion changes too much, or gets too short."""
-    part, j, (drum, _) = 1.0, 0, count_unknowns(system)
+    part = 1.0
     for k in range(lines_of(system)):
-        if is_portion(system, k):
-            change = moves[j - 1] if comes_from(system, k) and is_balanced(system, k - 1) else 0.0
-            change -= moves[j] if is_balanced(system, k) else 0.0
-            if has_sought_drum(system, k):
-                change += moves[drum]
-                drum += 1
-            length = numbers_at(system, k)[at_sheave.LENGTH_NOW]
+        if is_shared_out(system, k):
+            change, length = change_of(system, k, moves), numbers_at(system, k)[at_sheave.LENGTH_NOW]
             room = min(LONGEST_STEP * length, 0.5 * (length - shortest_of(system, k)))
             if change < 0.0 and -change * part > room:
                 part = room / -change
-            elif change * part > LONGEST_STEP * length:
-                part = LONGEST_STEP * length / change
-        j += is_balanced(system, k)
+            elif change * part > min(LONGEST_STEP * length, LONGEST - length):
+                part = min(LONGEST_STEP * length, LONGEST - length) / change
     return part
 
 
@@ -265,6 +210,7 @@ def work_of(moves, differences):
 def find_moves(system, differences, shared, length, spent):
     """A step of Newton's method [m] into shared[3] (modified) from differences [N]; a status.
 
+    Where ropes hang loose without weight, and nothing changes, a long one along the differences.
     length : of the ropes [m].  spent : as for `find_differences`.
     """
     (matrix, _, unit, moves, other), count = shared, len(differences)
@@ -281,7 +227,8 @@ def find_moves(system, differences, shared, length, spent):
     for i in range(count):
         moves[i] = differences[i]
     if status == OK and not small_matrix.solve(count, matrix, moves):
-        return NO_SHARES
+        for i in range(count):
+            moves[i] = differences[i] / size_of(differences) * length
     if work_of(moves, differences) < 0.0:
         for i in range(count):
             moves[i] = -moves[i]
@@ -296,7 +243,7 @@ def balance_ropes(system, as_given, shared, differences, spent):
     """
     length, moves = 0.0, shared[3]
     for k in range(lines_of(system)):
-        if is_portion(system, k):
+        if is_shared_out(system, k):
             length = max(length, numbers_at(system, k)[at_sheave.LENGTH_NOW])
     status, largest = find_differences(system, as_given, differences, spent)
     last = inf
@@ -309,6 +256,8 @@ def balance_ropes(system, as_given, shared, differences, spent):
         if status != OK:
             return status
         start, taken = work_of(moves, differences), part_within(system, moves)
+        if taken == 0.0:  # drums pay out without end
+            return NO_SHARES
         move_rope(system, taken, moves)
         for trial in range(TRIALS):
             status, largest = find_differences(system, True, differences, spent)
@@ -355,28 +304,33 @@ def search_for_shares(system, sheaves, drums):
 
 
 @kernel
-def fits(system):
-    """Whether each rope is as long as its portions are together at least."""
-    room = 0.0
-    for k in range(lines_of(system)):
-        if is_portion(system, k):
-            spare = numbers_at(system, k)[at_sheave.LENGTH_NOW] - shortest_of(system, k)
-            room = room + spare if comes_from(system, k) else spare
-            if room < 0.0 and not goes_on(system, k):
-                return False
-    return True
+def search_from_given(system, sheaves, drums):
+    """The same from what is found with all drums as they are given; a status."""
+    put_start(system, float(at.WINCH_IN_BALANCE), WAITING)
+    sought, (others, _) = share_ropes(system, False), count_unknowns(system)
+    status = search_for_shares(system, others, 0) if sought > 0 else resting_points.find(system, False)
+    put_start(system, WAITING, float(at.WINCH_IN_BALANCE))
+    if status != OK:
+        return status
+    shared, differences, spent = shared_at_rest(system, sheaves + drums)
+    spent[0] = 0.0
+    return OK if balance_ropes(system, True, shared, differences, spent) == OK else about_drums(system)
 
 
 @kernel
 def find_shares(system):
     """Put all sought points and the lengths of all portions where they are in equilibrium (modified); a status.
 
-    Where drums are sought, from straight ropes if those of `initial_length` do not lead there. Where portions of stiff rope
-    do not fit together on the way, with softer rope first. Portions that get too short on the way are NO_SHARES.
+    Where drums are sought, from straight ropes if those of `initial_length` do not lead there, and those of several lines
+    from what is found without them. Where portions of stiff rope do not fit together on the way, with softer rope first.
+    Portions that get too short on the way are NO_SHARES.
     """
     sought, (sheaves, drums) = share_ropes(system, False), count_unknowns(system)
     if sought == 0:
         return resting_points.find(system, False)
     status = search_for_shares(system, sheaves, drums)
+    if status != OK and holds_several(system):
+        share_ropes(system, False)  # of lines that are no portions
+        status = search_from_given(system, sheaves, drums)
     is_short = status in (REELED_TOO_SHORT, WINCH_TOO_SHORT)
     return NO_SHARES if is_short and fits(system) else status

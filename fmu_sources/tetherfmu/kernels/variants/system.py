@@ -50,6 +50,7 @@ from ..line.backward_euler import given_steps
 from ..linear_algebra.vectors import add, get, put_at, scale, sub, vector_at
 from ..motion import adaptive_steps, fixed_steps
 from ..points import sheave_room, system_room
+from ..points.coordinates import carries_drum, is_alone, is_shared_out
 from ..rest import dynamic_chain, resting_forces, resting_line, resting_points
 from ..step import breaking, power_balance, transaction
 from ..step.outputs import complete
@@ -198,14 +199,14 @@ def start_line(system, k):
     n, parameters, state = segments_of(system, k), parameters_of(system, k), state_of(system, k)
     inputs, work = inputs_of(system, k), room_of(system, k)
     status = resting_line.start_state(system, k)
-    if status == OK and is_sought(parameters) and not is_portion(system, k):
+    if status == OK and is_sought(parameters) and not is_shared_out(system, k):
         status = find_length(n, parameters, inputs, state, work)
     if status == OK:
         status = settle(n, parameters, inputs, state, work)
     if status == OK and is_portion(system, k):
         rope_shares.take_tensions_at_rest(system, k)
-    if status == OK and number_of_line(system, k, places.DRUM) != 0 and is_turned(system, k):
-        state[at.DRUM_SPEED] = state[at.REELING]
+    if status == OK and carries_drum(system, k):
+        state[at.DRUM_SPEED] = inputs[at.REEL_OUT_SPEED]
     return transaction.commit_start(n, parameters, inputs, status, state)
 
 
@@ -213,8 +214,10 @@ def start_line(system, k):
 def check_sought(system):
     """OK, or KITE_AND_WINCH_SOUGHT about the line whose length is sought as well as a point at it."""
     for k in range(lines_of(system)):
-        if resting_line.is_any_sought(system, k) and is_sought(parameters_of(system, first_of(system, k))):
-            system.plan[places.STATUS_LINE] = first_of(system, k)
+        first = first_of(system, k)
+        is_own = not has_coordinates(system) or is_alone(system, first)
+        if resting_line.is_any_sought(system, k) and is_own and is_sought(parameters_of(system, first)):
+            system.plan[places.STATUS_LINE] = first
             return KITE_AND_WINCH_SOUGHT
     return OK
 
@@ -255,7 +258,7 @@ def initialize(system):
         status = check_sought(system)
     if status == OK and has_coordinates(system):
         status = check_ropes(system)
-    if status == OK and has_sheaves(system):
+    if status == OK and has_coordinates(system):
         status = rope_shares.find_shares(system)
     elif status == OK:
         status = resting_points.find(system, False)

@@ -149,16 +149,37 @@ static void warn_of_units(Instance *instance)
     }
 }
 
-/* Say what has been implausible since the start in a line, each once. */
+/* Whether line k goes on over a sheave as the next one. */
+static bool goes_on(const Instance *instance, int k)
+{
+    return instance->arrays->plan[PLAN_HEADER + PLAN_LINE_NUMBERS * k + PLAN_THROUGH] != 0;
+}
+
+/* Whether something has not been said of a line that may run over sheaves, and this portion of it is the worst. */
+static bool is_to_be_said(const Instance *instance, int line, int kind)
+{
+    const double *state = state_of(instance->arrays, line);
+    int k = line;
+    if (!((uint64_t)state[AT_WARNINGS] >> kind & 1)) return false;
+    while (k > 0 && goes_on(instance, k - 1)) k--;
+    for (bool is_last = false; !is_last; k++) {
+        const double *other = state_of(instance->arrays, k);
+        double more = other[AT_WARNED_VALUES + kind] - state[AT_WARNED_VALUES + kind];
+        if (instance->warned[k] >> kind & 1) return false;
+        if ((uint64_t)other[AT_WARNINGS] >> kind & 1 && (more > 0.0 || (more == 0.0 && k < line))) return false;
+        is_last = !goes_on(instance, k);
+    }
+    return true;
+}
+
+/* Say what has been implausible since the start in a portion, each once of a line. */
 static void warn_of_line(Instance *instance, int line)
 {
     const double *state = state_of(instance->arrays, line);
-    uint64_t noted = (uint64_t)state[AT_WARNINGS], new = noted & ~instance->warned[line];
     char text[LONGEST_TEXT];
-    instance->warned[line] |= noted;
     for (int kind = 0; kind < AT_WARNING_KINDS; kind++) {
         double value = state[AT_WARNED_VALUES + kind];
-        if (!(new >> kind & 1)) continue;
+        if (!is_to_be_said(instance, line, kind)) continue;
         fill_in(text, sizeof text, WARNING_SENTENCE[kind],
             FACTS(real("value", value), real("percent", 100.0 * value), real("strain", 100.0 * (value - 1.0)),
                 real("segment", state[AT_TORN_SEGMENT]), real("time", state[AT_TORN_AT])));
@@ -170,6 +191,7 @@ static void warn_of_line(Instance *instance, int line)
 static void warn(Instance *instance)
 {
     for (int k = 0; k < LINES; k++) warn_of_line(instance, k);
+    for (int k = 0; k < LINES; k++) instance->warned[k] |= (uint64_t)state_of(instance->arrays, k)[AT_WARNINGS];
 }
 
 /* Go on with other arrays and their values. */

@@ -1,0 +1,87 @@
+"""Lengths of ropes with which `rope_shares.py` begins to search: as they are given, or by the distances of their points."""
+
+from tetherfmu.runtime import layout as at
+
+from ..compilation import kernel
+from ..equations import winch
+from ..equations.lines import inputs_of, lines_of, parameters_of, segments_of, state_of
+from ..equations.properties import property_in
+from ..equations.ropes import comes_from, goes_on, is_portion
+from ..linear_algebra.vectors import norm, sub
+from ..points import sheave_room as at_sheave
+from ..points.coordinates import has_sought_drum, is_alone, is_shared_out
+from ..points.sheave_room import numbers_at, shortest_of
+from ..rest.resting_line import given_position, is_sought
+
+
+@kernel
+def straight_length(system, k, spans):
+    """Unstretched length [m] with which a straight rope, so long [m], pulls with the force of its winch."""
+    stiffness = property_in(parameters_of(system, k), segments_of(system, k), 0, at.STIFFNESS)
+    return spans / (1.0 + max(inputs_of(system, k)[at.WINCH_FORCE], 0.0) / stiffness)
+
+
+@kernel
+def span_of(system, k):
+    """Distance of the ends of portion k where both are given [m], else 0."""
+    if is_sought(system, k, 0) or is_sought(system, k, 1):
+        return 0.0
+    return norm(sub(given_position(system, k, 1), given_position(system, k, 0)))
+
+
+@kernel
+def share_ropes(system, is_straight):
+    """Lengths of all portions as they are given, or by the distances of their points (modified); how many are sought.
+
+    is_straight : whether ropes whose drums are sought have their `straight_length`.
+    """
+    sought = 0
+    for k in range(lines_of(system)):
+        sought += has_sought_drum(system, k)
+        if is_shared_out(system, k) and not comes_from(system, k):
+            for i in range(at.STATE_HEADER):
+                state_of(system, k)[i] = 0.0  # for the length of the whole rope
+            whole = winch.first_length(parameters_of(system, k), inputs_of(system, k), state_of(system, k))
+            last, given, spans, unknown = k, 0.0, 0.0, 0
+            while goes_on(system, last):
+                last += 1
+            for j in range(k, last + 1):
+                given += parameters_of(system, j)[at.GIVEN_PORTION]
+                spans += span_of(system, j)
+                unknown += parameters_of(system, j)[at.GIVEN_PORTION] == 0.0
+                sought += parameters_of(system, j)[at.GIVEN_PORTION] == 0.0
+            if is_straight and has_sought_drum(system, k) and is_alone(system, k):
+                whole = straight_length(system, k, spans)
+            spread = 1.0 / (last + 1 - k)
+            for j in range(k, last + 1):
+                length = parameters_of(system, j)[at.GIVEN_PORTION] * whole / given if unknown == 0 else 0.0
+                if unknown > 0:
+                    span = span_of(system, j)
+                    length = whole * (span / spans if spans > 0.0 and span > 0.0 else spread)
+                numbers_at(system, j)[at_sheave.LENGTH_NOW] = length
+            if unknown > 0:
+                even_out(system, k, last, whole)
+    return sought
+
+
+@kernel
+def even_out(system, k, last, whole):
+    """Let the portions from k to the last have the whole length [m] together (modified)."""
+    total = 0.0
+    for j in range(k, last + 1):
+        total += numbers_at(system, j)[at_sheave.LENGTH_NOW]
+    for j in range(k, last + 1):
+        numbers_at(system, j)[at_sheave.LENGTH_NOW] *= whole / total
+
+
+@kernel
+def fits(system):
+    """Whether each rope is as long as its portions are together at least."""
+    room = 0.0
+    for k in range(lines_of(system)):
+        if is_portion(system, k):
+            spare = numbers_at(system, k)[at_sheave.LENGTH_NOW] - shortest_of(system, k)
+            room = room + spare if comes_from(system, k) else spare
+            if room < 0.0 and not goes_on(system, k):
+                return False
+    return True

@@ -1,0 +1,68 @@
+"""Drums that are to be in balance at the start, over sheaves or with several lines: what `rope_shares.py` knows of them.
+
+A drum is as far from balance as sum of r T - W - c u - F sign(u), over the lines that it holds with ratios r. Rope and
+forces are those at the line with its largest ratio.
+"""
+
+from tetherfmu.runtime import layout as at
+from tetherfmu.runtime import plan_layout as places
+from tetherfmu.runtime.status import NO_BALANCE_OF_DRUMS
+
+from ..compilation import kernel
+from ..equations.drum import HELD, INWARDS, OUTWARDS, balance, drum_of
+from ..equations.lines import inputs_of, lines_of, parameters_of, state_of
+from ..points.coordinates import has_sought_drum, is_alone, largest_ratio
+from ..points.sheave_room import ratio_of
+
+WAITING = 0.0  # a `winch_start` of drums that are sought later
+
+
+@kernel
+def part_of_drum(system, k, carrier):
+    """Rope of line k for each metre of that with the largest ratio of a drum [-]."""
+    return ratio_of(system, k, carrier) / largest_ratio(system, carrier)
+
+
+@kernel
+def imbalance_of_drum(system, k):
+    """How far the drum that line k carries is from balance [N], at rest or with its first speed."""
+    inputs = inputs_of(system, k)
+    speed, drum = inputs[at.REEL_OUT_SPEED], drum_of(parameters_of(system, k), inputs[at.WINCH_FORCE], 0.0)
+    direction = HELD if speed == 0.0 else (OUTWARDS if speed > 0.0 else INWARDS)
+    pull = 0.0
+    for j in range(lines_of(system)):
+        pull += ratio_of(system, j, k) * state_of(system, j)[at.TENSION_FROM]
+    return balance(drum, direction, pull, speed, 0.0) / largest_ratio(system, k)
+
+
+@kernel
+def put_start(system, now, then):
+    """Let drums whose `winch_start` is `now` have another one (in the parameters, modified)."""
+    for k in range(lines_of(system)):
+        if parameters_of(system, k)[at.WINCH_START] == now:
+            parameters_of(system, k)[at.WINCH_START] = then
+
+
+@kernel
+def has_several(system, k):
+    """Whether line k carries such a drum that is no winch of its own."""
+    return has_sought_drum(system, k) and not is_alone(system, k)
+
+
+@kernel
+def holds_several(system):
+    """Whether any line does."""
+    count = 0
+    for k in range(lines_of(system)):
+        count += has_several(system, k)
+    return count > 0
+
+
+@kernel
+def about_drums(system):
+    """NO_BALANCE_OF_DRUMS about the line that carries the least balanced one of these drums."""
+    worst = -1.0
+    for k in range(lines_of(system)):
+        if has_several(system, k) and not abs(imbalance_of_drum(system, k)) <= worst:
+            worst, system.plan[places.STATUS_LINE] = abs(imbalance_of_drum(system, k)), k
+    return NO_BALANCE_OF_DRUMS | at.WINCH_FORCE << 8
