@@ -55,6 +55,7 @@ def begin_ropes(system):
             begin_coordinate(numbers, state[at.SHEAVE_SPEED] if goes_on(system, k) else 0.0, state[at.SHEAVE_ACCELERATION])
         if carries_drum(system, k):
             state = state_of(system, k)
+            numbers_at(system, k)[at_sheave.LENGTH_NOW] = conditions_of(system, k).reeling[0]  # also of a line that broke
             begin_coordinate(drum_numbers_at(system, k), state[at.DRUM_SPEED], state[at.DRUM_ACCELERATION])
 
 
