@@ -111,10 +111,9 @@ def expect(onward, known, w):
     onward : time to there over that between the two [-].  known : of how many of the last two stages the accelerations are.
     """
     now = w.chain.acceleration
-    part_of_change = onward if known > 1 else 0.0
     for k in range(len(now)):
         latest = now[k]
-        now[k] = latest + part_of_change * (latest - w.before[k])
+        now[k] = latest + (onward * (latest - w.before[k]) if known > 1 else 0.0)
         w.before[k] = latest
 
 
