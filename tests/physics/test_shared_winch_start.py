@@ -123,6 +123,23 @@ def test_a_mass_on_lines_of_two_winches(through):
     assert start.points["mass"].velocity == pytest.approx((0.0, 0.0, 0.0))
 
 
+@pytest.mark.parametrize("given", [11.0, 40.0, 400.0])
+def test_wherever_the_search_begins(given):
+    """Also with lines that hang far down: the lengths are those with which given lines pull so much."""
+
+    def system(length, **more):
+        points = [Point("top", (0.0, 0.0, 0.0)), Point("a", (-6.0, 0.0, 9.0)), Point("b", (5.0, 1.0, -9.0))]
+        lines = [Line(f"to_{name}", "top", name, rope(length, **SOFT)) for name in "ab"]
+        winch = SharedWinch("drum", {"to_a": 1.0, "to_b": 1.0}, "force", winch_force=300.0, winch_mass=10.0, **more)
+        return TetherSystem(points, lines, winches=[winch])
+
+    def excess(length):
+        return sum(each.ground_tension for each in system(length).initialize().lines.values()) - 300.0
+
+    start = assert_in_balance(system(given, winch_start="equilibrium"), 0.1)
+    assert start.winches["drum"].payout + given == pytest.approx(brentq(excess, 10.4, 11.0, xtol=1e-12), abs=1e-9)
+
+
 MOVING = {"winch_mass": 12.0, "winch_damping": 40.0, "winch_friction": 30.0}
 
 
@@ -188,6 +205,9 @@ def test_what_has_no_balance_is_refused_in_words():
     said = r"the line to_a: no lengths of the lines that its winch holds .* drum\.winch_force, {} N, with winch_start 2 .*"
     with pytest.raises(StepRefused, match=said.format(0.9 * least)):
         TetherSystem(points, lines, winches=[drum("drum", held, 0.9 * least)]).initialize()
+    system = TetherSystem(points, lines, winches=[drum("drum", held, 300.0)])
+    with pytest.raises(StepRefused, match=r"the line to_a: the input drum\.winch_force is nan; it must be a finite number"):
+        system.initialize(winch_forces={"drum": np.nan})
     hanging = [points[0], Point("top_b", (1.0, 0.0, 0.0)), Point("load", mass=50.0)]
     lines = [Line("to_a", "top", "load", rope(10.0, **SOFT)), Line("to_b", "top_b", "load", rope(10.0, **SOFT))]
     system = TetherSystem(hanging, lines, winches=[drum("drum", {"to_a": 1.0, "to_b": 1.0}, 300.0)])

@@ -1,5 +1,7 @@
 """Lengths of ropes with which `rope_shares.py` begins to search: as they are given, or by the distances of their points."""
 
+from math import inf
+
 from tetherfmu.runtime import layout as at
 
 from ..compilation import kernel
@@ -11,7 +13,8 @@ from ..linear_algebra.vectors import norm, sub
 from ..points import sheave_room as at_sheave
 from ..points.coordinates import has_sought_drum, is_alone, is_shared_out
 from ..points.sheave_room import numbers_at, shortest_of
-from ..rest.resting_line import given_position, is_sought
+from ..rest.resting_line import given_position, is_any_sought, is_sought
+from .sought_drums import has_several, part_of_drum
 
 
 @kernel
@@ -33,7 +36,7 @@ def span_of(system, k):
 def share_ropes(system, is_straight):
     """Lengths of all portions as they are given, or by the distances of their points (modified); how many are sought.
 
-    is_straight : whether ropes whose drums are sought have their `straight_length`.
+    is_straight : whether ropes whose drums are sought have their `straight_length`, those of several lines `draw_taut`.
     """
     sought = 0
     for k in range(lines_of(system)):
@@ -61,7 +64,38 @@ def share_ropes(system, is_straight):
                 numbers_at(system, j)[at_sheave.LENGTH_NOW] = length
             if unknown > 0:
                 even_out(system, k, last, whole)
+    if is_straight:
+        draw_taut(system)
     return sought
+
+
+@kernel
+def draw_taut(system):
+    """Let drums of several lines have paid out so much that all lines which they pay out are straight or taut (modified)."""
+    for c in range(lines_of(system)):
+        if has_several(system, c):
+            least = inf
+            for k in range(lines_of(system)):
+                ratio, (_, length, spans) = part_of_drum(system, k, c), rope_at(system, k)
+                if ratio > 0.0 and spans > 0.0:
+                    least = min(least, (spans - length) / ratio)
+            for k in range(lines_of(system)):
+                ratio, (last, length, _) = part_of_drum(system, k, c), rope_at(system, k)
+                if ratio != 0.0 and least < inf:
+                    even_out(system, k, last, length + ratio * least)
+
+
+@kernel
+def rope_at(system, k):
+    """Last portion of the rope that begins as line k, its length and the distance of its points [m]; 0 if any is sought."""
+    length, spans, unknown = 0.0, 0.0, 0
+    for j in range(k, lines_of(system)):
+        length += numbers_at(system, j)[at_sheave.LENGTH_NOW]
+        spans += span_of(system, j)
+        unknown += is_any_sought(system, j)
+        if not goes_on(system, j):
+            return j, length, 0.0 if unknown > 0 else spans
+    return k, length, spans
 
 
 @kernel

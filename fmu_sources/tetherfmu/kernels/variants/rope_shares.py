@@ -11,7 +11,7 @@ from math import inf
 
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import plan_layout as places
-from tetherfmu.runtime.status import NO_SHARES, OK, REELED_TOO_SHORT, WINCH_TOO_SHORT
+from tetherfmu.runtime.status import INPUT_NOT_FINITE, NO_SHARES, OK, REELED_TOO_SHORT, WINCH_TOO_SHORT
 
 from ..arrays import clear
 from ..compilation import kernel
@@ -329,7 +329,7 @@ def find_shares(system):
     if sought == 0:
         return resting_points.find(system, False)
     status = search_for_shares(system, sheaves, drums)
-    if status != OK and holds_several(system):
+    if status != OK and status & 0xFF != INPUT_NOT_FINITE and holds_several(system):
         share_ropes(system, False)  # of lines that are no portions
         status = search_from_given(system, sheaves, drums)
     is_short = status in (REELED_TOO_SHORT, WINCH_TOO_SHORT)
