@@ -93,8 +93,8 @@ SENTENCES = {
         "% of what the tether has; set fixed_step_method to 1 (second_order), or use a shorter fixed_step"
     ),
     FIXED_STEP_UNCONVERGED: (
-        "a fixed step of {value:.3g} s was ended at its bound on factorizations before it converged; its result is bounded, "
-        "but may be inaccurate; check the inputs for jumps, or use a shorter fixed_step"
+        "a fixed step of {value:.3g} s was ended at its bound on factorizations before it converged; its work is bounded, "
+        "but its result may be inaccurate; check the inputs for jumps, or use a shorter fixed_step"
     ),
     UNRESOLVED: (
         "the relative_tolerance asks for more internal steps than a communication step may have; it was done with fixed "
