@@ -178,6 +178,14 @@ class Host:
             action()
         assert words in self.messages[-1], self.messages
 
+    def refuses_to_start(self, words, **values):
+        """Set values with which the initialization must be refused in words."""
+        self.enter_initialization(None)
+        self.set(**values)
+        with pytest.raises(Exception, match=r"[Ff]ailed|status|rror"):
+            self.fmu.exitInitializationMode()
+        assert words in " ".join(self.messages)
+
     def free(self):
         """Free the instance; the library stays loaded."""
         getattr(self.fmu, f"fmi{self.version}FreeInstance")(self.fmu.component)

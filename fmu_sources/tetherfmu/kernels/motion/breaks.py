@@ -139,9 +139,11 @@ def break_lines(system, time):
 @kernel
 def begin_breaks(system):
     """Break lines (modified) that bear too much as a communication step begins; whether any may break in it."""
-    if has_coordinates(system) and can_any_break(system):
+    if not can_any_break(system):
+        return False
+    if has_coordinates(system):
         begin_directions(system)
-    return can_any_break(system) and not (break_lines(system, 0.0) and not can_any_break(system))
+    return not break_lines(system, 0.0) or can_any_break(system)
 
 
 @kernel
@@ -175,11 +177,8 @@ def mend_winch(system, k, step, first):
     reeling = kept[0], kept[1], kept[2], kept[3], kept[4]
     put_reeling(system, k, reeling)
     if follows_force(parameters_of(system, k)):
-        state[at.LENGTH], state[at.REELING], state[at.ACCELERATION] = (
-            first[at.LENGTH],
-            first[at.REELING],
-            first[at.ACCELERATION],
-        )
+        for place in (at.LENGTH, at.REELING, at.ACCELERATION):
+            state[place] = first[place]
     else:
         reel(reeling, step, state)
 

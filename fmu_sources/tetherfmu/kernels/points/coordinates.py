@@ -18,7 +18,7 @@ from ..compilation import kernel, view
 from ..equations import winch
 from ..equations.lines import inputs_of, lines_of, number_of_line, parameters_of, state_of
 from ..equations.rope_at_sheave import IN, OUT
-from ..equations.ropes import goes_on, has_coordinates, is_portion, is_turned
+from ..equations.ropes import goes_on, has_coordinates, is_portion
 from ..equations.torn import is_torn
 from ..flat_arrays import part
 from ..line.rodas4p import STAGES
@@ -62,11 +62,11 @@ def sheave_numbers_at(system, k):
 @kernel
 def is_braked(system, c):
     """Whether a coordinate is a drum whose lines all broke: it turns no more."""
-    whole = 1
-    if is_drum(system, c):
-        whole = 0
-        for k in range(lines_of(system)):
-            whole += state_of(system, k)[at.TORN_SEGMENT] == 0.0 and held_ratio(system, k, line_of(system, c)) != 0.0
+    if not is_drum(system, c):
+        return False
+    whole = 0
+    for k in range(lines_of(system)):
+        whole += state_of(system, k)[at.TORN_SEGMENT] == 0.0 and held_ratio(system, k, line_of(system, c)) != 0.0
     return whole == 0
 
 
@@ -210,12 +210,8 @@ def has_sought_drum(system, k):
 def is_sought_by_drums(system, k):
     """Whether such a drum holds line k."""
     count = 0
-    if is_turned(system, k):
-        parameters = parameters_of(system, k)
-        for i in range(at.MOST_HOLDERS):
-            holder = int(parameters[at.HELD_BY + i])
-            if holder > 0:
-                count += has_sought_drum(system, holder - 1)
+    for carrier in range(lines_of(system)):
+        count += ratio_of(system, k, carrier) != 0.0 and has_sought_drum(system, carrier)
     return count > 0
 
 

@@ -13,6 +13,7 @@ from ..equations.drum import HELD, INWARDS, OUTWARDS, balance, drum_of
 from ..equations.lines import inputs_of, lines_of, parameters_of, state_of
 from ..points.coordinates import has_sought_drum, is_alone, largest_ratio
 from ..points.sheave_room import ratio_of
+from ..points.system_room import any_line
 
 WAITING = 0.0  # a `winch_start` of drums that are sought later
 
@@ -49,13 +50,7 @@ def has_several(system, k):
     return has_sought_drum(system, k) and not is_alone(system, k)
 
 
-@kernel
-def holds_several(system):
-    """Whether any line does."""
-    count = 0
-    for k in range(lines_of(system)):
-        count += has_several(system, k)
-    return count > 0
+holds_several = any_line(has_several)
 
 
 @kernel
