@@ -4,7 +4,7 @@ import numpy as np
 
 from kernels.packed import packed
 from tetherfmu.kernels.arrays import nodes_end
-from tetherfmu.kernels.equations import end_motion
+from tetherfmu.kernels.equations import end_motion, winch
 from tetherfmu.kernels.equations.boundary import BoundaryConditions, chain_during
 from tetherfmu.kernels.equations.lines import OneLine, System, store_conditions
 from tetherfmu.kernels.line import backward_euler, rosenbrock
@@ -57,7 +57,7 @@ class ChainProblem:
             end_motion.curve(tuple(nodes[n]), (6.0, 4.0, -3.0), tuple(nodes[n]), (6.0, 5.0, -3.0), (1.0, 0.0, 2.0), 0.4),
             1,
             n if kite_is_free else n - 1,
-            (self.length, reeling, 0.5 * acceleration, 0.0, 0.0),
+            winch.steadily(self.length, reeling, acceleration),
             0.0,
             0.0,
             self.wind,

@@ -45,7 +45,7 @@ def test_layout_of_the_bytes():
     """Magic, length and checksum (16 bytes), facts (40 bytes), then doubles: it never changes under this magic."""
     blob = to_bytes(saved())
     assert len(blob) == 56 + 8 * (len(VALUES) + len(STATE))
-    assert struct.unpack_from("<8sI", blob) == (b"tether17", len(blob) - 16)
+    assert struct.unpack_from("<8sI", blob) == (b"tether18", len(blob) - 16)
     assert struct.unpack_from("<16sIIdd", blob, 16) == (b"quasi_steady".ljust(16, b"\0"), STEPPING, SEGMENTS, 1e-5, 0.3)
     assert (HEADER.size, FACTS.size) == (16, 40)
 

@@ -90,6 +90,7 @@ PORTION_LENGTH, PORTION_TENSION_FROM, PORTION_TENSION_TO, SHEAVE_PAYOUT, SHEAVE_
 # with wind points the winds there at the end of the last step [m/s], then their derivatives that are given for the next
 # step [m/s2]
 WARNING_KINDS = 37
+MOST_PAST, PAST_SIZE = 12, 7  # past positions that a state keeps, and numbers of each
 LENGTH = 0  # unstretched [m]
 REELING = 1  # rate of the unstretched length at the end of the last step [m/s]
 WIND = 2  # wind of the last step [m/s]
@@ -97,10 +98,10 @@ SOLVER_STEP = 5  # internal step that the solver would try next [s], 0 before th
 SOLVER_ERROR = 6  # error estimate of the last accepted step, for the PI rule; `step_control.UNRESOLVED` if there was none
 LAST_STEP = 7  # last communication step [s], 0 before the first
 # the inputs whose rates are estimated, as they were at the start of the last communication step: velocities of the kite end
-# and of the ground end, of a free one see `places_of_load`; load; reel-out speed, rate of `winch_length`, winch force
+# and of the ground end, of a free one see `places_of_load`; load; reel-out speed, winch force, nothing
 LAST_RATED = 8
 LAST_KITE_VELOCITY, LAST_GROUND_VELOCITY = LAST_RATED, LAST_RATED + 3
-LAST_REEL_OUT_SPEED, LAST_WINCH_FORCE = LAST_RATED + 9, LAST_RATED + 11
+LAST_REEL_OUT_SPEED, LAST_WINCH_FORCE = LAST_RATED + 9, LAST_RATED + 10
 # their rates over about a quarter of the longest step, which stand in for the last one after a much shorter step
 RECENT_RATES = LAST_RATED + 12
 STEPS = RECENT_RATES + 12  # internal steps accepted since the start
@@ -110,17 +111,17 @@ GROUND_TENSION_VECTOR = 35  # [N] of the catenary; of a chain in equilibrium who
 KITE_TENSION_VECTOR = 38  # the same at the kite of a chain; force on the kite of a catenary
 MISSING_TENSION = 41  # [N] of the same chain: what the largest tension by its positions lacks
 LYING_LENGTH = MISSING_TENSION  # of the catenary: unstretched length on the ground [m]
-STEP_BEFORE = 42  # communication step before the last one [s], 0 before the second
-LAST_KITE_POSITION = 43  # input at the start of the last communication step
-LAST_GROUND_POSITION = 46
-KITE_RESIDUE = 49  # way [m] of the kite that its velocities do not explain, and two numbers more, see `plausibility.py`
-GROUND_RESIDUE = 54
-WARNINGS = 59  # sum of 2**k, k of all that was implausible since the start, see `runtime/plausibility.py`
-WARNED_VALUES = 60  # for each k the value that was, 0 without
+LAST_KITE_POSITION = 42  # input at the start of the last communication step
+LAST_GROUND_POSITION = 45
+KITE_RESIDUE = 48  # way [m] of the kite that its velocities do not explain, and two numbers more, see `plausibility.py`
+GROUND_RESIDUE = 53
+WARNINGS = 58  # sum of 2**k, k of all that was implausible since the start, see `runtime/plausibility.py`
+WARNED_VALUES = 59  # for each k the value that was, 0 without
 LAST_WINCH_LENGTH = WARNED_VALUES + WARNING_KINDS  # input at the start of the last communication step [m]
 LONGEST_SO_FAR = LAST_WINCH_LENGTH + 1  # longest communication step since the start [s]
-CORRECTION_LEFT = LONGEST_SO_FAR + 1  # time in which the ends and the length still come to theirs [s], see `end_motion.py`
-FALLBACKS = CORRECTION_LEFT + 1  # fixed steps of lower order than asked for since the start
+# times in which the ground end, the kite end and the length still come to their given motion [s], see `end_motion.py`
+CORRECTIONS_LEFT = LONGEST_SO_FAR + 1
+FALLBACKS = CORRECTIONS_LEFT + 3  # fixed steps of lower order than asked for since the start
 RECENT_FALLBACKS = FALLBACKS + 1  # part of about the last 1000 fixed steps that they are [-]
 PEAK_SO_FAR = FALLBACKS + 2  # largest tension [N] after the internal steps but the last of the last communication step
 ACCELERATION = FALLBACKS + 3  # rate of REELING at the end of the last step [m/s2]
@@ -144,7 +145,11 @@ END_ACCELERATION = PAYOUT + 8
 DRUM_PAYOUT = PAYOUT + 11
 DRUM_SPEED = PAYOUT + 12  # rate of it [m/s]
 DRUM_ACCELERATION = PAYOUT + 13  # rate of that [m/s2]
-STATE_HEADER = PAYOUT + 14
+# past values of what is known by positions only, the latest first, see `kernels/equations/past.py`: times from each to the
+# one behind it [s], then of each the kite position, the ground position and the length that a winch should have paid out [m]
+PAST_TIMES = PAYOUT + 14
+PAST_VALUES = PAST_TIMES + MOST_PAST
+STATE_HEADER = PAST_VALUES + PAST_SIZE * MOST_PAST
 
 NO_TENSION = -1e300  # [N]: the PEAK_SO_FAR of no internal step
 NEVER, AT_ROWS, ALWAYS = 0, 1, 2  # when `fly` computes outputs

@@ -15,7 +15,7 @@ from . import refusals
 from .parameters import DEFAULT_TOLERANCE
 from .plausibility import bits
 
-MAGIC = b"tether17"  # with the version
+MAGIC = b"tether18"  # with the version
 HEADER = struct.Struct("<8sII")  # magic, length and checksum of what follows
 FACTS = struct.Struct("<16sIIdd")  # the first five of `SavedState`
 BEFORE, INITIALIZING, STEPPING, TERMINATED = range(4)  # phases of an instance; from STEPPING on it has a state array
@@ -26,9 +26,9 @@ STATE_RANGES = {  # smallest and largest number at a place of the state array; a
     at.SOLVER_STEP: NOT_NEGATIVE,
     at.SOLVER_ERROR: NOT_NEGATIVE,
     at.LAST_STEP: A_STEP,
-    at.STEP_BEFORE: A_STEP,
     at.LONGEST_SO_FAR: A_STEP,
-    at.CORRECTION_LEFT: A_STEP,
+    **{at.CORRECTIONS_LEFT + k: A_STEP for k in range(3)},
+    **{at.PAST_TIMES + k: NOT_NEGATIVE for k in range(at.MOST_PAST)},
     at.STEPS: NOT_NEGATIVE,
     at.REJECTIONS: NOT_NEGATIVE,
     at.ITERATIONS: NOT_NEGATIVE,

@@ -2,8 +2,8 @@
 
     u = (p - p_last)/h_last,   a = (u - u_last)/((h_last + h_before)/2),   v = u + a h_last/2
 
-exact for constant acceleration, with any steps. The first step knows no velocity (the ends rest), the second no
-acceleration, the third not whether the motion is smooth.
+exact for constant acceleration, with any steps. In the first step the ends rest; the second does not know whether a
+difference is a velocity or a jump, the third knows no acceleration, the fourth not whether the motion is smooth.
 """
 
 from itertools import pairwise
@@ -20,7 +20,8 @@ every_model = pytest.mark.parametrize("model", EVERY, ids=lambda model: model.va
 every_end = pytest.mark.parametrize("end", ["kite", "ground"])
 STARTS = {"kite": np.array([30.0, 0.0, 40.0]), "ground": np.array([-30.0, 0.0, -40.0])}
 LIES = np.array([7.0, -80.0, 3.0])  # velocities that nobody reads [m/s]
-UNEVEN = np.cumsum([0.0, 0.02, 0.05, 0.03, 0.02, 0.04, 0.01, 0.02])
+EVEN = 0.02 * np.arange(11)
+UNEVEN = np.cumsum([0.0, 0.02, 0.05, 0.03, 0.02, 0.04, 0.01, 0.02, 0.05, 0.02, 0.03])
 
 
 def derived(model, end, path, times):
@@ -37,27 +38,34 @@ def derived(model, end, path, times):
 
 @every_model
 @every_end
-def test_constant_velocity_is_given_after_the_first_step(model, end):
+@pytest.mark.parametrize(("times", "exact"), [(EVEN, 2), (UNEVEN, 4)], ids=["even", "uneven"])
+def test_constant_velocity_is_exact_once_two_rates_are_known(model, end, times, exact):
+    """In the first step the end rests; a single difference may be a jump, so the second step only comes to its position.
+
+    Steps of 20, 50, 30 and 20 ms: the fourth still corrects over 30 ms what the third could not know.
+    """
     speed = np.array([3.0, -1.0, 2.0])
-    rows = derived(model, end, lambda time: STARTS[end] + speed * time, UNEVEN)
-    np.testing.assert_array_equal(rows[0], [STARTS[end], np.zeros(3)])  # at rest
-    expected = STARTS[end] + np.outer(UNEVEN[1:], speed)
+    rows = derived(model, end, lambda time: STARTS[end] + speed * time, times)
+    np.testing.assert_array_equal(rows[0], [STARTS[end], np.zeros(3)])
+    np.testing.assert_allclose(rows[1, 0], STARTS[end] + times[1] * speed, rtol=0, atol=1e-12)
+    expected = STARTS[end] + np.outer(times[1:], speed)
     # rounding of positions, 1e-14 m, over two steps of at least 10 ms
-    np.testing.assert_allclose(rows[1:, 0], expected[1:], rtol=0, atol=1e-12)
-    np.testing.assert_allclose(rows[1:, 1], np.tile(speed, (len(rows) - 1, 1)), rtol=0, atol=1e-11)
+    np.testing.assert_allclose(rows[exact:, 0], expected[exact:], rtol=0, atol=1e-12)
+    np.testing.assert_allclose(rows[exact:, 1], np.tile(speed, (len(rows) - exact, 1)), rtol=0, atol=1e-11)
 
 
 @every_model
 @every_end
-def test_constant_acceleration_is_exact_from_the_fourth_step_on(model, end):
-    """With steps of 10 to 50 ms; the next one is at most four times (h_last + h_before)/2.
+@pytest.mark.parametrize(("times", "exact"), [(EVEN, 3), (UNEVEN, 5)], ids=["even", "uneven"])
+def test_constant_acceleration_is_exact_once_three_rates_are_known(model, end, times, exact):
+    """With steps of 10 to 50 ms; each rate belongs to at least three quarters of the time over which it is used.
 
     The curve of the end of a dynamic tether still corrects the jolt of the start: until a step is no shorter than the last.
     """
     speed, acceleration = np.array([[3.0, -1.0, 2.0], [-4.0, 5.0, 1.0]])
-    rows = derived(model, end, lambda time: STARTS[end] + speed * time + 0.5 * acceleration * time**2, UNEVEN)
-    then = UNEVEN[1:, None]
-    exact = slice(4 if model is TetherDynamic else 3, None)
+    rows = derived(model, end, lambda time: STARTS[end] + speed * time + 0.5 * acceleration * time**2, times)
+    then = times[1:, None]
+    exact = slice(exact + 2 * (times is UNEVEN and model is TetherDynamic), None)
     expected = STARTS[end] + speed * then + 0.5 * acceleration * then**2
     np.testing.assert_allclose(rows[exact, 0], expected[exact], rtol=0, atol=1e-11)
     np.testing.assert_allclose(rows[exact, 1], (speed + acceleration * then)[exact], rtol=0, atol=1e-9)

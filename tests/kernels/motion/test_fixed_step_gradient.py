@@ -30,7 +30,7 @@ def attempt_of(reel_out_speed, law, slack):
     x, v = nodes.ravel(), random.normal(0.0, 2.0, 3 * (N + 1))
     v[:3] = 0.0
     state[at.STATE_HEADER : at.STATE_HEADER + 3 * (N + 1)] = x
-    given = inputs_of_step(parameters, inputs, STEP, state)
+    given = inputs_of_step(N, parameters, inputs, STEP, state)
     conditions = conditions_of_chain(N, parameters, parameters[at.INITIAL_SHAPE], given, state, x, v)
     w = backward_euler.workspace(N, work)
     attempt = incremental_potential.Attempt(conditions, chain_during(conditions, STEP), STEP, v)

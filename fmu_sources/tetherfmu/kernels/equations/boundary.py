@@ -3,7 +3,7 @@
 The inputs are interpreted once per step, for all variants (`inputs_of_step`):
 
     ends      position p, velocity v and acceleration a that are prescribed, see `end_motion.py`. With `end_velocities =
-              given` v is an input; with `derived` it is a difference of positions, and the input is not read
+              given` v is an input; with `derived` it follows from positions (`past.py`), and the input is not read
     reeling   a polynomial L + c1 t + c2 t^2 + c3 t^3 of the time within the step, see `winch.py`
     load      on a free kite end: continues like the reel-out speed; so does the force of the winch
     wind      held
@@ -23,27 +23,34 @@ from tetherfmu.runtime import layout as at
 from ..arrays import positions_and_velocities
 from ..compilation import kernel, view
 from ..linear_algebra.vectors import ZERO_VECTOR, add_scaled, get, norm, put, scale, sub, vector_at
-from . import segment
+from . import past, segment
 from .continuation import followed, given_derivatives, is_continued
-from .end_motion import centripetal_accelerations, curve, estimated_rates, position_at, target, velocity_at
+from .end_motion import (
+    centripetal_accelerations,
+    curve,
+    estimated_rates,
+    position_at,
+    target,
+    time_of_correction,
+    velocity_at,
+)
 from .properties import chain_in_motion, chain_of, portion_in_motion
-from .winch import force_rate, gain_at, length_at, rate_at, reeling_of_step, winch_speed, with_jump
+from .winch import follows_length, force_rate, gain_at, length_at, rate_at, reeling_of_step, with_jump
 
 StepInputs = namedtuple(
     "StepInputs",
-    "step correction ground kite reeling force force_rate wind wind_rate load load_rate rated recent",
+    "step corrections ground kite reeling force force_rate wind wind_rate load load_rate rated recent",
 )
 StepInputs.__doc__ = """What the inputs of a communication step mean.
 
-step, correction : its length h and the time H in which the ends come to their given motion [s].
+step, corrections : its length h and the times H in which ground end, kite end and length come to their given motion [s].
 ground, kite : position [m], velocity [m/s] and acceleration [m/s2] prescribed for each end at the start of the step.
 reeling : of the unstretched length, see `winch.py`.
 force, force_rate : of the winch at the start [N], its constant rate [N/s].
 wind, wind_rate : at the start, at the reference height [m/s], and its constant rate [m/s2].
 load, load_rate : force on a free kite end at the start [N], its constant rate [N/s].
-rated : what the next step compares with its own to find rates, four vectors without given derivatives: velocity of the kite
-end and of the ground end, given or derived [m/s]; load [N]; reel-out speed [m/s], rate of `winch_length` over the last step
-[m/s], force of the winch [N].
+rated : what the next step compares with its own to find rates, four vectors: velocity inputs of the kite end and of the
+ground end [m/s]; load [N]; reel-out speed [m/s], force of the winch [N], nothing.
 recent : their rates as the next steps take them after a much shorter one.
 """
 
@@ -77,66 +84,48 @@ def are_derived(parameters):
     return parameters[at.END_VELOCITIES] == at.DERIVED
 
 
-@kernel
-def velocity_of_end(parameters, inputs, state, position, velocity, last_position):
-    """Velocity [m/s] of an end: its input, or that over the last step; places of its inputs and of its last position.
-
-    A derived velocity is 0 before the second step.
-    """
-    if not are_derived(parameters):
-        return vector_at(inputs, velocity)
-    if state[at.LAST_STEP] <= 0.0:
-        return ZERO_VECTOR
-    return scale(1.0 / state[at.LAST_STEP], sub(vector_at(inputs, position), vector_at(state, last_position)))
-
-
-@kernel
-def end_velocities(parameters, inputs, state):
-    """Velocities [m/s] of the ground end and of the kite end, given or derived."""
+@view
+def rates_of_inputs(rated, step, state):
+    """Rates of the inputs that are `rated` (see `StepInputs`), estimated for a step [s]: as many vectors."""
     return (
-        velocity_of_end(parameters, inputs, state, at.GROUND_POSITION, at.GROUND_VELOCITY, at.LAST_GROUND_POSITION),
-        velocity_of_end(parameters, inputs, state, at.KITE_POSITION, at.KITE_VELOCITY, at.LAST_KITE_POSITION),
+        rates_from(0, rated[0], step, state),
+        rates_from(1, rated[1], step, state),
+        rates_from(2, rated[2], step, state),
+        rates_from(3, rated[3], step, state),
     )
 
 
 @view
-def rates_of_inputs(parameters, rated, step, state):
-    """Rates of the inputs that are `rated` (see `StepInputs`), estimated for a step [s]: as many vectors.
-
-    Velocities that are derived, as that of `winch_length`, belong to the middles of steps.
-    """
-    last, before = state[at.LAST_STEP], state[at.STEP_BEFORE]
-    between = 0.5 * (last + before) if before > 0.0 else 0.0
-    of_ends = between if are_derived(parameters) else last
-    of_ends, of_load, of_winch = (of_ends, of_ends, of_ends), (last, last, last), (last, between, last)
-    return (
-        rates_from(0, rated[0], of_ends, step, state),
-        rates_from(1, rated[1], of_ends, step, state),
-        rates_from(2, rated[2], of_load, step, state),
-        rates_from(3, rated[3], of_winch, step, state),
-    )
-
-
-@view
-def rates_from(k, now, times, step, state):
-    """Rates of vector k of those that are rated, from its present value and the times to its last one [s]."""
+def rates_from(k, now, step, state):
+    """Rates of vector k of those that are rated, from its present value."""
+    times = state[at.LAST_STEP], state[at.LAST_STEP], state[at.LAST_STEP]
     last, recent = vector_at(state, at.LAST_RATED + 3 * k), vector_at(state, at.RECENT_RATES + 3 * k)
     return estimated_rates(now, last, recent, times, state[at.LONGEST_SO_FAR], step)
 
 
 @kernel
-def motion_of_end(parameters, inputs, place, k, velocity, acceleration, correction, state):
+def motion_of_end(parameters, inputs, place, k, acceleration, time, state):
     """Position [m], velocity [m/s] and acceleration [m/s2] that are prescribed for an end at the start of a step.
 
-    place : of its position among the inputs; its velocity stands behind.  velocity : of `end_velocities`; k : its place
-    behind `layout.LAST_RATED`.  acceleration : of `rates_of_inputs`.  correction : time in which it comes there [s].
+    place : of its position among the inputs; its velocity stands behind.  k : its place among the numbers of `past`.
+    acceleration : of `rates_of_inputs`.  time : in which it comes to its given motion [s].
     """
+    position, velocity = vector_at(inputs, place), vector_at(inputs, place + 3)
     if are_derived(parameters):
-        x = followed(parameters, k, velocity[0], acceleration[0], correction, state)
-        y = followed(parameters, k + 1, velocity[1], acceleration[1], correction, state)
-        z = followed(parameters, k + 2, velocity[2], acceleration[2], correction, state)
+        x = followed(parameters, position[0], k, 0.0, time, state)
+        y = followed(parameters, position[1], k + 1, 0.0, time, state)
+        z = followed(parameters, position[2], k + 2, 0.0, time, state)
         velocity, acceleration = given_derivatives(state, place, (x[0], y[0], z[0])), (x[1], y[1], z[1])
-    return vector_at(inputs, place), velocity, given_derivatives(state, place + 3, acceleration)
+    return position, velocity, given_derivatives(state, place + 3, acceleration)
+
+
+@kernel
+def correction_of_end(x, v, i, given, left, time, state):
+    """Time [s] in which node i of a chain comes to its given motion, see `time_of_correction`.
+
+    x, v : of all nodes [m], [m/s].  given : of `motion_of_end`.  left, time : [s]
+    """
+    return time_of_correction(get(x, i), get(v, i), given[0], given[1], state[at.LAST_STEP], left, time)
 
 
 @kernel
@@ -152,9 +141,9 @@ def put_ends(n, state, ground, kite):
 @kernel
 def place_at_start(n, parameters, inputs, state):
     """Put both ends of a new state (modified, all 0) where the inputs say; a free kite end has its velocity from them."""
-    ground, kite = end_velocities(parameters, inputs, state)
-    if parameters[at.KITE_IS_FREE] != 0.0:
-        kite = vector_at(inputs, at.KITE_VELOCITY)
+    ground, kite = vector_at(inputs, at.GROUND_VELOCITY), vector_at(inputs, at.KITE_VELOCITY)
+    if are_derived(parameters):
+        ground, kite = ZERO_VECTOR, kite if parameters[at.KITE_IS_FREE] != 0.0 else ZERO_VECTOR
     ground_position, kite_position = vector_at(inputs, at.GROUND_POSITION), vector_at(inputs, at.KITE_POSITION)
     put_ends(n, state, (ground_position, ground), (kite_position, kite))
 
@@ -188,28 +177,34 @@ def spring_at_ground(n, parameters, state):
 
 
 @view
-def inputs_of_step(parameters, inputs, step, state):
+def inputs_of_step(n, parameters, inputs, step, state):
     """`StepInputs` of a communication step of `step` [s] from a state."""
-    ground, kite = end_velocities(parameters, inputs, state)
-    speed, load, force = winch_speed(parameters, inputs, state), vector_at(inputs, at.KITE_LOAD), inputs[at.WINCH_FORCE]
-    rated = kite, ground, load, (inputs[at.REEL_OUT_SPEED], speed, force)
-    of_kite, of_ground, of_load, of_winch = rates_of_inputs(parameters, rated, step, state)
-    correction = max(step, state[at.LAST_STEP], state[at.CORRECTION_LEFT])
-    continued = is_continued(parameters)
+    load, force = vector_at(inputs, at.KITE_LOAD), inputs[at.WINCH_FORCE]
+    velocities = vector_at(inputs, at.KITE_VELOCITY), vector_at(inputs, at.GROUND_VELOCITY)
+    rated = *velocities, load, (inputs[at.REEL_OUT_SPEED], force, 0.0)
+    of_kite, of_ground, of_load, of_winch = rates_of_inputs(rated, step, state)
+    continued, (x, v) = is_continued(parameters), positions_and_velocities(n, state)
+    left_at_ground, left_at_kite = state[at.CORRECTIONS_LEFT], state[at.CORRECTIONS_LEFT + 1]
+    at_ground, at_kite = max(step, state[at.LAST_STEP], left_at_ground), max(step, state[at.LAST_STEP], left_at_kite)
+    ground = motion_of_end(parameters, inputs, at.GROUND_POSITION, past.GROUND, of_ground, at_ground, state)
+    kite = motion_of_end(parameters, inputs, at.KITE_POSITION, past.KITE, of_kite, at_kite, state)
+    reeling = reeling_of_step(parameters, inputs, of_winch[0], step, state)
+    at_ground = correction_of_end(x, v, 0, ground, left_at_ground, at_ground, state)
+    at_kite = correction_of_end(x, v, n, kite, left_at_kite, at_kite, state)
     return StepInputs(
         step,
-        correction,
-        motion_of_end(parameters, inputs, at.GROUND_POSITION, 3, ground, of_ground, correction, state),
-        motion_of_end(parameters, inputs, at.KITE_POSITION, 0, kite, of_kite, correction, state),
-        with_jump(parameters, reeling_of_step(parameters, inputs, speed, of_winch, correction, state), step, state),
+        (at_ground, at_kite, reeling[5] if follows_length(parameters) else step),
+        ground,
+        kite,
+        with_jump(parameters, reeling, step, state),
         force,
-        force_rate(parameters, inputs, of_winch[2] if continued else 0.0, step, state),
+        force_rate(parameters, inputs, of_winch[1] if continued else 0.0, step, state),
         wind_of(inputs),
         given_derivatives(state, at.WIND_VELOCITY, ZERO_VECTOR),
         load,
         given_derivatives(state, at.KITE_LOAD, of_load if continued else ZERO_VECTOR),
         rated,
-        rates_of_inputs(parameters, rated, state[at.LONGEST_SO_FAR], state),
+        rates_of_inputs(rated, state[at.LONGEST_SO_FAR], state),
     )
 
 
@@ -228,8 +223,8 @@ def conditions_of_chain(n, parameters, shape, given, state, x, v):
     return BoundaryConditions(
         n,
         parameters,
-        curve(get(x, 0), get(v, 0), *ground, given.correction),
-        curve(get(x, n), get(v, n), *kite, given.correction),
+        curve(get(x, 0), get(v, 0), *ground, given.corrections[0]),
+        curve(get(x, n), get(v, n), *kite, given.corrections[1]),
         0 if parameters[at.GROUND_IS_FREE] != 0.0 else 1,
         n if kite_is_free else n - 1,
         given.reeling,

@@ -7,7 +7,7 @@ them. Theory: docs/models/theory.md, "Inputs within a step".
 from tetherfmu.runtime import layout as at
 
 from ..compilation import kernel
-from .end_motion import limited_motion
+from .past import extrapolated
 
 
 @kernel
@@ -46,16 +46,14 @@ def is_continued(parameters):
 
 
 @kernel
-def followed(parameters, k, rate, acceleration, correction, state):
-    """Velocity [m/s] and acceleration [m/s2] of what is known by positions only, after the time `correction` [s].
+def followed(parameters, position, k, speed, time, state):
+    """Velocity [m/s] and acceleration [m/s2] of what is known by its position [m] only, for a way of a time [s] from now on.
 
-    k : place of its rate [m/s] behind `layout.LAST_RATED`.  acceleration : of `rates_of_inputs` [m/s2].  With
-    `input_continuation = held` it stays where it is. In its first step and in its second there is nothing to compare with.
+    k : its place among the numbers of `past`.  speed : in the first step [m/s]; with `input_continuation = held` it stays
+    where it is in all others.
     """
-    last, before = state[at.LAST_STEP], state[at.STEP_BEFORE]
-    if last > 0.0 and not is_continued(parameters):
+    if state[at.LAST_STEP] <= 0.0:
+        return speed, 0.0
+    if not is_continued(parameters):
         return 0.0, 0.0
-    if before <= 0.0:
-        return rate + 0.5 * last * acceleration, acceleration
-    known = state[at.LAST_RATED + k], state[at.RECENT_RATES + k]
-    return limited_motion(rate, known[0], acceleration, known[1], last, correction)
+    return extrapolated(position, k, time, state)

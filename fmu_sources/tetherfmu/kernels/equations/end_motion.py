@@ -6,9 +6,9 @@ from the position and velocity it has reached towards
 
     p + v H + a H^2/2,   v + a H,   H = max(h, h_last, what is left of the H of the last step)
 
-by the cubic Hermite polynomial, so neither position nor velocity ever jumps. H is h unless steps become shorter. Then only
-the first part of the correction is done: a short step after a long one has the error of the long one to correct, and would
-jerk the end.
+by the cubic Hermite polynomial, so neither position nor velocity ever jumps. H is h unless steps change. If they become
+shorter, only the first part of the correction is done: a short step after a long one has the error of the long one to
+correct, and would jerk the end.
 
 After a step much shorter than h the last difference of velocities is not extrapolated alone: a jump of the velocity would
 be multiplied by h/h_last. The time T = h/4 counts instead, with the acceleration r of before h_last:
@@ -18,17 +18,20 @@ be multiplied by h/h_last. The time T = h/4 counts instead, with the acceleratio
 r is the same formula for the longest step so far, h_longest, in place of h; where h > h_longest, r counts over h_longest/4
 only. So a jump is extrapolated to no more than four times itself.
 
-Where the importer knows positions only, the differences u = (p - p_last)/h_last belong to the middles of the steps, so that
+The difference y = x - p - v t - a t^2/2 to the given motion vanishes after H. It would swing far beyond where a step is much
+longer than the time in which it arose: a velocity y' then leads away for long. So H is no longer than the larger one of
+3 |y|/|y'|, for which y does not swing at all, and of the time that was left of the last correction, or else h_last. For the
+rest of the step the end has its given motion.
 
-    a = (u - u_last)/((h_last + h_before)/2),   v = u + a h_last/2
-
-That u is what positions have in the place of a velocity, so the way e = v H + a H^2/2 to the target is limited: to between 0
-and H times the smaller one of u and u_last, or 0 where they have different signs, and beyond that by as much as the
-curvature explains, `CURVED` H (H + h_last) times the smaller one of a and of its last value, or 0 where these have different
-signs. So a jump among positions is not extrapolated at all, and smooth motion is as it was, also where it turns round.
+Where the importer knows positions only (`past.py`), the way v H + a H^2/2 to the target is limited: to between 0 and H times
+the smaller one of its last two rates u and u', or 0 where they have different signs, and beyond that by as much as the
+curvature explains, `CURVED` H (H/2 + T + T'/2) times the smaller one of a and a', or 0 where these have different signs. So
+a jump among positions is not extrapolated at all, and smooth motion is as it was, also where it turns round.
 
 Theory: docs/models/theory.md, "Driven ends".
 """
+
+from math import sqrt
 
 from tetherfmu.runtime.limits import SHORTEST_LAST_STEP
 
@@ -92,16 +95,16 @@ def smaller(a, b):
 
 
 @kernel
-def limited_motion(rate, last_rate, acceleration, last_acceleration, last_step, time):
+def limited_motion(velocity, acceleration, rates, accelerations, periods, time):
     """Velocity [m/s] and acceleration [m/s2] of what is known by positions only, for a way of a time [s] from now on.
 
-    rate, last_rate : over the last step and the one before it [m/s].  acceleration, last_acceleration : from these, and
-    before [m/s2].  last_step : [s]
+    velocity, acceleration : without limits.  rates, accelerations : the latest and the one before, which limit the way
+    [m/s], [m/s2].  periods : over which the rates were taken [s].
     """
-    velocity = rate + 0.5 * last_step * acceleration
     way = time * (velocity + 0.5 * time * acceleration)
-    steady = time * smaller(rate, last_rate)
-    curved = CURVED * time * (time + last_step) * abs(smaller(acceleration, last_acceleration))
+    steady = time * smaller(rates[0], rates[1])
+    constant = 0.5 * time * (time + 2.0 * periods[0] + periods[1])  # times a constant acceleration: the rest of the way
+    curved = CURVED * constant * abs(smaller(accelerations[0], accelerations[1]))
     allowed = max(min(0.0, steady) - curved, min(max(0.0, steady) + curved, way))
     if allowed == way:
         return velocity, acceleration
@@ -116,28 +119,70 @@ def target(position, velocity, acceleration, time):
 
 
 @kernel
+def time_of_correction(reached_position, reached_velocity, position, velocity, last_step, left, time):
+    """The time H [s] in which an end comes from where it is to its given motion [m, m/s]: at most `time`.
+
+    last_step, left : the last communication step, and what it has left of its own H [s].
+    """
+    off, moving = sub(reached_position, position), sub(reached_velocity, velocity)
+    arose = left if left > 0.0 else last_step
+    square, speed = 9.0 * dot(off, off), dot(moving, moving)
+    if not 0.0 < arose < time or speed * time * time <= square:
+        return time
+    return min(time, max(arose, sqrt(square / speed)))
+
+
+@kernel
 def curve(reached_position, reached_velocity, position, velocity, acceleration, time):
-    """Coefficients of the curve x0 + v0 t + c2 t^2 + c3 t^3 to the target after a time [s]: (x0, v0, c2, c3), SI units."""
+    """The curve x0 + v0 t + c2 t^2 + c3 t^3 to the target after a time H [s], then the given motion.
+
+    Coefficients (x0, v0, c2, c3), SI units; then (H, 0, 0) and the acceleration [m/s2] after H.
+    """
     target_position, target_velocity = target(position, velocity, acceleration, time)
     mean = scale(1.0 / time, sub(target_position, reached_position))
     c2 = scale(1.0 / time, sub(scale(3.0, mean), add(scale(2.0, reached_velocity), target_velocity)))
     c3 = scale(1.0 / (time * time), sub(add(reached_velocity, target_velocity), scale(2.0, mean)))
-    return reached_position, reached_velocity, c2, c3
+    return reached_position, reached_velocity, c2, c3, (time, 0.0, 0.0), acceleration
 
 
 @kernel
 def position_at(end, time):
     """Position [m] on the curve at a time [s] since the start of the step."""
-    return add_scaled(add_scaled(add_scaled(end[0], time, end[1]), time * time, end[2]), time * time * time, end[3])
+    if time > end[4][0]:
+        first = end[4][0]
+        return target(position_at_once(end, first), velocity_at_once(end, first), end[5], time - first)[0]
+    return position_at_once(end, time)
 
 
 @kernel
 def velocity_at(end, time):
     """Velocity [m/s] on the curve at a time [s] since the start of the step."""
-    return add_scaled(add_scaled(end[1], 2.0 * time, end[2]), 3.0 * time * time, end[3])
+    if time > end[4][0]:
+        return add_scaled(velocity_at_once(end, end[4][0]), time - end[4][0], end[5])
+    return velocity_at_once(end, time)
 
 
 @kernel
 def acceleration_at(end, time):
     """Acceleration [m/s2] on the curve at a time [s] since the start of the step."""
+    if time > end[4][0]:
+        return end[5]
     return add_scaled(scale(2.0, end[2]), 6.0 * time, end[3])
+
+
+@kernel
+def jerk_at(end, time):
+    """Third derivative [m/s3] of the curve at a time [s] since the start of the step."""
+    return ZERO_VECTOR if time > end[4][0] else scale(6.0, end[3])
+
+
+@kernel
+def position_at_once(end, time):
+    """Position [m] on the curve at a time [s] up to H."""
+    return add_scaled(add_scaled(add_scaled(end[0], time, end[1]), time * time, end[2]), time * time * time, end[3])
+
+
+@kernel
+def velocity_at_once(end, time):
+    """Velocity [m/s] on the curve at a time [s] up to H."""
+    return add_scaled(add_scaled(end[1], 2.0 * time, end[2]), 3.0 * time * time, end[3])

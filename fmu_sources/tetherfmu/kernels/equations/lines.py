@@ -12,8 +12,9 @@ from tetherfmu.runtime import plan_layout as places
 from ..arrays import behind, inputs_size, parameters_size, places_of, positions_and_velocities, state_size
 from ..compilation import by_kind, kernel, view
 from ..flat_arrays import part
-from ..linear_algebra.vectors import NEUTRAL, put_at, vector_at
+from ..linear_algebra.vectors import put_at, vector_at
 from .boundary import BoundaryConditions
+from .winch import steadily
 
 System = namedtuple("System", "plan parameters inputs state work")
 System.__doc__ = """The flat arrays of a system, see `plan_layout.py`.
@@ -28,7 +29,7 @@ What of its ends moves freely is a row of the line like the others, see `Boundar
 """
 
 # what `store_conditions` writes, and the room for it: an even number as in `system_room.line_work_size`
-_CURVE, _REELING, _VECTOR = 12, 5, 3
+_CURVE, _REELING, _VECTOR = 18, 7, 3
 GROUND, KITE, REELING, WIND, LOAD, LOAD_RATE, FIRST, LAST, FORCE, FORCE_RATE, CONDITIONS = places_of(
     _CURVE, _CURVE, _REELING, _VECTOR, _VECTOR, _VECTOR, 1, 1, 1, 1
 )
@@ -129,12 +130,19 @@ def room_of(system, k):
 
 
 @kernel
+def put_numbers(room, first, numbers):
+    """Write the numbers of a tuple to scratch space (modified), from a place on."""
+    for i in range(len(numbers)):
+        room[first + i] = numbers[i]
+
+
+@kernel
 def store_conditions(conditions, room):
     """Write `BoundaryConditions` to the start of the scratch space of a line (modified)."""
     for place, end in ((GROUND, conditions.ground), (KITE, conditions.kite)):
         for i in range(len(end)):
             put_at(room, place + _VECTOR * i, end[i])
-    room[REELING], room[REELING + 1], room[REELING + 2], room[REELING + 3], room[REELING + 4] = conditions.reeling
+    put_numbers(room, REELING, conditions.reeling)
     put_at(room, WIND, conditions.wind)
     put_at(room, LOAD, conditions.load)
     put_at(room, LOAD_RATE, conditions.load_rate)
@@ -145,20 +153,27 @@ def store_conditions(conditions, room):
 @kernel
 def put_reeling(system, k, reeling):
     """Let the unstretched length of line k have these coefficients, see `winch.py`, in what `store_conditions` wrote."""
-    room = room_of(system, k)
-    room[REELING], room[REELING + 1], room[REELING + 2], room[REELING + 3], room[REELING + 4] = reeling
+    put_numbers(room_of(system, k), REELING, reeling)
 
 
 @kernel
 def hold_length(system, k, length):
     """Let the unstretched length [m] of line k not change by itself."""
-    put_reeling(system, k, (length, 0.0, 0.0, NEUTRAL, NEUTRAL))
+    put_reeling(system, k, steadily(length, 0.0, 0.0))
 
 
 @kernel
 def curve_at(room, first):
     """The curve of an end from a place of the scratch space of a line on."""
-    return vector_at(room, first), vector_at(room, first + 3), vector_at(room, first + 6), vector_at(room, first + 9)
+    coefficients = vector_at(room, first), vector_at(room, first + 3), vector_at(room, first + 6), vector_at(room, first + 9)
+    return *coefficients, vector_at(room, first + 12), vector_at(room, first + 15)
+
+
+@kernel
+def reeling_at(room, first):
+    """How a length is reeled, see `winch.py`, from a place of scratch space on."""
+    polynomial = room[first], room[first + 1], room[first + 2], room[first + 3]
+    return *polynomial, room[first + 4], room[first + 5], room[first + 6]
 
 
 @view
@@ -166,6 +181,5 @@ def conditions_of(system, k):
     """`BoundaryConditions` of line k as `store_conditions` wrote them."""
     n, r = segments_of(system, k), room_of(system, k)
     ends = curve_at(r, GROUND), curve_at(r, KITE), int(r[FIRST]), int(r[LAST])
-    reeling = r[REELING], r[REELING + 1], r[REELING + 2], r[REELING + 3], r[REELING + 4]
     loads = vector_at(r, WIND), vector_at(r, LOAD), vector_at(r, LOAD_RATE)
-    return BoundaryConditions(n, parameters_of(system, k), *ends, reeling, r[FORCE], r[FORCE_RATE], *loads)
+    return BoundaryConditions(n, parameters_of(system, k), *ends, reeling_at(r, REELING), r[FORCE], r[FORCE_RATE], *loads)

@@ -1,5 +1,7 @@
 """The unstretched length within a communication step: a polynomial L + c1 t + c2 t^2 + c3 t^3 of the time.
 
+It may end before the step does: from then on the length has a constant acceleration (`end_motion.curve`).
+
 `winch_control` says what controls the winch:
 
     speed     the reel-out speed u continues at the rate a = (u - u_last)/h_last, estimated as the acceleration of an end is,
@@ -23,28 +25,47 @@ from tetherfmu.runtime import layout as at
 
 from ..compilation import kernel
 from ..linear_algebra.vectors import NEUTRAL
+from . import past
 from .continuation import followed, given_derivative, is_continued
-from .end_motion import curve
+from .end_motion import curve, time_of_correction
 
-RATE_OF_LENGTH = 10  # place of the rate of `winch_length` behind `layout.LAST_RATED`
+ALL_ALONG = 1e300  # [s]: the end of a polynomial that goes on through the step
+
+
+@kernel
+def steadily(length, speed, acceleration):
+    """How a length [m] goes on from its rate [m/s] and that of it [m/s2], all along a step."""
+    return length, speed, 0.5 * acceleration, NEUTRAL, NEUTRAL, ALL_ALONG, 0.0
+
+
+@kernel
+def from_length(length, reeling):
+    """The same from another length [m]."""
+    return length, reeling[1], reeling[2], reeling[3], reeling[4], reeling[5], reeling[6]
 
 
 @kernel
 def length_at(reeling, time):
     """Unstretched length [m] at a time [s] of the step."""
-    return reeling[0] + reeling[1] * time + reeling[2] * time * time + reeling[3] * time * time * time
+    until = min(time, reeling[5])
+    length = reeling[0] + reeling[1] * until + reeling[2] * until * until + reeling[3] * until * until * until
+    if time > until:
+        length += (time - until) * (rate_at(reeling, until) + 0.5 * reeling[6] * (time - until))
+    return length
 
 
 @kernel
 def rate_at(reeling, time):
     """Its rate [m/s] at a time [s] of the step."""
-    return reeling[1] + 2.0 * reeling[2] * time + 3.0 * reeling[3] * time * time
+    until = min(time, reeling[5])
+    rate = reeling[1] + 2.0 * reeling[2] * until + 3.0 * reeling[3] * until * until
+    return rate + reeling[6] * (time - until) if time > until else rate
 
 
 @kernel
 def acceleration_at(reeling, time):
     """Its second derivative [m/s2] at a time [s] of the step."""
-    return 2.0 * reeling[2] + 6.0 * reeling[3] * time
+    return reeling[6] if time > reeling[5] else 2.0 * reeling[2] + 6.0 * reeling[3] * time
 
 
 @kernel
@@ -64,26 +85,28 @@ def reel(reeling, step, state):
 def with_jump(parameters, reeling, step, state):
     """Coefficients of the length in a step of `step` [s] from a state, and the jump of the speed over the step [m/s2]."""
     jump = NEUTRAL if follows_force(parameters) else (reeling[1] - state[at.REELING]) / step
-    return reeling[0], reeling[1], reeling[2], reeling[3], jump
+    return reeling[0], reeling[1], reeling[2], reeling[3], jump, reeling[5], reeling[6]
 
 
 @kernel
-def jerk_of(reeling):
-    """Its third derivative [m/s3]."""
-    return 6.0 * reeling[3]
+def jerk_at(reeling, time):
+    """Its third derivative [m/s3] at a time [s] of the step."""
+    return 0.0 if time > reeling[5] else 6.0 * reeling[3]
 
 
 @kernel
 def is_reeling(reeling):
     """Whether the unstretched length changes in the step."""
-    return reeling[1] != 0.0 or reeling[2] != 0.0 or reeling[3] != 0.0
+    return reeling[1] != 0.0 or reeling[2] != 0.0 or reeling[3] != 0.0 or reeling[6] != 0.0
 
 
 @kernel
 def shortest_length(reeling, step):
     """Least unstretched length [m] during a step [s]: at its end, or where the reeling turns round."""
-    _, c1, c2, c3, _ = reeling
-    least = length_at(reeling, step)
+    _, c1, c2, c3, _, until, acceleration = reeling
+    least = min(length_at(reeling, step), length_at(reeling, min(step, until)))
+    if until < step and acceleration > 0.0:
+        least = min(least, length_at(reeling, max(until, min(step, until - rate_at(reeling, until) / acceleration))))
     square = c2 * c2 - 3.0 * c3 * c1
     if square > 0.0:
         turn = 0.0
@@ -91,7 +114,7 @@ def shortest_length(reeling, step):
             turn = -c1 / (c2 + sqrt(square))
         elif c3 > 0.0:
             turn = (sqrt(square) - c2) / (3.0 * c3)
-        if turn > 0.0 and turn < step:
+        if turn > 0.0 and turn < min(step, until):
             least = min(least, length_at(reeling, turn))
     return least
 
@@ -129,15 +152,6 @@ def first_length(parameters, inputs, state):
 
 
 @kernel
-def winch_speed(parameters, inputs, state):
-    """Rate of `winch_length` over the last step [m/s]; before the second the speed with which the winch starts."""
-    if state[at.LAST_STEP] > 0.0:
-        last = state[at.LAST_WINCH_LENGTH] if state[at.LAST_WINCH_LENGTH] != 0.0 else parameters[at.INITIAL_LENGTH]
-        return (given_length(parameters, inputs, state) - last) / state[at.LAST_STEP]
-    return state[at.REELING]
-
-
-@kernel
 def pulls_only(parameters):
     """Whether the force of the winch can be no less than minus its friction: it has no mass, and holds what it pays out."""
     return parameters[at.WINCH_MASS] == 0.0 and parameters[at.PULLS_BACK] == 0.0
@@ -161,30 +175,28 @@ def on_axis(number):
 
 
 @kernel
-def following(parameters, inputs, speed, acceleration, correction, state):
-    """Coefficients of the length in a step that follows `winch_length` and comes to it in the time `correction` [s].
-
-    speed, acceleration : `winch_speed` [m/s] and its rate [m/s2], which belong to the middle of the last step.
-    """
-    speed, acceleration = followed(parameters, RATE_OF_LENGTH, speed, acceleration, correction, state)
-    length, rate = given_length(parameters, inputs, state), given_derivative(state, at.WINCH_LENGTH, speed)
-    given = on_axis(length), on_axis(rate), on_axis(acceleration)
-    c0, c1, c2, c3 = curve(on_axis(state[at.LENGTH]), on_axis(state[at.REELING]), *given, correction)
-    return c0[0], c1[0], c2[0], c3[0]
+def following(parameters, inputs, step, state):
+    """The length in a step [s] that follows `winch_length`, as `reeling_of_step` has it, from what it has reached."""
+    length, speed, left = given_length(parameters, inputs, state), state[at.REELING], state[at.CORRECTIONS_LEFT + 2]
+    time = max(step, state[at.LAST_STEP], left)
+    rate, acceleration = followed(parameters, length, past.LENGTH, speed, time, state)
+    rate = given_derivative(state, at.WINCH_LENGTH, rate)
+    reached, given = (on_axis(state[at.LENGTH]), on_axis(speed)), (on_axis(length), on_axis(rate))
+    time = time_of_correction(*reached, *given, state[at.LAST_STEP], left, time)
+    c0, c1, c2, c3, _, _ = curve(*reached, *given, on_axis(acceleration), time)
+    return c0[0], c1[0], c2[0], c3[0], NEUTRAL, time, acceleration
 
 
 @kernel
-def reeling_of_step(parameters, inputs, speed, rates, correction, state):
-    """Coefficients of the unstretched length [m], [m/s], [m/s2], [m/s3] in a step from a state; see `following`.
+def reeling_of_step(parameters, inputs, estimate, step, state):
+    """The unstretched length in a step [s] from a state: L [m], c1 [m/s], c2 [m/s2], c3 [m/s3], no jump, H [s], a [m/s2].
 
-    speed : `winch_speed` [m/s].  rates : of the reel-out speed and of that one, estimated [m/s2].
-    With a winch that is controlled by force, of a length that stays.
+    H, a : the end of the polynomial, and the acceleration behind it.  estimate : of the rate of the reel-out speed [m/s2].
+    With a winch that is controlled by force, a length that stays.
     """
-    if parameters[at.TORN_NOW] > 0.0:  # it is braked
-        return state[at.LENGTH], 0.0, 0.0, NEUTRAL
+    if parameters[at.TORN_NOW] > 0.0 or follows_force(parameters):  # if it is torn, its winch is braked
+        return steadily(state[at.LENGTH], 0.0, 0.0)
     if follows_length(parameters):
-        return following(parameters, inputs, speed, rates[1], correction, state)
-    if follows_force(parameters):
-        return state[at.LENGTH], 0.0, 0.0, NEUTRAL
-    acceleration = given_derivative(state, at.REEL_OUT_SPEED, rates[0] if is_continued(parameters) else 0.0)
-    return state[at.LENGTH], inputs[at.REEL_OUT_SPEED], 0.5 * acceleration, NEUTRAL
+        return following(parameters, inputs, step, state)
+    acceleration = given_derivative(state, at.REEL_OUT_SPEED, estimate if is_continued(parameters) else 0.0)
+    return steadily(state[at.LENGTH], inputs[at.REEL_OUT_SPEED], acceleration)

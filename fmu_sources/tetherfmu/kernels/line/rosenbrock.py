@@ -122,7 +122,7 @@ def form(conditions, chain, turns, time, h, x, v, w):
     acceleration = winch.acceleration_at(conditions.reeling, time)
     assembly.add_rate_from_acceleration(chain, acceleration, x, w.records, w.q)
     if flow.flows(chain) and not turns:
-        flow.add_rates(chain, acceleration, winch.jerk_of(conditions.reeling), x, v, w.q)
+        flow.add_rates(chain, acceleration, winch.jerk_at(conditions.reeling, time), x, v, w.q)
     add_explicit_rates(conditions, chain, time, w)
     assemble(conditions, chain, GAMMA * h, x, v, w)
     if has_ground(chain.parameters) and not turns:
@@ -230,10 +230,11 @@ def prescribe_ends(conditions, time, w):
     """Driven ends at a time [s] of the communication step into w.stage_x, w.stage_v; their r is 0 (all modified)."""
     ground, kite, is_driven = conditions.ground, conditions.kite, conditions.last == conditions.n - 1
     if conditions.first == 1 or is_driven:
-        ends = pair(ground[0], kite[0]), pair(ground[1], kite[1]), pair(ground[2], kite[2]), pair(ground[3], kite[3])
+        positions = pair(position_at(ground, time), position_at(kite, time))
+        velocities = pair(velocity_at(ground, time), velocity_at(kite, time))
         driven = pair(1.0 if conditions.first == 1 else 0.0, 1.0 if is_driven else 0.0)
-        put_interleaved(w.stage_x, 0, select_end(driven, position_at(ends, time), get_interleaved(w.stage_x, 0)))
-        put_interleaved(w.stage_v, 0, select_end(driven, velocity_at(ends, time), get_interleaved(w.stage_v, 0)))
+        put_interleaved(w.stage_x, 0, select_end(driven, positions, get_interleaved(w.stage_x, 0)))
+        put_interleaved(w.stage_v, 0, select_end(driven, velocities, get_interleaved(w.stage_v, 0)))
         put_interleaved(w.r, 0, select_end(driven, pair(ZERO_VECTOR, ZERO_VECTOR), get_interleaved(w.r, 0)))
 
 

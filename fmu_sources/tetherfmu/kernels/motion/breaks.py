@@ -14,10 +14,13 @@ from ..equations import segment, torn
 from ..equations.boundary import place_ends
 from ..equations.lines import (
     conditions_of,
+    hold_length,
     lines_of,
     motion_of,
     parameters_of,
+    put_numbers,
     put_reeling,
+    reeling_at,
     segments_of,
     state_of,
     with_states,
@@ -25,7 +28,6 @@ from ..equations.lines import (
 from ..equations.properties import property_of
 from ..equations.ropes import has_coordinates
 from ..equations.winch import follows_force, reel
-from ..flat_arrays import part
 from ..line.drum_events import OVERLOAD, part_of_piece
 from ..linear_algebra.vectors import dot, get, sub
 from ..notes import note, note_peak
@@ -38,7 +40,7 @@ from .rope_directions import begin_directions
 from .rope_states import hold
 from .stopped_drums import put_reeling_speed
 
-KEPT_REELING = at_line.START_LENGTH  # 5 numbers, which a drum has in the stages of fixed steps
+KEPT_REELING = at_line.START_LENGTH  # 7 numbers, which a drum has in the stages of fixed steps
 
 
 @kernel
@@ -91,7 +93,7 @@ def stop_winch(system, k, time):
     chain = chain_at_start(system, k, time)
     put_reeling_speed(system, k, chain.length, 0.0, chain.reeling)
     keep_reeling(system, k)
-    put_reeling(system, k, (chain.length, 0.0, 0.0, 0.0, 0.0))
+    hold_length(system, k, chain.length)
     state_of(system, k)[at.ACCELERATION] = 0.0
 
 
@@ -165,16 +167,13 @@ def break_at_ends(system, step):
 @kernel
 def keep_reeling(system, k):
     """Keep how line k reels in the communication step, for `go_back` (modified)."""
-    numbers, reeling = numbers_of(system, k), conditions_of(system, k).reeling
-    for i in range(len(reeling)):
-        numbers[KEPT_REELING + i] = reeling[i]
+    put_numbers(numbers_of(system, k), KEPT_REELING, conditions_of(system, k).reeling)
 
 
 @kernel
 def mend_winch(system, k, step, first):
     """Let line k (modified), mended, reel in a communication step [s] as before it broke in it; first : state before it."""
-    state, kept = state_of(system, k), part(numbers_of(system, k), KEPT_REELING, 5)
-    reeling = kept[0], kept[1], kept[2], kept[3], kept[4]
+    state, reeling = state_of(system, k), reeling_at(numbers_of(system, k), KEPT_REELING)
     put_reeling(system, k, reeling)
     if follows_force(parameters_of(system, k)):
         for place in (at.LENGTH, at.REELING, at.ACCELERATION):

@@ -224,7 +224,7 @@ def take_reeling(system, k, time):
     elif numbers[at_sheave.HAS_RUN] != 0.0:
         paid = winch_of(system, k)
         start = length - (winch.length_at(paid, time) - paid[0])
-        put_reeling(system, k, (start, paid[1], paid[2], paid[3], paid[4]))
+        put_reeling(system, k, winch.from_length(start, paid))
 
 
 @kernel

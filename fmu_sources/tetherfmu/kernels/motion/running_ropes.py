@@ -9,7 +9,7 @@ from tetherfmu.runtime import layout as at
 
 from ..compilation import kernel
 from ..equations import winch
-from ..equations.lines import conditions_of, lines_of, motion_of, state_of
+from ..equations.lines import conditions_of, lines_of, motion_of, put_numbers, state_of
 from ..equations.rope_at_sheave import IN, OUT
 from ..equations.ropes import comes_from, goes_on, is_rope, is_turned
 from ..line.drum_events import SLOW, part_of_piece
@@ -48,8 +48,7 @@ def begin_ropes(system):
         if is_rope(system, k):
             numbers, state, reeling = numbers_at(system, k), state_of(system, k), conditions_of(system, k).reeling
             numbers[at_sheave.LENGTH_NOW] = reeling[0]
-            for i in range(5):
-                numbers[at_sheave.WINCH + i] = reeling[i]
+            put_numbers(numbers, at_sheave.WINCH, reeling)
             numbers[at_sheave.HAS_RUN] = 0.0
             take_parts(system, k)
             begin_coordinate(numbers, state[at.SHEAVE_SPEED] if goes_on(system, k) else 0.0, state[at.SHEAVE_ACCELERATION])

@@ -18,9 +18,10 @@ from ..equations.drum import INWARDS, OUTWARDS, force_at, is_at_stop
 from ..equations.lines import conditions_of, hold_length, lines_of, motion_of, note_line, parameters_of, put_reeling
 from ..equations.properties import property_of
 from ..equations.rope_at_drum import feels_rope
+from ..equations.winch import steadily
 from ..line.moving_drum import Instant, first_tension, project
 from ..line.second_order import TO_NEXT, start_of_second, start_of_third
-from ..linear_algebra.vectors import NEUTRAL, dot, get, sub
+from ..linear_algebra.vectors import dot, get, sub
 from ..points import system_room as at_line
 from ..points.system_room import drum_at, has_drum, length_of, numbers_of, put_length
 from .stopped_drums import put_reeling_speed
@@ -82,7 +83,7 @@ def turn_evenly(system, time):
     for k in range(lines_of(system)):
         if has_drum(system, k):
             (length, _), speed = length_of(system, k), numbers_of(system, k)[at_line.TRIAL]
-            put_reeling(system, k, (length - speed * time, speed, 0.0, NEUTRAL, NEUTRAL))
+            put_reeling(system, k, steadily(length - speed * time, speed, 0.0))
 
 
 # --- stages
@@ -125,7 +126,7 @@ def end_stage(system, time, h, reach):
             at_stops += not (speed == 0.0 or numbers[at_line.LOWEST] < speed < numbers[at_line.HIGHEST])
             put_length(system, k, length + reach * speed, speed)
             rate = (length + reach * speed - numbers[at_line.START_LENGTH]) / h
-            put_reeling(system, k, (numbers[at_line.START_LENGTH] - rate * time, rate, 0.0, 0.0, 0.0))
+            put_reeling(system, k, steadily(numbers[at_line.START_LENGTH] - rate * time, rate, 0.0))
     return at_stops == 0
 
 

@@ -19,6 +19,7 @@ from ..equations.drum import force_at
 from ..equations.lines import conditions_of, hold_length, lines_of, note_line, parameters_of, put_reeling
 from ..equations.properties import property_of
 from ..equations.ropes import comes_from, goes_on, is_rope, is_turned, stiffness_of
+from ..equations.winch import steadily
 from ..line.second_order import TO_NEXT, start_of_second, start_of_third
 from ..linear_algebra.vectors import dot, get, sub
 from ..points import sheave_room as at_sheave
@@ -156,7 +157,7 @@ def end_stage(system, end):
         if has_run(system, k):
             numbers = numbers_at(system, k)
             rate = (numbers[at_sheave.LENGTH] - numbers[at_sheave.LENGTH_NOW]) / (end - began)
-            put_reeling(system, k, (numbers[at_sheave.LENGTH_NOW] - rate * began, rate, 0.0, 0.0, 0.0))
+            put_reeling(system, k, steadily(numbers[at_sheave.LENGTH_NOW] - rate * began, rate, 0.0))
     return at_stops == 0
 
 

@@ -18,7 +18,7 @@ from ..equations import rope_at_drum as rope
 from ..equations import segment
 from ..equations.boundary import chain_moving, chain_with
 from ..equations.drum import force_at
-from ..equations.end_motion import acceleration_at, velocity_at
+from ..equations.end_motion import acceleration_at, jerk_at, velocity_at
 from ..equations.free_points import is_at_point, load_at, point_at, points_of, rows_of
 from ..equations.lines import conditions_of, lines_of, motion_of, parameters_of, segments_of
 from ..equations.properties import property_of
@@ -259,7 +259,7 @@ def take_equation(system, k, time, d):
     if conditions.first == 1:
         rate += dot(get(by_position, 0), velocity_at(conditions.ground, time))
         rate += dot(get(b.by_velocity, 0), acceleration_at(conditions.ground, time))
-        rate += dot(get(b.border, 0), scale(6.0, conditions.ground[3]))
+        rate += dot(get(b.border, 0), jerk_at(conditions.ground, time))
     if conditions.last == n - 1:
         rate += dot(get(by_position, n), velocity_at(conditions.kite, time))
         rate += dot(get(b.by_velocity, n), acceleration_at(conditions.kite, time))

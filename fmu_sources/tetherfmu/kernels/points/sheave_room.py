@@ -13,7 +13,7 @@ from ..arrays import places_of
 from ..compilation import kernel, view
 from ..equations import winch
 from ..equations.boundary import portion_moving
-from ..equations.lines import conditions_of, number_in, number_of_line, parameters_of, segments_of
+from ..equations.lines import conditions_of, number_in, number_of_line, parameters_of, reeling_at, segments_of
 from ..equations.properties import chain_with_flow, property_of
 from ..equations.rope_at_sheave import IN, OUT
 from ..equations.ropes import comes_from, coordinates_in, goes_on, has_coordinates, is_freed, is_rope, is_turned
@@ -89,7 +89,7 @@ from ..line.rodas4p import STAGES
     BEGAN,  # time of the communication step at which a fixed step began, at which LENGTH_NOW is the length [s]
     _,
     NUMBERS,
-) = places_of(*[1] * 14, 3, *[1] * 8, 2, *[1] * 2, *[1] * 17, *[1] * 5, 2, 3, 3, 2, 4, *[1] * 5, 3, 5, 1, 1)
+) = places_of(*[1] * 14, 3, *[1] * 8, 2, *[1] * 2, *[1] * 17, *[1] * 5, 2, 3, 3, 2, 4, *[1] * 5, 3, 7, 1, 1)
 DRUM_NUMBERS = LENGTH_NOW  # those of a drum are the first ones; its stages follow
 
 BY_SPEED, BY_VELOCITY, ROW = range(3)  # arrays of 3 (n + 1) numbers, each of a and of b:
@@ -289,9 +289,8 @@ def speed_out(system, k, which):
 
 @kernel
 def winch_of(system, k):
-    """Coefficients of the length that the winch pays out into a rope whose first portion is k."""
-    numbers = numbers_at(system, k)
-    return numbers[WINCH], numbers[WINCH + 1], numbers[WINCH + 2], numbers[WINCH + 3], numbers[WINCH + 4]
+    """The length that the winch pays out into a rope whose first portion is k, see `winch.py`."""
+    return reeling_at(numbers_at(system, k), WINCH)
 
 
 @kernel

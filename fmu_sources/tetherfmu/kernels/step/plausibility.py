@@ -47,11 +47,11 @@ from ..notes import note
 
 # of each end: whether it is free among the parameters; its last inputs and its sums in the state; its warnings
 OF_GROUND = (
-    *(at.GROUND_IS_FREE, at.LAST_GROUND_POSITION, at.LAST_GROUND_VELOCITY, at.GROUND_RESIDUE),
+    *(at.GROUND_IS_FREE, at.LAST_GROUND_POSITION, at.LAST_GROUND_VELOCITY, at.CORRECTIONS_LEFT, at.GROUND_RESIDUE),
     *(limits.GROUND_ACCELERATION, limits.GROUND_RESIDUE, limits.GROUND_JUMP),
 )
 OF_KITE = (
-    *(at.KITE_IS_FREE, at.LAST_KITE_POSITION, at.LAST_KITE_VELOCITY, at.KITE_RESIDUE),
+    *(at.KITE_IS_FREE, at.LAST_KITE_POSITION, at.LAST_KITE_VELOCITY, at.CORRECTIONS_LEFT + 1, at.KITE_RESIDUE),
     *(limits.KITE_ACCELERATION, limits.KITE_RESIDUE, limits.KITE_JUMP),
 )
 WAY, SQUARE_BEFORE = 3, 4  # places behind the sum of r: the sum of the ways [m]; what the way before was judged by, squared
@@ -153,9 +153,11 @@ def note_unconverged(count, h, state):
 
 
 @kernel
-def note_acceleration(position, velocity, reached, step, kind, state):
-    """Note the acceleration of an end in the state (modified): in a step [s] from there [m, m/s] to a position [m]."""
-    time = step + state[at.CORRECTION_LEFT]
+def note_acceleration(position, velocity, reached, step, time, kind, state):
+    """Note the acceleration of an end in the state (modified): in a step [s] from there [m, m/s] to a position [m].
+
+    time : in which it comes to its given motion, at least the step [s].
+    """
     acceleration = scale(2.0 / (step * time), add_scaled(sub(reached, position), -step, velocity))
     note(state, kind, dot(acceleration, acceleration), limits.LARGEST_ACCELERATION)
 
@@ -195,11 +197,12 @@ def note_contradiction(way, last_velocity, velocity, step, place, kind, state):
 @kernel
 def note_end(n, i, places, parameters, before, state):
     """Note what is implausible in the motion of an end in the state (modified): node i, `OF_GROUND` or `OF_KITE`."""
-    is_free, position, velocity, sums, acceleration, residue, _ = places
+    is_free, position, velocity, left, sums, acceleration, residue, _ = places
     if parameters[is_free] == 0.0:
         x, v = positions_and_velocities(n, before)
         reached, _ = positions_and_velocities(n, state)
-        note_acceleration(get(x, i), get(v, i), get(reached, i), state[at.LAST_STEP], acceleration, state)
+        step = state[at.LAST_STEP]
+        note_acceleration(get(x, i), get(v, i), get(reached, i), step, step + state[left], acceleration, state)
         if not are_derived(parameters):
             way = sub(vector_at(state, position), vector_at(before, position))
             last, now = vector_at(before, velocity), vector_at(state, velocity)
@@ -212,7 +215,7 @@ def note_jump(n, i, places, parameters, before, state):
 
     What its velocity explains within a step is no jump. Other arguments as of `note_end`.
     """
-    is_free, position, velocity, _, _, _, jump = places
+    is_free, position, velocity, _, _, _, _, jump = places
     if parameters[is_free] == 0.0:
         x, _ = positions_and_velocities(n, before)
         way = sub(vector_at(state, position), get(x, i))
@@ -319,7 +322,7 @@ def note_step(n, parameters, before, state):
         note_jump(n, n, OF_KITE, parameters, before, state)
         note_jump_of_length(parameters, before, state)
         return
-    if are_derived(parameters) and before[at.STEP_BEFORE] <= 0.0:
+    if are_derived(parameters) and before[at.CLOCK] <= before[at.LAST_STEP]:
         return
     note_end(n, 0, OF_GROUND, parameters, before, state)
     note_end(n, n, OF_KITE, parameters, before, state)

@@ -21,8 +21,8 @@ from tetherfmu.runtime.status import (
 
 from ..arrays import clear, copy, nodes_end, positions_and_velocities
 from ..compilation import kernel, view
-from ..equations import winch, wind_points
-from ..equations.boundary import inputs_of_step, place_at_start, wind_of
+from ..equations import past, winch, wind_points
+from ..equations.boundary import are_derived, inputs_of_step, place_at_start, wind_of
 from ..equations.continuation import consume_given_derivatives
 from ..equations.ground import has_ground
 from ..equations.properties import chain_at, rest_length
@@ -64,7 +64,8 @@ def start(n, parameters, inputs, state):
     clear(state)
     place_at_start(n, parameters, inputs, state)
     state[at.LENGTH] = winch.first_length(parameters, inputs, state)
-    state[at.LAST_WINCH_LENGTH] = inputs[at.WINCH_LENGTH]
+    remember_positions(inputs, state)
+    past.begin_past(state[at.LENGTH], state)
     state[at.REELING] = state[at.LAST_REEL_OUT_SPEED] = inputs[at.REEL_OUT_SPEED]
     state[at.PEAK_SO_FAR] = at.NO_TENSION
     put_at(state, at.WIND, wind_of(inputs))
@@ -109,7 +110,7 @@ def begin(n, parameters, inputs, step, is_mean, state):
 
     The header of the state and its wind points (modified, if OK) become those after the step; is_mean : see `wind_points`.
     """
-    given = inputs_of_step(parameters, inputs, step, state)
+    given = inputs_of_step(n, parameters, inputs, step, state)
     status = check_inputs(inputs)
     if status == OK:
         status = check_step(n, parameters, given)
@@ -147,27 +148,45 @@ def check_step(n, parameters, given):
 
 
 @kernel
+def remember_positions(inputs, state):
+    """Put the inputs that are positions, of both ends and of the winch, into a state (modified)."""
+    put_at(state, at.LAST_KITE_POSITION, vector_at(inputs, at.KITE_POSITION))
+    put_at(state, at.LAST_GROUND_POSITION, vector_at(inputs, at.GROUND_POSITION))
+    state[at.LAST_WINCH_LENGTH] = inputs[at.WINCH_LENGTH]
+
+
+@kernel
+def remember_past(parameters, inputs, step, state):
+    """Positions at the start of a communication step [s], for later steps, in the state of its start (modified)."""
+    length = winch.given_length(parameters, inputs, state)
+    remember_positions(inputs, state)
+    by_length = winch.follows_length(parameters)
+    if by_length and state[at.LAST_STEP] <= 0.0:
+        past.begin_moving(length, state[at.REELING], step, state)
+    if by_length or are_derived(parameters):
+        past.keep_past(length, step, state)
+
+
+@kernel
 def remember(parameters, inputs, given, state):
     """Header of the state (modified) after a communication step with `StepInputs`.
 
     A winch that is controlled by force has its length and speed from the variant.
     """
     step = given.step
+    remember_past(parameters, inputs, step, state)
     if not winch.follows_force(parameters):
         winch.reel(given.reeling, step, state)
-    state[at.LAST_WINCH_LENGTH] = inputs[at.WINCH_LENGTH]
     for k in range(len(given.rated)):
         put_at(state, at.LAST_RATED + 3 * k, given.rated[k])
         put_at(state, at.RECENT_RATES + 3 * k, given.recent[k])
-    state[at.STEP_BEFORE] = state[at.LAST_STEP]
     state[at.LAST_STEP] = step
     state[at.PEAK_SO_FAR] = at.NO_TENSION
     state[at.LONGEST_SO_FAR] = max(state[at.LONGEST_SO_FAR], step)
-    state[at.CORRECTION_LEFT] = given.correction - step
+    for k in range(3):
+        state[at.CORRECTIONS_LEFT + k] = max(0.0, given.corrections[k] - step)
     state[at.CLOCK] += step
     put_at(state, at.WIND, add_scaled(given.wind, step, given.wind_rate))
-    put_at(state, at.LAST_KITE_POSITION, vector_at(inputs, at.KITE_POSITION))
-    put_at(state, at.LAST_GROUND_POSITION, vector_at(inputs, at.GROUND_POSITION))
     consume_given_derivatives(state)
 
 

@@ -45,7 +45,7 @@ from ..equations.ropes import (
     is_turned,
     outputs_of_line,
 )
-from ..equations.winch import follows_force, follows_length, is_sought
+from ..equations.winch import follows_force, follows_length, from_length, is_sought
 from ..line.backward_euler import given_steps
 from ..linear_algebra.vectors import add, get, put_at, scale, sub, vector_at
 from ..motion import adaptive_steps, fixed_steps
@@ -296,8 +296,8 @@ def begin_line(system, k, step, before):
         moving_lines.begin_line(system, k, shape, given, before)
         take_loads(system, k, step, before)
         if elsewhere != 0.0:
-            c0, c1, c2, c3, jump = conditions_of(system, k).reeling
-            put_reeling(system, k, (c0 - elsewhere, c1, c2, c3, jump))
+            reeling = conditions_of(system, k).reeling
+            put_reeling(system, k, from_length(reeling[0] - elsewhere, reeling))
             state[at.LENGTH] -= elsewhere
     return status
 
