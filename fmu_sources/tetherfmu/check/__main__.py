@@ -1,28 +1,25 @@
 """Check FMUs on this machine: `python -m tetherfmu.check FILE.fmu [FILE.fmu ...]`; needs FMPy.
 
 It validates the archive and the model description, looks for known problems and names the remedy, and runs the evidence
-sets in a separate process. Exit status: 0 no problem, 1 a problem was found, 2 wrong use.
+sets in a separate process, for `apart.LONGEST` seconds at most. Exit status: 0 no problem, 1 a problem was found, 2 wrong
+use.
 """
 
 import importlib.util
-import json
-import subprocess
 import sys
 import tempfile
 import zipfile
-from pathlib import Path
 
 from tetherfmu.console.ending import command
 from tetherfmu.console.options import Parser, file
 from tetherfmu.console.progress import now
 
 from . import inspection, soundness
+from .apart import LONGEST, apart, flown, validated
 from .findings import NOTE, OK, PROBLEM, Finding
 from .replay import evidence_of
 
-TIMEOUT = 300.0  # seconds for the run of the evidence set; it takes one or two
-LAST_LINES = 5  # of what a failed run said
-NOT_LOADED = "Failed to load shared library"  # what FMPy says
+VERSIONS = ("1", "2", "3")  # of FMI; FMUs of the first are validated only
 
 
 def findings(path):
@@ -33,11 +30,15 @@ def findings(path):
     with zipfile.ZipFile(path) as opened:
         names = opened.namelist()
     version = inspection.fmi_version(path)
-    found += inspection.description(path) + inspection.layout(names, version)
+    if version not in VERSIONS:
+        return [*found, Finding(PROBLEM, f"the fmiVersion is {version or 'missing'}; it must be {', '.join(VERSIONS)}")]
+    valid, problem = apart(validated, path, "FMPy's validation")
+    found += [problem] if problem else [Finding(*each) for each in valid]
+    found += inspection.layout(names, version)
     run = inspection.platforms(names, version)
     if inspection.MADE_BY_PYTHONFMU in names:
         run += inspection.paths(path, tempfile.gettempdir())
-    ready = not any(each.level == PROBLEM for each in run)
+    ready = version != "1" and not any(each.level == PROBLEM for each in run)
     found += run + evidence(path, ready)
     if inspection.MADE_BY_PYTHONFMU in names:
         found += inspection.hosts_that_are_not_python()
@@ -54,30 +55,14 @@ def evidence(path, ready):
         return [Finding(NOTE, "there is no evidence set in this FMU: it was validated, not run")]
     if not ready:
         return [Finding(NOTE, "the evidence set was not run, because of the problem above")]
-    result, problem = run_apart(path)
+    result, problem = apart(flown, path, "the run of the evidence set")
     if problem:
         return [problem]
-    units = inspection.units(path)
-    return [comparison(kind, result[kind], each, units) for kind, each in wanted.items()]
-
-
-def run_apart(path):
-    """Run the evidence sets in a process of their own: (result by kind, None) or (None, Finding)."""
-    with tempfile.TemporaryDirectory() as folder:
-        result = Path(folder) / "result.json"
-        try:
-            run = [sys.executable, "-m", "tetherfmu.check.replay", str(path), str(result)]
-            done = subprocess.run(run, capture_output=True, text=True, errors="replace", check=False, timeout=TIMEOUT)
-        except subprocess.TimeoutExpired:
-            return None, Finding(PROBLEM, f"the run of the evidence set did not end within {TIMEOUT:.0f} s")
-        said = " | ".join(done.stderr.strip().splitlines()[-LAST_LINES:])
-        if done.returncode == 0:
-            return json.loads(result.read_text(encoding="utf-8")), None
-    if done.returncode < 0 or done.returncode > 255:
-        text = f"the process that ran the FMU died (exit code {done.returncode}); it said last: {said or 'nothing'}"
-        return None, Finding(PROBLEM, text, "look at `Traps for hosts` in docs/reference/fmi.md of TetherFMU")
-    remedy = "take an FMU for this processor and system" if NOT_LOADED in said else ""
-    return None, Finding(PROBLEM, f"the run of the evidence set failed: {said}", remedy)
+    try:
+        found, units = result
+        return [comparison(kind, found[kind], each, units) for kind, each in wanted.items()]
+    except (AttributeError, KeyError, IndexError, TypeError, ValueError):
+        return [Finding(PROBLEM, "the run of the evidence set left a result that is none: the FMU has changed it")]
 
 
 def comparison(kind, result, wanted, units):
@@ -127,7 +112,7 @@ def show(found):
 @command
 def main(arguments=None, prog="python -m tetherfmu.check"):
     """Check the FMUs that are named; returns the exit status."""
-    parser = Parser(prog=prog, description="check FMUs on this machine")
+    parser = Parser(prog=prog, description=f"check FMUs on this machine, each for at most {LONGEST} s")
     parser.add_argument("files", nargs="+", metavar="FILE.fmu", type=file, help="FMUs to check")
     files = parser.parse_args(arguments).files
     if importlib.util.find_spec("fmpy") is None:

@@ -1,17 +1,12 @@
-"""Run an FMU with its evidence sets in this process: `python -m tetherfmu.check.replay FILE.fmu RESULT.json`; needs FMPy.
-
-`tetherfmu.check` starts it as a process of its own, so that a crash of the FMU is a finding and not the end of the check.
-"""
+"""The evidence sets of an FMU, and a run with them in this process, which the FMU may end (`apart.py`); needs FMPy."""
 
 import csv
 import io
-import json
-import sys
 import zipfile
 from contextlib import suppress
 from itertools import pairwise
 from math import prod
-from pathlib import Path, PurePosixPath
+from pathlib import PurePosixPath
 from shutil import rmtree
 from typing import NamedTuple
 
@@ -138,8 +133,3 @@ def step_by_step(path, signals, evidence):
     for name in rows[0]:
         found |= by_element(name, [row[name] for row in rows])
     return found
-
-
-if __name__ == "__main__":
-    outcome = {kind: replay(sys.argv[1], each) for kind, each in evidence_of(sys.argv[1]).items()}
-    Path(sys.argv[2]).write_text(json.dumps(outcome), encoding="utf-8")

@@ -4,6 +4,7 @@ What the archive says of its sizes can be trusted afterwards: `zipfile` reads no
 """
 
 import io
+import re
 import stat
 import struct
 import zipfile
@@ -16,6 +17,7 @@ from .replay import EVIDENCE_FOLDER
 
 DESCRIPTION = "modelDescription.xml"
 READ_AS_XML = (DESCRIPTION, "terminalsAndIcons/terminalsAndIcons.xml", "sources/buildDescription.xml")  # by FMPy
+IDENTIFIER = "modelIdentifier"  # attribute that names the library
 LARGEST_LIST = 10_000_000  # bytes of the list of files in the archive
 MOST_FILES = 10_000
 LARGEST_SUM = 1_000_000_000  # bytes of all files
@@ -105,7 +107,10 @@ def problems_of_xml(opened, name):
     def refuse_doctype(*_):
         raise ValueError("has a document type declaration (DTD), which may define entities; an FMU has none")
 
-    def enter(*_):
+    def enter(_, attributes):
+        identifier = attributes.get(IDENTIFIER, "a")
+        if not re.fullmatch(r"[A-Za-z_]\w*", identifier, re.ASCII):
+            raise ValueError(f"has the {IDENTIFIER} {identifier!r}; it must be a name in C, and names a file in the archive")
         depths[0] += 1
         count[0] += 1
         if depths[0] > DEEPEST:

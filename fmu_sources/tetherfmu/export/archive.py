@@ -17,6 +17,7 @@ from pythonfmu.builder import FmuBuilder
 from tetherfmu.fmi.resources import KERNELS_FOLDER, OPTIONS_FILE
 from tetherfmu.libraries import ready
 from tetherfmu.libraries.sources import PACKAGE
+from tetherfmu.libraries.whole_files import whole
 from tetherfmu.runtime.kernel_library import NO_LIBRARY_OF_PYTHONFMU, PYTHONFMU, file_name
 from tetherfmu.runtime.variants import EVERY_VARIANT, class_name, library_of
 
@@ -113,23 +114,20 @@ def write(files, folder, name, purpose):
     """
     osp_file = f"{OSP_FOLDER}/{osp.file_name(name)}"
     if osp_file in files and not purpose:
-        (folder / osp.file_name(name)).write_bytes(files[osp_file])
+        with whole(folder / osp.file_name(name)) as unfinished:
+            unfinished.write_bytes(files[osp_file])
     return write_archive(files, folder / (f"{name}_{purpose.name}.fmu" if purpose else f"{name}.fmu"))
 
 
 def write_archive(files, target):
     """Write an archive whole or not at all, with fixed dates and sorted entries; returns its path."""
-    partial = target.with_name(f"{target.name}.partial")
-    try:
-        with zipfile.ZipFile(partial, "w") as archive:
-            for name in sorted(files):
-                item = zipfile.ZipInfo(name, DATE)
-                item.compress_type = zipfile.ZIP_DEFLATED
-                item.external_attr = FILE_MODE
-                archive.writestr(item, files[name])
-        return partial.replace(target)
-    finally:
-        partial.unlink(missing_ok=True)
+    with whole(target) as unfinished, zipfile.ZipFile(unfinished, "w") as archive:
+        for name in sorted(files):
+            item = zipfile.ZipInfo(name, DATE)
+            item.compress_type = zipfile.ZIP_DEFLATED
+            item.external_attr = FILE_MODE
+            archive.writestr(item, files[name])
+    return target
 
 
 def write_package(resources, name, file, text, kernels=(), modules=()):

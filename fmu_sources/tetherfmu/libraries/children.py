@@ -36,13 +36,15 @@ def ctrl_c_waits():
 
 @contextmanager
 def child(command, **options):
-    """`subprocess.Popen` of a command, without input; if an exception leaves the block, it ends with all that it started.
+    """`subprocess.Popen` of a command; if an exception leaves the block, it ends with all that it started.
 
+    It has no input unless the options give it one.
     Ctrl-C is such an exception. It does not reach the child, which has a group of its own, but by this process.
     """
     group = {} if os.name == "nt" else {"process_group": 0}
     with ctrl_c_waits() as stop_if_pressed:
-        process = subprocess.Popen(command, stdin=subprocess.DEVNULL, text=True, errors="replace", **group, **options)
+        given = {"stdin": subprocess.DEVNULL, "text": True, "errors": "replace"} | group | options
+        process = subprocess.Popen(command, **given)
     with process:
         try:
             stop_if_pressed()

@@ -16,11 +16,13 @@ from tetherfmu.runtime.variants import VARIANTS
 from .ahead_of_time import TARGETS
 from .children import child
 from .sources import PACKAGE, digest
+from .whole_files import clear
 
 IN_WHEEL = PACKAGE / "libraries" / "compiled"
 TOOLS = ("llvmlite", "numba", "ziglang")
 LIBRARIES = (*VARIANTS, kernel_library.SYSTEM)  # all that there are; the later, the longer they take to compile
 TESTED = (0, 63), (0, 68)  # first and last version of numba whose internals are known; the extra `build` has the same
+UNFINISHED = "partial-"  # begins the name of a folder in which a process compiles
 TEMPORARY = ("TMPDIR", "TEMP", "TMP")  # environment variables that name the folder for temporary files
 FOR_NUMBA = {  # environment variables
     "NUMBA_CPU_NAME": "x86-64",  # the plainest processor, as the targets of `ahead_of_time` are
@@ -124,8 +126,9 @@ def run(module, arguments, root):
     command = [sys.executable, "-P", "-m", f"tetherfmu.libraries.{module}", *arguments]
     path = [str(PACKAGE.parent), *filter(None, [os.environ.get("PYTHONPATH")])]  # the child compiles this very package
     root.mkdir(parents=True, exist_ok=True)
+    clear(root, f"{UNFINISHED}*")
     with (
-        tempfile.TemporaryDirectory(dir=root, prefix="partial-") as unfinished,  # also what is so when Ctrl-C ends the child
+        tempfile.TemporaryDirectory(dir=root, prefix=UNFINISHED) as unfinished,  # also what is so when Ctrl-C ends the child
         tempfile.TemporaryFile("w+") as problems,
     ):
         own = {"PYTHONPATH": os.pathsep.join(path), **dict.fromkeys(TEMPORARY, unfinished)}

@@ -39,6 +39,7 @@ from ..compilation import kernel
 from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, dot, scale, sub
 
 CURVED = 1.5
+ROUNDED = 1e-9  # of a step: what is left of a correction where steps differ by rounding
 LARGEST_ANGLE = 2.0  # [rad] of the chord in a first step: beyond, half of the square is further off than no turning at all
 
 
@@ -125,7 +126,7 @@ def time_of_correction(reached_position, reached_velocity, position, velocity, l
     last_step, left : the last communication step, and what it has left of its own H [s].
     """
     off, moving = sub(reached_position, position), sub(reached_velocity, velocity)
-    arose = left if left > 0.0 else last_step
+    arose = left if left > ROUNDED * last_step else last_step
     square, speed = 9.0 * dot(off, off), dot(moving, moving)
     if not 0.0 < arose < time or speed * time * time <= square:
         return time

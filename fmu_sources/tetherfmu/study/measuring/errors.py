@@ -14,12 +14,15 @@ The reference is the dynamic tether, refined in space and in time until its own 
 that knows the mean reel-out speed of each step and the wind of its middle (`Scene.inputs`, exact).
 """
 
+import json
+import zipfile
 from functools import partial
 from math import ceil, inf
 from typing import NamedTuple
 
 import numpy as np
 
+from tetherfmu.results import Flown
 from tetherfmu.runtime import layout as at
 
 from .runs import Config, Run, cost, run
@@ -29,6 +32,8 @@ LONGEST_SETTLING = 0.25  # ... at most this part of the scene
 FIRST_SEGMENTS, MOST_SEGMENTS = 16, 256
 LONGEST_STEP, SHORTEST_STEP = 0.004, 0.00025  # communication step [s], about
 TOLERANCE = 1e-6
+# what reading raises if a file has no `Reference`
+DAMAGED = (KeyError, OSError, TypeError, ValueError, EOFError, zipfile.BadZipFile)
 size = partial(np.linalg.norm, axis=-1)  # length of vectors along the last axis
 
 
@@ -88,6 +93,22 @@ class Reference(NamedTuple):
     def own_error(self, names=None):
         """Bound of its own error in some outputs, or in all: both changes together; each is larger than what is left."""
         return worst(self.space, names) + worst(self.time, names)
+
+
+def write_reference(path, reference):
+    """Write a `Reference` to a file: arrays, and its facts as JSON."""
+    config, (flown, *counts), *rest = reference
+    with open(path, "wb") as file:
+        facts = json.dumps([config, counts, flown.seconds, *rest])
+        np.savez_compressed(file, outputs=flown.outputs, peak=flown.peak, time=flown.time, facts=facts)
+
+
+def read_reference(path):
+    """The `Reference` in a file; one of `DAMAGED` if it has none."""
+    with np.load(path, allow_pickle=False) as file:
+        config, (work, calls, implausible), seconds, space, time, spent = json.loads(str(file["facts"]))
+        flown = Flown(file["outputs"], file["peak"], None, seconds, (), file["time"])
+    return Reference(Config(*config), Run(flown, work, calls, tuple(implausible)), space, time, spent)
 
 
 def even_part(every, longest):

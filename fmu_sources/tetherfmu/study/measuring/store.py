@@ -1,15 +1,17 @@
-"""Results on disk as they finish: a line of JSON for each point, a pickle for a reference. A kill loses nothing finished."""
+"""Results on disk as they finish: a line of JSON for each point, arrays for a reference. A kill loses nothing finished."""
 
 import hashlib
 import json
 import os
-import pickle
 from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
 
 from tetherfmu.console.ending import WorkersLost, is_stop
 from tetherfmu.libraries.sources import PACKAGE
+from tetherfmu.libraries.whole_files import whole
+
+from .errors import DAMAGED, read_reference, write_reference
 
 POINTS = "points.jsonl"  # file of the points of a trade-off study
 
@@ -79,12 +81,12 @@ class Store:
             os.fsync(file.fileno())
 
     def kept(self, key, make):
-        """What `make` returned when it was first asked for under this key."""
-        path = self.folder / f"{key}.pickle"
+        """The `Reference` that `make` returned when it was first asked for under this key; anew if its file is damaged."""
+        path = self.folder / f"{key}.npz"
         if path.exists():
-            return pickle.loads(path.read_bytes())
+            with suppress(*DAMAGED):
+                return read_reference(path)
         made = make()
-        partial = path.with_suffix(".partial")
-        partial.write_bytes(pickle.dumps(made))
-        partial.replace(path)
+        with whole(path) as unfinished:
+            write_reference(unfinished, made)
         return made

@@ -1,0 +1,29 @@
+"""Files that are there as a whole or not at all, whoever else writes them, and what killed processes have left of them."""
+
+from contextlib import contextmanager, suppress
+from glob import escape
+from shutil import rmtree
+from time import time
+from uuid import uuid4
+
+LEFT_BEHIND = 3600.0  # age [s] from which on nobody is at work any more on what is unfinished
+
+
+@contextmanager
+def whole(path):
+    """Path of a new file that takes the place of `path` when the block ends, and is gone if an exception ends it."""
+    clear(path.parent, f"{escape(path.name)}.*.partial")
+    unfinished = path.with_name(f"{path.name}.{uuid4().hex}.partial")
+    try:
+        yield unfinished
+        unfinished.replace(path)
+    finally:
+        unfinished.unlink(missing_ok=True)
+
+
+def clear(folder, pattern):
+    """Remove the files and folders of a pattern in a folder on which nobody is at work any more."""
+    for path in folder.glob(pattern):
+        with suppress(OSError):  # another process may clear, too
+            if time() - path.lstat().st_mtime > LEFT_BEHIND:
+                rmtree(path) if path.is_dir() and not path.is_symlink() else path.unlink()
