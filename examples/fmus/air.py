@@ -2,7 +2,7 @@
 
 from math import exp, log
 
-from tetherfmu.runtime.layout import LOGARITHMIC, POWER_LAW, UNIFORM
+from tetherfmu.runtime.layout import EXPLOG, LOGARITHMIC, POWER_LAW, UNIFORM
 
 
 def power_law(height, air):
@@ -17,7 +17,7 @@ def logarithmic(height, air):
 
 
 def wind_factor(height, air):
-    """Wind at a height [m] over wind at the reference height [-], never negative."""
+    """Wind at a height [m] over wind at the reference height [-], never negative; ValueError for an unknown law."""
     profile = air.wind_profile
     if profile == UNIFORM:
         return 1.0
@@ -25,7 +25,9 @@ def wind_factor(height, air):
         return power_law(height, air)
     if profile == LOGARITHMIC:
         return logarithmic(height, air)
-    return max(0.0, 2.0 * logarithmic(height, air) - power_law(height, air))
+    if profile == EXPLOG:
+        return max(0.0, 2.0 * logarithmic(height, air) - power_law(height, air))
+    raise ValueError(f"wind_profile is {profile}, a law that examples/fmus/air.py does not know")
 
 
 def density(height, air):

@@ -8,6 +8,7 @@ import re
 import stat
 import tomllib
 from dataclasses import field, fields, make_dataclass
+from itertools import combinations
 from pathlib import Path
 
 from tetherfmu.runtime import layout as at
@@ -147,6 +148,20 @@ def unit_meant(value, declared):
     smaller = (each for each, factor in factors(declared.unit).items() if factor < 1.0 and declared.allows(factor * value))
     unit = next(smaller, "")
     return f'; did you mean "{value:g} {unit}"?' if unit else ""
+
+
+def check_once(names, key_of=str, made_of=None):
+    """ValueError if two names set the same value: by one key, or one names a vector and the other an element of it.
+
+    key_of : function of a name to its key.  made_of : dict of a key to the vector whose first two numbers it changes.
+    """
+    for first, second in combinations(names, 2):
+        keys = key_of(first), key_of(second)
+        for one, other in (keys, keys[::-1]):
+            vector = (made_of or {}).get(one)
+            if one == other or other.startswith(f"{one}[") or (vector and other in (vector, f"{vector}[1]", f"{vector}[2]")):
+                twice = f"{first} is" if first == second else f"{first} and {second} are the same value,"
+                raise ValueError(f"{twice} given twice; give one of them")
 
 
 def factors(unit):

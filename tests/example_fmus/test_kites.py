@@ -1,6 +1,7 @@
 """The kites against formulas: forces, signs, turn rate law, free fall, terminal velocity, order; the air of the tether."""
 
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from tetherfmu.kernels.equations import air
 from tetherfmu.libraries.examples import example
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.parameters import Environment
+from tetherfmu.runtime.quantities import quantities
 
 NO_WEIGHT = {"turning_by_weight": 0.0}
 
@@ -67,7 +69,10 @@ def test_weight_turns_the_nose_down():
     assert kite.get("heading") == pytest.approx(expected, rel=1e-5)  # second order: (0.1226 0.02)^2 = 6e-6
 
 
-@pytest.mark.parametrize("profile", [1, 2, 3, 4])
+LAWS = dict(quantities(Environment))["wind_profile"].numbers
+
+
+@pytest.mark.parametrize("profile", LAWS.values())
 @pytest.mark.parametrize("height", [-5.0, 0.0, 1e-4, 3.0, 6.0, 150.0])
 def test_the_air_is_that_of_the_tether(profile, height):
     of_examples = example("fmus.air")
@@ -78,6 +83,11 @@ def test_the_air_is_that_of_the_tether(profile, height):
     factor, density, _, _ = air.varying_air(height, parameters)
     assert of_examples.wind_factor(height, known) == pytest.approx(factor, rel=1e-14)
     assert of_examples.density(height, known) == pytest.approx(density, rel=1e-14)
+
+
+def test_a_law_that_the_examples_do_not_know_is_refused():
+    with pytest.raises(ValueError, match=r"wind_profile is 5, a law that examples/fmus/air.py does not know"):
+        example("fmus.air").wind_factor(3.0, SimpleNamespace(wind_profile=max(LAWS.values()) + 1))
 
 
 def test_free_fall():

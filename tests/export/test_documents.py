@@ -21,6 +21,12 @@ from tetherfmu.runtime.variables import variables
 every_fmu = pytest.mark.parametrize("name", list(SLAVES))
 
 
+def test_each_variant_has_a_page_of_its_physics():
+    assert all(documents.physics_of(variant) for variant in SLAVES.values())
+    with pytest.raises(ValueError, match=r"spring has no page .*: write tetherfmu/export/assets/physics/spring.html"):
+        documents.physics_of("spring")
+
+
 class Page(HTMLParser):
     """Links, pictures, texts of the cells, and whether every element that opens is closed."""
 

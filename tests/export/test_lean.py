@@ -166,6 +166,8 @@ WRONG = {
     "--set wind_velocity=8": "wind_velocity is '8'; it must be 3 numbers",
     "--set wind_profile=5": "wind_profile is 5; it must be one of 1 (uniform), ",
     "--set wind_profile=3 --set surface_roughness=7": "the FMU would refuse its start values: ",
+    "--set winch_control=force --set winch_force=-500 --inputs motion": "the first step of 0.02 s with its start values",
+    "--set reel_out_speed=-1e5 --inputs wind": "none of its inputs changes that",
 }
 
 
@@ -177,6 +179,14 @@ def test_wrong_choices(options, tmp_path, capsys):
     assert WRONG[options] in told
     assert told.count("\n") == 1
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("inputs", ["winch_force", "*"])
+def test_a_first_step_that_waits_for_an_input_is_a_doubt(inputs, tmp_path, capsys):
+    """The catenary finds no length for a pull of 0 N; with the input that says how much the winch pulls it is built."""
+    options = ["--set", "winch_control=force", "--inputs", inputs, "--out", str(tmp_path)]
+    assert command.main(["catenary", *options]) == 0
+    assert "would refuse the first step of 0.02 s with its start values: no unstretched length" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("flavour", FLAVOURS)

@@ -2,9 +2,12 @@
 
 import ast
 import os
+import re
 import shutil
 import subprocess
 import sys
+from io import StringIO
+from tokenize import COMMENT, generate_tokens
 
 import pytest
 
@@ -42,17 +45,56 @@ def test_what_is_shared_and_what_is_not():
     assert {variant for variant in VARIANTS if "chord.py" in names[variant]} == {"straight", "catenary"}
 
 
-@pytest.mark.parametrize(("edited", "changed"), [("quasi_steady", {"quasi_steady"}), ("segment", set(VARIANTS))])
-def test_an_edit_renames_the_variants_that_use_the_file(monkeypatch, edited, changed):
+WORDS = {  # what is edited in each file: what it has then
+    r"\A": "# a comment\n\n",
+    r"(?<=[\w)])\n": '  # another, of 2 "marks" and of \'\n',
+    r'"""\n': '"""\n    # one below a docstring\n\n',
+    r'(?<=:\n    """)': "In other words, \\'\\. ",
+    r'(?<=\A""")': "Of something else: ",
+}
+EDITS = {  # what is edited in a file: its name, and the variants with another digest then
+    ("(?s)(.*)", r"\1MORE = 1\n"): [("quasi_steady", {"quasi_steady"}), ("segment", set(VARIANTS)), ("sources", set())],
+    (r"\b1\.0\b", "1.5"): [("catenary", {"catenary"}), ("drum", {"quasi_steady", "dynamic", "straight", "catenary"})],
+    ('(?<=: ")no ', "none "): [("status", set(VARIANTS))],
+    **{edit: [("dynamic", set()), ("segment", set()), ("linking", set()), ("drum", set())] for edit in WORDS.items()},
+}
+
+
+@pytest.mark.parametrize(("edit", "file", "changed"), [(edit, *each) for edit, all_of in EDITS.items() for each in all_of])
+def test_an_edit_renames_the_variants_that_use_the_file_but_words_do_not(monkeypatch, edit, file, changed):
     before = {variant: digest(variant) for variant in VARIANTS}
-    read = sources.Path.read_text
+    read, edited = sources.Path.read_text, []
 
-    def with_a_line_more(path, *arguments, **options):
-        return read(path, *arguments, **options) + ("# more\n" if path.stem == edited else "")
+    def with_an_edit(path, *arguments, **options):
+        text = read(path, *arguments, **options)
+        edited.append(path.stem == file and re.sub(*edit, text, count=1 if "MORE" in edit[1] else 0))
+        return edited[-1] or text
 
-    monkeypatch.setattr(sources.Path, "read_text", with_a_line_more)
+    monkeypatch.setattr(sources.Path, "read_text", with_an_edit)
+    sources.code_in.cache_clear()
     after = {variant: digest.__wrapped__(variant) for variant in VARIANTS}
+    sources.code_in.cache_clear()
     assert {variant for variant in VARIANTS if before[variant] != after[variant]} == changed
+
+
+def tree(text):
+    """Syntax tree of Python code, with empty docstrings."""
+    found = ast.parse(text)
+    for node in ast.walk(found):
+        if isinstance(node, ast.Module | ast.FunctionDef | ast.ClassDef) and ast.get_docstring(node) is not None:
+            node.body[0].value.value = ""
+        if isinstance(node, ast.Assign) and getattr(node.targets[0], "attr", "") == "__doc__":
+            node.value = ast.Constant("")
+    return ast.dump(found)
+
+
+def test_nothing_but_words_is_left_out():
+    """What the digest sees is Python code with the syntax tree of the source, docstrings apart, and has no comment."""
+    for path in sources_of("system"):
+        if path.suffix == ".py":
+            code = sources.code_in(path)
+            assert tree(code) == tree(path.read_text(encoding="utf-8")), path
+            assert not [each for each in generate_tokens(StringIO(code).readline) if each.type == COMMENT], path
 
 
 def test_packages_beside_this_one_do_not_count(tmp_path):

@@ -337,8 +337,9 @@ static int some_derivative(void)
     int status = directional(unknowns, count, knowns, known_count, seed, seeds, sensitivity, room);
     if (((Instance *)instance)->phase != INITIALIZING && (bytes_of(after) != size || memcmp(before, after, size)))
         fault("a derivative has changed the state");
+    if (FMI == 2) room = count < room ? count : room;
     for (size_t i = 0; i < ROOM; i++)
-        if (!is_finite(sensitivity[i])) fault("a derivative is not finite");
+        if (is_finite(sensitivity[i]) != (status == OK || i >= room)) fault("a derivative that is there, or not, is not finite");
     return status;
 }
 

@@ -7,7 +7,9 @@ import pytest
 
 import tetherfmu
 from tetherfmu.console.colours import PALETTE
-from tetherfmu.runtime import inputs, layout, outputs, status
+from tetherfmu.runtime import enumerations, inputs, layout, outputs, status
+from tetherfmu.runtime.parameters import Environment
+from tetherfmu.runtime.quantities import quantities
 from tetherfmu.runtime.variables import PARAMETER, PARAMETERS, variables
 from tetherfmu.runtime.variants import TABLE
 
@@ -30,6 +32,16 @@ def test_each_place_has_a_name_of_its_own():
     assert (of_inputs.keys() | of_outputs.keys()) & written_in(layout) == {"SHAPE"}
     for name, place in (of_inputs | of_outputs).items():
         assert getattr(layout, name) == place
+
+
+def test_what_is_no_choice_is_below_all_choices():
+    """A law of the wind more, or a choice more of any parameter, must not mean wind at the nodes."""
+    assert min(number for each in PARAMETERS for number in each.quantity.numbers.values()) == 1
+    numbers = {name: number for name, number in vars(enumerations).items() if isinstance(number, int)}
+    assert [name for name, number in numbers.items() if number < 1] == ["AT_NODES"]
+    declared = dict(quantities(Environment))["wind_profile"].numbers
+    laws = {name: numbers[name.upper()] for name in declared}
+    assert laws == declared
 
 
 def test_each_scalar_of_the_parameters_has_a_place_of_its_own():

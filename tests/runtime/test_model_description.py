@@ -11,7 +11,10 @@ from fmpy.validation import validate_fmu
 from tetherfmu.export import archive
 from tetherfmu.export.archive import SLAVES
 from tetherfmu.export.build_options import BuildOptions
+from tetherfmu.fmi.model_description import base_units
 from tetherfmu.runtime.kernel_library import this_platform
+from tetherfmu.runtime.variables import variables
+from tetherfmu.runtime.variants import EVERY_VARIANT
 
 VECTORS = {"input": ["ground_position", "ground_velocity", "wind_velocity"], "output": ["ground_force", "kite_force"]}
 DRIVEN = {"input": ["kite_position", "kite_velocity"], "output": []}
@@ -168,6 +171,14 @@ def test_every_choice_is_described(fmu_folder, name):
     for item, given in zip(items["winch_control"], SCALARS["input"][:3], strict=True):
         assert given in item.description, "it names the input"
     assert variables["winch_control"].description == "quantity that controls the winch: speed, force or length"
+
+
+@pytest.mark.parametrize("variant", EVERY_VARIANT)
+def test_each_unit_has_a_quantity_and_base_units(variant):
+    units = {each.quantity.unit for each in variables(variant, 2, wind_points=2)} - {""}
+    assert all(base_units(unit) for unit in units)
+    with pytest.raises(ValueError, match=r"the unit N.s/m2 has no quantity and no base units: add it to UNITS in fmi/model"):
+        base_units("N.s/m2")
 
 
 def test_the_shape_of_an_fmu_with_wind_points_is_an_output(tmp_path):

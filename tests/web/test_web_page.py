@@ -97,6 +97,18 @@ def test_scenes_are_those_of_the_files(path):
         assert known["wind"].get("velocity", [0.0, 0.0, 0.0]) == list(scene.wind.velocity)
 
 
+def test_the_wing_knows_the_laws_of_the_wind():
+    """By their numbers, each with its formula; any other is an error."""
+    script = (page.ASSETS / "script" / "wing.js").read_text(encoding="utf-8")
+    declared = re.search(r"const (UNIFORM = [^;]*); // choices of `wind_profile`", script)[1]
+    laws = {name.lower(): int(number) for name, number in re.findall(r"(\w+) = (\d+)", declared)}
+    (wanted,) = (each for each in KNOWN["parameters"] if each["name"] == "wind_profile")
+    assert list(laws) == wanted["choices"]
+    assert list(laws.values()) == [at.UNIFORM, at.POWER_LAW, at.LOGARITHMIC, at.EXPLOG]
+    assert re.findall(r"air\.wind_profile === (\w+)\) return", script) == [name.upper() for name in laws]
+    assert "throw new Error(`wind_profile is ${air.wind_profile}, a law that wing.js does not know`)" in script
+
+
 def test_modules_of_the_script_import_what_is_exported():
     texts = page.modules()
     for name, text in texts.items():

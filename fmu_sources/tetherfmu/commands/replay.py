@@ -17,7 +17,7 @@ def parse(arguments, prog):
     about = "what its columns are: a map of this package, or a file (TOML) (default: kitepower)"
     option("--as", dest="map", metavar="MAP", help=about)
     about = "change a constant of the map, such as tether.diameter=0.014"
-    option("--set", type=setting, action="append", metavar="NAME=VALUE", help=about)
+    option("--set", dest="settings", type=setting, action="append", metavar="NAME=VALUE", help=about)
     about = "what the winch follows: tension, length or speed (default: the first of them in the log)"
     parser.add_choice("--lead", ("tension", "length", "speed"), help=about)
     tethers = tuple(reversed(VARIANTS))

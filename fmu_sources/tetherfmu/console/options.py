@@ -7,6 +7,7 @@ import sys
 import tomllib
 from pathlib import Path
 
+from tetherfmu.input_files import check_once
 from tetherfmu.runtime.naming import meant_or_all
 from tetherfmu.runtime.quantities import Quantity
 
@@ -35,7 +36,12 @@ class Parser(argparse.ArgumentParser):
         for name in (each.partition("=")[0] for each in args if re.match("--[a-z]", each)):
             if not any(each.startswith(name) for each in known):
                 self.error(f"there is no option {name}{meant_or_all(name, dict.fromkeys(known))}")
-        return super().parse_args(args, namespace)
+        found = super().parse_args(args, namespace)
+        try:
+            check_once(names_in(getattr(found, "settings", None) or getattr(found, "starts", None) or ()))
+        except ValueError as error:
+            self.error(f"--set: {error}")
+        return found
 
     def error(self, message):
         """Leave with status 2; of an option of several values, with what they are."""
@@ -138,6 +144,11 @@ def named_value(text, form="NAME=VALUE"):
     if not (name and equals and value):
         raise argparse.ArgumentTypeError(f"{text!r} is not possible; it must be {form}")
     return name, value
+
+
+def names_in(settings):
+    """Names of what is set, a list, from texts NAME=VALUE or pairs of names and values."""
+    return [(each.partition("=") if isinstance(each, str) else each)[0].strip() for each in settings]
 
 
 def setting(text):

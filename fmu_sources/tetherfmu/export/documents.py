@@ -40,12 +40,20 @@ def documents(name, variant, description, options, given, native=None):
         words = {"scene": evidence.SCENES[BY_NAME[variant].kite_is_free], "more": more}
         sets = evidence.files(name, made, native == 3, model=name, **words) if made else {}
         shared = asset("physics/chain_in_motion.html") if BY_NAME[variant].has_waves else ""
-        physics = (asset(f"physics/{variant}.html") + shared).strip()
+        physics = (physics_of(variant) + shared).strip()
         coupling = asset("free_kite.html" if BY_NAME[variant].kite_is_free else "driven_kite.html").strip()
         body = filled("tether.html", name=name, physics=physics, coupling=coupling, **about(description, native))
     groups = osp.model_description(selection.shown(table, given["left_out"]))
     beside = files_beside(name, page(title, body, table, given["left_out"]), sets, options.platforms, groups, native)
     return beside | {"documentation/figure.png": (ASSETS / "figure.png").read_bytes()}
+
+
+def physics_of(variant):
+    """Section of the page on the physics of a variant; ValueError if nobody has written it yet."""
+    file = f"physics/{variant}.html"
+    if not (ASSETS / file).exists():
+        raise ValueError(f"the tether {variant} has no page of its physics: write {PACKAGE.name}/export/assets/{file}")
+    return asset(file)
 
 
 def files_beside(name, page_of, sets, platforms, groups, native=None):

@@ -182,8 +182,8 @@ class BaseSlave(Fmi2Slave):
         return [value == value and value != 0.0 for value in self._get(vrs, self._booleans)]
 
     def get_string(self, vrs):
-        """There are no String variables."""
-        return [str(value) for value in self._get(vrs, frozenset())]
+        """There are no String variables: empty texts, since PythonFMU's library cannot pass NULL on."""
+        return ["" for _ in self._get(vrs, frozenset())]
 
     def set_boolean(self, vrs, values):
         """Store values of Boolean inputs."""

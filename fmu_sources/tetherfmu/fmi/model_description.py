@@ -108,7 +108,14 @@ def units(table):
 
 def base_units(unit):
     """Attributes of a BaseUnit: exponents of the base units of a unit, as texts by their names."""
-    return {base: str(power) for base, power in UNITS[unit][1].items()}
+    return {base: str(power) for base, power in known(unit)[1].items()}
+
+
+def known(unit):
+    """What `UNITS` says of a unit; ValueError if it does not have it."""
+    if unit not in UNITS:
+        raise ValueError(f"the unit {unit} has no quantity and no base units: add it to UNITS in fmi/model_description.py")
+    return UNITS[unit]
 
 
 def display_of(quantity):
@@ -160,7 +167,7 @@ def attributes(name, reference, meaning, elements):
     if first.kind == "Enumeration":
         found["declaredType"] = type_name(first)
     if first.kind == "Real" and declared.unit:
-        quantity, _, nominal = UNITS[declared.unit]
+        quantity, _, nominal = known(declared.unit)
         found |= {"quantity": quantity, "unit": declared.unit}
         if display_of(declared):
             found["displayUnit"] = display_of(declared)[0]

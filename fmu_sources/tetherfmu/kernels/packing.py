@@ -21,10 +21,12 @@ from tetherfmu.runtime.status import (
     SEGMENTS_TOO_MANY,
     SEGMENTS_TOO_SHORT,
     STOPS_CROSSED,
+    UNKNOWN_WIND_LAW,
 )
 from tetherfmu.runtime.variables import PARAMETERS, PARAMETERS_WITHOUT_KITE
 
 from .compilation import kernel, power
+from .equations import air
 from .equations.properties import put_point_mass, put_property
 
 _NAMES = [each.name for each in PARAMETERS]
@@ -109,6 +111,8 @@ def check(tethers, kites, quantities, has_nodes):
             return status
     shift = (tethers - 1) * QUANTITIES_OF_TETHER
     profile = quantities[shift + PROFILE]
+    if not air.is_known(profile):
+        return refused(UNKNOWN_WIND_LAW, shift + PROFILE)
     is_logarithmic = profile == at.LOGARITHMIC or profile == at.EXPLOG
     if is_logarithmic and quantities[shift + ROUGHNESS] >= quantities[shift + HEIGHT]:
         return refused(ROUGHNESS_TOO_LARGE, shift + ROUGHNESS)

@@ -9,7 +9,24 @@ PACKAGE = Path(__file__).resolve().parents[1]
 HAS_AVX = PACKAGE / "runtime" / "native" / "has_avx.c"  # what asks for the kind of the processor
 # modules beside this one, how a library is made
 RECIPE = ("ahead_of_time", "intermediate_code", "linking", "llvm_modules", "processors")
+LONG = r'"{3}[^"\\]*(?:(?:\\.|"(?!""))[^"\\]*)*"{3}'
+# a text, which may contain a #, or what is left out: comments and empty lines
+WORDS = re.compile(rf"""({LONG}|"(?:\\.|[^"\\\n])*"|'(?:\\.|[^'\\\n])*')|  #[^\n]*|#[^\n]*|\n *(?=\n|#)""", re.DOTALL)
+DOCSTRING = re.compile(rf"(\A|:\n\s*|\.__doc__ = ){LONG}", re.DOTALL)
 IMPORT = re.compile(r"^from (\.*)([\w.]*) import (?:\(([^)]*)\)|(.*))$", re.MULTILINE)
+NAME = re.compile(r"(\w+)(?: as \w+)?")
+
+
+@cache
+def code_in(path):
+    """Text of a file; of a Python file without comments and empty lines, and with empty docstrings.
+
+    Thus words change no library. (A syntax tree as text would depend on the version of Python, which a wheel must not.)
+    """
+    text = path.read_text(encoding="utf-8")  # with any line ending
+    if path.suffix != ".py":
+        return text
+    return DOCSTRING.sub(r'\1""""""', WORDS.sub(lambda found: found[1] or "", text).lstrip())
 
 
 def imported(path):
@@ -17,11 +34,11 @@ def imported(path):
 
     Other packages do not count, although numba's files lie beside this package in an environment with the wheel.
     """
-    for dots, module, *names in IMPORT.findall(path.read_text(encoding="utf-8")):
+    for dots, module, *names in IMPORT.findall(code_in(path)):
         base = path.parents[len(dots) - 1] if dots else PACKAGE.parent
         base = base.joinpath(*module.split(".")) if module else base
-        places = [base / name for name in re.findall(r"(\w+)(?: as \w+)?", "".join(names))]
-        files = (place.with_suffix(".py") for place in (base, *places))
+        places = [base] if base.with_suffix(".py").exists() else [base / name for name in NAME.findall("".join(names))]
+        files = (place.with_suffix(".py") for place in places)
         yield from (file for file in files if file.is_relative_to(PACKAGE) and file.exists())
 
 
@@ -45,5 +62,5 @@ def digest(variant):
     content = hashlib.sha256()
     for path in sources_of(variant):
         content.update(path.relative_to(PACKAGE).as_posix().encode("utf-8"))
-        content.update(path.read_text(encoding="utf-8").encode("utf-8"))  # with any line ending
+        content.update(code_in(path).encode("utf-8"))
     return content.hexdigest()[:12]

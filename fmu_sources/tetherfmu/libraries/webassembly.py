@@ -23,7 +23,7 @@ from . import ahead_of_time, llvm_modules, ready
 from .intermediate_code import Code
 from .linking import MATHEMATICS, zig
 from .llvm_modules import Target
-from .sources import digest
+from .sources import code_in, digest
 
 FILE = "tetherfmu.wasm"
 INSTRUCTIONS = {"sqrt", "ceil"}  # of WebAssembly itself
@@ -74,7 +74,7 @@ def place_of(name, file, variants, recipe):
 
     Its folder has a name with a hash of what it is made from; recipe : paths of the modules that make it.
     """
-    texts = [*map(digest, variants), *(Path(each).read_text(encoding="utf-8") for each in recipe)]
+    texts = [*map(digest, variants), *(code_in(Path(each)) for each in recipe)]
     folder = f"{name}_{sha256(''.join(texts).encode('utf-8')).hexdigest()[:12]}"
     in_wheel = ready.IN_WHEEL / folder / file
     return in_wheel if in_wheel.exists() else ready.cache_folder() / folder / file

@@ -47,6 +47,8 @@ SHEAVES_THAT_BREAK = 30
 NO_SHARES = 31
 SHEAVES_WITH_STOP = 32
 NO_BALANCE_OF_DRUMS = 33
+# of the wind
+UNKNOWN_WIND_LAW = 34
 
 SENTENCES = {
     OK: "done",
@@ -156,6 +158,7 @@ SENTENCES = {
         "with their own weight and drag at least, and a load on a single line pulls alike at any length: check winch_force, "
         "the ratios and positions of points, or set winch_start to 1 (given)"
     ),
+    UNKNOWN_WIND_LAW: "{name} is {value!r}, a law that the kernels do not know: see kernels/equations/air.py",
 }
 
 LIMITS = {  # in the sentences

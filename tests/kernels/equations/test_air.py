@@ -10,8 +10,11 @@ import numpy as np
 import pytest
 
 from kernels.packed import packed
-from tetherfmu.kernels.equations.air import air_density, wind_factor
+from tetherfmu.kernels.equations.air import air_density, is_known, wind_factor
+from tetherfmu.runtime import layout as at
+from tetherfmu.runtime import status
 from tetherfmu.runtime.parameters import Environment, Tether
+from tetherfmu.runtime.quantities import quantities
 
 HEIGHTS = [0.5, 6.0, 10.0, 200.0, 3000.0]
 REFERENCE, ALPHA, ROUGHNESS = 10.0, 0.14, 0.03
@@ -49,6 +52,18 @@ def test_wind_formula(profile, z):
 @pytest.mark.parametrize("profile", FORMULAS)
 def test_wind_at_reference_height_is_the_input(profile):
     assert wind_factor(REFERENCE, parameters(profile))[0] == pytest.approx(1.0, rel=1e-14)
+
+
+def test_all_laws_that_can_be_chosen_are_known_and_no_other():
+    """One that is declared and written nowhere else is no calm in silence: its factor is NaN, and `pack` refuses it."""
+    known = dict(quantities(Environment))["wind_profile"].numbers.values()
+    assert list(known) == list(FORMULAS)
+    assert [law for law in (at.AT_NODES, 0, *known, max(known) + 1) if is_known(law)] == list(known)
+    unknown = parameters()
+    unknown[at.WIND_PROFILE] = max(known) + 1
+    assert np.isnan(wind_factor(REFERENCE, unknown)).all()
+    said = status.sentence(status.UNKNOWN_WIND_LAW, name="wind_profile", value=5)
+    assert said == "wind_profile is 5, a law that the kernels do not know: see kernels/equations/air.py"
 
 
 @pytest.mark.parametrize("z", [0.0, -1e-9, -5.0, -1e4])

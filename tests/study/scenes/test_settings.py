@@ -11,7 +11,7 @@ from tetherfmu.libraries.examples import EXAMPLES
 from tetherfmu.runtime.layout import WINCH_FORCE
 from tetherfmu.study.scenes.files import SceneError, load
 from tetherfmu.study.scenes.named import about, named_scenes
-from tetherfmu.study.scenes.settings import FARTHEST
+from tetherfmu.study.scenes.settings import FARTHEST, check_settings
 
 WIND = "velocity = [8.0, 0.0, 0.0]"
 TURBULENT = EXAMPLES / "wind" / "parked_in_turbulence.toml"
@@ -68,6 +68,29 @@ def test_what_cannot_be_set_is_named(tmp_path, setting):
     if setting[0] != "tether.diameter[1]":
         with pytest.raises(SceneError, match=re.escape(WRONG[setting])):
             load(written(tmp_path), [setting])
+
+
+TWICE = {  # names of settings: whether two of them are the same value
+    ("diameter", "tether.diameter"): True,
+    ("gravity", "duration", "gravity"): True,
+    ("ground_height", "ground.height"): True,
+    ("wind.velocity", "wind.velocity[2]"): True,
+    ("wind.velocity[1]", "wind.direction"): True,
+    ("wind.speed", "wind.velocity"): True,
+    ("wind.box.origin[2]", "wind.seed"): True,
+    ("wind.speed", "wind.direction", "wind.velocity[3]"): False,
+    ("wind.velocity[1]", "wind.velocity[2]", "wind.box.origin[3]", "wind.seed"): False,
+    ("winch.mass", "winch.damping", "kite_mass.x"): False,
+}
+
+
+@pytest.mark.parametrize("names", TWICE)
+def test_a_value_is_given_once_in_whatever_spelling(names):
+    if TWICE[names]:
+        with pytest.raises(ValueError, match=re.escape(names[0]) + r"( and .*,| is) given twice"):
+            check_settings(names)
+    else:
+        check_settings(names)
 
 
 HELD = SCENE.replace("[wind]", '[winch]\nforce = "3 kN"\nmass = 20\n[wind]')

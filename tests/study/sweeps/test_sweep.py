@@ -167,7 +167,12 @@ WRONG = {
     "--from 30": "start is 30 s; it must be at least 0 s and less than the duration, 20 s",
     "--percentiles 101": "--percentiles: '101' is not possible",
     "--tether strait": "--tether: 'strait' is not possible; did you mean straight?",
-    "--vary gravity=1,2 --vary gravity=3": "gravity is varied twice",
+    "--vary gravity=1,2 --vary gravity=3": "gravity is given twice",
+    "--vary tether.diameter=1,2 --vary diameter=3": "tether.diameter and diameter are the same value, given twice",
+    "--set gravity=9 --vary environment.gravity=8": "gravity and environment.gravity are the same value, given twice",
+    "--set wind.velocity[1]=4": "wind.velocity[1] and wind.speed are the same value, given twice",
+    "--set gravity=9 --set gravity=8": "gravity is given twice; give one of them",
+    "--set gravity=9 --set environment.gravity=8": "gravity and environment.gravity are the same value, given twice",
     "--set tether.diametre=3": "unknown key tether.diametre; did you mean diameter?",
 }
 

@@ -13,7 +13,7 @@ In searches for an equilibrium, not in flight, there may be a calm layer of thic
 proportion to the height, f(z) = f(c) z/c.
 """
 
-from math import exp, log
+from math import exp, log, nan
 
 from tetherfmu.runtime import layout as at
 
@@ -46,15 +46,23 @@ def logarithmic(height, parameters):
 
 
 @kernel
-def is_sheared(parameters):
-    """Whether the wind changes with the height by one of the laws."""
-    profile = parameters[at.WIND_PROFILE]
+def is_sheared(profile):
+    """Whether the wind changes with the height by this law."""
     return profile == at.POWER_LAW or profile == at.LOGARITHMIC or profile == at.EXPLOG
 
 
 @kernel
+def is_known(profile):
+    """Whether this is a law of this file."""
+    return profile == at.UNIFORM or is_sheared(profile)
+
+
+@kernel
 def factor_by_law(height, parameters):
-    """Wind at a height [m] over wind at the reference height [-], and its slope [1/m], without a calm layer."""
+    """Wind at a height [m] over wind at the reference height [-], and its slope [1/m], without a calm layer.
+
+    NaN for a law that is none.
+    """
     profile = parameters[at.WIND_PROFILE]
     if profile == at.POWER_LAW:
         return power_law(height, parameters)
@@ -66,7 +74,9 @@ def factor_by_law(height, parameters):
         if 2.0 * logarithm <= power:
             return 0.0, 0.0
         return 2.0 * logarithm - power, 2.0 * logarithm_slope - power_slope
-    return 1.0, 0.0  # uniform, or given at the nodes
+    if profile == at.UNIFORM or profile == at.AT_NODES:
+        return 1.0, 0.0
+    return nan, nan
 
 
 @kernel

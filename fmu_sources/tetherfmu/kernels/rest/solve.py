@@ -178,7 +178,7 @@ def by_ladder(body, most, w):
     if status != OK and iterations < most and has_ground:
         status, more = by_compressed_segments(body, w)
         iterations += more
-    if status != OK and iterations < most and air.is_sheared(body.chain.parameters):
+    if status != OK and iterations < most and air.is_sheared(body.chain.parameters[at.WIND_PROFILE]):
         status, more = by_layer(body, most - iterations, w)
         iterations += more
     return status, iterations

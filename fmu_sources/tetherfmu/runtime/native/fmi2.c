@@ -110,8 +110,8 @@ fmi2Status fmi2DoStep(
 
 /* --- values */
 
-/* What the functions that read values do. kinds : of variables that the function is for, 0 for none. */
-static Status get(
+/* Values of variables of some kinds. */
+static Status read_values(
     fmi2Component c, const char *call, Type type, unsigned kinds, const fmi2ValueReference vr[], size_t nvr, void *value)
 {
     Instance *instance = entered(c, call);
@@ -119,6 +119,13 @@ static Status get(
     if (nvr && !vr) return refuse_null(instance, "vr");
     if (nvr && !value) return refuse_null(instance, "value");
     return get_values(instance, type, kinds, vr, nvr, value, nvr);
+}
+
+/* What the functions that read numbers do. kinds : of variables that the function is for. */
+static Status get(
+    fmi2Component c, const char *call, Type type, unsigned kinds, const fmi2ValueReference vr[], size_t nvr, void *value)
+{
+    return filled(read_values(c, call, type, kinds, vr, nvr, value), type, value, nvr);
 }
 
 /* What the functions that set numbers do. */
@@ -150,7 +157,7 @@ fmi2Status fmi2GetBoolean(fmi2Component c, const fmi2ValueReference vr[], size_t
 
 fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, fmi2String value[])
 {
-    return get(c, __func__, INT32, 0, vr, nvr, value);
+    return filled(read_values(c, __func__, BYTES, 0, vr, nvr, value), BYTES, value, nvr * sizeof *value);
 }
 
 fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2Real value[])
@@ -192,18 +199,26 @@ fmi2Status fmi2SetRealInputDerivatives(
     return set_input_derivatives(instance, vr, nvr, order, value);
 }
 
-fmi2Status fmi2GetDirectionalDerivative(
-    fmi2Component c, const fmi2ValueReference vUnknown_ref[], size_t nUnknown, const fmi2ValueReference vKnown_ref[],
-    size_t nKnown, const fmi2Real dvKnown[], fmi2Real dvUnknown[])
+static Status read_derivative(
+    fmi2Component c, const char *call, const fmi2ValueReference vUnknown_ref[], size_t nUnknown,
+    const fmi2ValueReference vKnown_ref[], size_t nKnown, const fmi2Real dvKnown[], fmi2Real dvUnknown[])
 {
-    Instance *instance = entered(c, __func__);
-    if (!instance) return fmi2Error;
+    Instance *instance = entered(c, call);
+    if (!instance) return ERROR;
     if (nUnknown && !vUnknown_ref) return refuse_null(instance, "vUnknown_ref");
     if (nUnknown && !dvUnknown) return refuse_null(instance, "dvUnknown");
     if (nKnown && !vKnown_ref) return refuse_null(instance, "vKnown_ref");
     if (nKnown && !dvKnown) return refuse_null(instance, "dvKnown");
     return directional_derivative(
         instance, vUnknown_ref, nUnknown, vKnown_ref, nKnown, dvKnown, nKnown, dvUnknown, nUnknown);
+}
+
+fmi2Status fmi2GetDirectionalDerivative(
+    fmi2Component c, const fmi2ValueReference vUnknown_ref[], size_t nUnknown, const fmi2ValueReference vKnown_ref[],
+    size_t nKnown, const fmi2Real dvKnown[], fmi2Real dvUnknown[])
+{
+    Status status = read_derivative(c, __func__, vUnknown_ref, nUnknown, vKnown_ref, nKnown, dvKnown, dvUnknown);
+    return filled(status, FLOAT64, dvUnknown, nUnknown);
 }
 
 /* --- state */
@@ -253,76 +268,74 @@ fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte serializedSta
 
 /* --- status of the last step: never pending; a refused step has got nowhere, and the next one can be done */
 
-static Status refuse_status(Instance *instance)
+static Status no_status(fmi2Component c, const char *call, const void *value)
 {
-    return say(instance, DISCARD, NOT_OFFERED, FACTS(word("what", "this status")));
+    Instance *instance = entered(c, call);
+    if (!instance) return ERROR;
+    return value ? say(instance, DISCARD, NOT_OFFERED, FACTS(word("what", "this status"))) : refuse_null(instance, "value");
 }
 
 fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind s, fmi2Real *value)
 {
     Instance *instance = entered(c, __func__);
-    if (!instance) return fmi2Error;
-    if (!value) return refuse_null(instance, "value");
-    if (s != fmi2LastSuccessfulTime) return refuse_status(instance);
+    if (!instance || !value || s != fmi2LastSuccessfulTime) return filled(no_status(c, __func__, value), FLOAT64, value, 1);
     *value = last_successful_time(instance);
     return fmi2OK;
 }
 
 fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind s, fmi2Boolean *value)
 {
-    Instance *instance = entered(c, __func__);
-    if (!instance) return fmi2Error;
-    if (!value) return refuse_null(instance, "value");
-    if (s != fmi2Terminated) return refuse_status(instance);
-    *value = fmi2False;
-    return fmi2OK;
-}
-
-static Status no_status(fmi2Component c, const char *call, const void *value)
-{
-    Instance *instance = entered(c, call);
-    if (!instance) return ERROR;
-    return value ? refuse_status(instance) : refuse_null(instance, "value");
+    if (value) *value = fmi2False;
+    return s == fmi2Terminated && value && entered(c, __func__) ? fmi2OK : no_status(c, __func__, value);
 }
 
 fmi2Status fmi2GetStatus(fmi2Component c, const fmi2StatusKind s, fmi2Status *value)
 {
+    if (value) *value = fmi2Error;
     return no_status(c, __func__, value);
 }
 
 fmi2Status fmi2GetIntegerStatus(fmi2Component c, const fmi2StatusKind s, fmi2Integer *value)
 {
-    return no_status(c, __func__, value);
+    return filled(no_status(c, __func__, value), INT32, value, 1);
 }
 
 fmi2Status fmi2GetStringStatus(fmi2Component c, const fmi2StatusKind s, fmi2String *value)
 {
-    return no_status(c, __func__, value);
+    return filled(no_status(c, __func__, value), BYTES, value, sizeof *value);
 }
 
 /* --- what the flags of the model description do not offer */
 
-#define NOT_OFFERED_CALL(name, ...)      \
-    fmi2Status name(__VA_ARGS__)         \
-    {                                    \
-        return refuse_call(c, __func__); \
+#define REFUSED refuse_call(c, __func__)
+#define NOT_OFFERED_GET(name, status, ...) \
+    fmi2Status name(__VA_ARGS__)           \
+    {                                      \
+        return status;                     \
     }
+#define NOT_OFFERED_CALL(name, ...) NOT_OFFERED_GET(name, REFUSED, __VA_ARGS__)
 
 NOT_OFFERED_CALL(fmi2CancelStep, fmi2Component c)
-NOT_OFFERED_CALL(
-    fmi2GetRealOutputDerivatives, fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2Integer order[],
-    fmi2Real value[])
+NOT_OFFERED_GET(
+    fmi2GetRealOutputDerivatives, filled(REFUSED, FLOAT64, value, nvr), fmi2Component c, const fmi2ValueReference vr[],
+    size_t nvr, const fmi2Integer order[], fmi2Real value[])
 
 /* --- model exchange */
 
 NOT_OFFERED_CALL(fmi2EnterEventMode, fmi2Component c)
-NOT_OFFERED_CALL(fmi2NewDiscreteStates, fmi2Component c, fmi2EventInfo *eventInfo)
+NOT_OFFERED_GET(
+    fmi2NewDiscreteStates, filled(REFUSED, BYTES, eventInfo, sizeof *eventInfo), fmi2Component c, fmi2EventInfo *eventInfo)
 NOT_OFFERED_CALL(fmi2EnterContinuousTimeMode, fmi2Component c)
-NOT_OFFERED_CALL(
-    fmi2CompletedIntegratorStep, fmi2Component c, fmi2Boolean prior, fmi2Boolean *event, fmi2Boolean *terminate)
+NOT_OFFERED_GET(
+    fmi2CompletedIntegratorStep, filled(filled(REFUSED, TRUTH_INT, event, 1), TRUTH_INT, terminate, 1), fmi2Component c,
+    fmi2Boolean prior, fmi2Boolean *event, fmi2Boolean *terminate)
 NOT_OFFERED_CALL(fmi2SetTime, fmi2Component c, fmi2Real time)
 NOT_OFFERED_CALL(fmi2SetContinuousStates, fmi2Component c, const fmi2Real x[], size_t nx)
-NOT_OFFERED_CALL(fmi2GetDerivatives, fmi2Component c, fmi2Real derivatives[], size_t nx)
-NOT_OFFERED_CALL(fmi2GetEventIndicators, fmi2Component c, fmi2Real eventIndicators[], size_t ni)
-NOT_OFFERED_CALL(fmi2GetContinuousStates, fmi2Component c, fmi2Real x[], size_t nx)
-NOT_OFFERED_CALL(fmi2GetNominalsOfContinuousStates, fmi2Component c, fmi2Real nominals[], size_t nx)
+NOT_OFFERED_GET(
+    fmi2GetDerivatives, filled(REFUSED, FLOAT64, derivatives, nx), fmi2Component c, fmi2Real derivatives[], size_t nx)
+NOT_OFFERED_GET(
+    fmi2GetEventIndicators, filled(REFUSED, FLOAT64, indicators, ni), fmi2Component c, fmi2Real indicators[], size_t ni)
+NOT_OFFERED_GET(fmi2GetContinuousStates, filled(REFUSED, FLOAT64, x, nx), fmi2Component c, fmi2Real x[], size_t nx)
+NOT_OFFERED_GET(
+    fmi2GetNominalsOfContinuousStates, filled(REFUSED, FLOAT64, nominals, nx), fmi2Component c, fmi2Real nominals[],
+    size_t nx)

@@ -139,13 +139,18 @@ fmi3Status fmi3DoStep(
 #define ARGUMENTS fmi3Instance handle, const fmi3ValueReference references[], size_t count
 
 /* What the functions that read values do. kinds : of variables that the function is for. */
-static Status get(ARGUMENTS, const char *call, Type type, unsigned kinds, void *values, size_t room)
+static Status read_values(ARGUMENTS, const char *call, Type type, unsigned kinds, void *values, size_t room)
 {
     Instance *instance = entered(handle, call);
     if (!instance) return ERROR;
     if (count && !references) return refuse_null(instance, "valueReferences");
     if (room && !values) return refuse_null(instance, "values");
     return get_values(instance, type, kinds, references, count, values, room);
+}
+
+static Status get(ARGUMENTS, const char *call, Type type, unsigned kinds, void *values, size_t room)
+{
+    return filled(read_values(handle, references, count, call, type, kinds, values, room), type, values, room);
 }
 
 /* What the functions that set values do. */
@@ -208,10 +213,13 @@ fmi3Status fmi3SetBoolean(ARGUMENTS, const fmi3Boolean values[], size_t nValues)
     return set(handle, references, count, __func__, TRUTH, BOOLEAN, values, nValues);
 }
 
-#define NO_VARIABLES_GET(name, ...)                                              \
-    fmi3Status name(ARGUMENTS, __VA_ARGS__)                                      \
-    {                                                                            \
-        return refuse_type(handle, references, count, __func__, CANNOT_BE_READ); \
+#define CANNOT_READ refuse_type(handle, references, count, __func__, CANNOT_BE_READ)
+#define CLEAR(status, values, count) filled(status, BYTES, values, (count) * sizeof *(values))
+#define NO_VALUES CLEAR(CANNOT_READ, values, nValues)
+#define NO_VARIABLES_GET(name, status, ...) \
+    fmi3Status name(ARGUMENTS, __VA_ARGS__) \
+    {                                       \
+        return status;                      \
     }
 
 #define NO_VARIABLES_SET(name, ...)                                             \
@@ -220,16 +228,18 @@ fmi3Status fmi3SetBoolean(ARGUMENTS, const fmi3Boolean values[], size_t nValues)
         return refuse_type(handle, references, count, __func__, CANNOT_BE_SET); \
     }
 
-NO_VARIABLES_GET(fmi3GetFloat32, fmi3Float32 values[], size_t nValues)
-NO_VARIABLES_GET(fmi3GetInt8, fmi3Int8 values[], size_t nValues)
-NO_VARIABLES_GET(fmi3GetUInt8, fmi3UInt8 values[], size_t nValues)
-NO_VARIABLES_GET(fmi3GetInt16, fmi3Int16 values[], size_t nValues)
-NO_VARIABLES_GET(fmi3GetUInt16, fmi3UInt16 values[], size_t nValues)
-NO_VARIABLES_GET(fmi3GetUInt32, fmi3UInt32 values[], size_t nValues)
-NO_VARIABLES_GET(fmi3GetUInt64, fmi3UInt64 values[], size_t nValues)
-NO_VARIABLES_GET(fmi3GetString, fmi3String values[], size_t nValues)
-NO_VARIABLES_GET(fmi3GetBinary, size_t valueSizes[], fmi3Binary values[], size_t nValues)
-NO_VARIABLES_GET(fmi3GetClock, fmi3Clock values[])
+NO_VARIABLES_GET(fmi3GetFloat32, filled(CANNOT_READ, FLOAT32, values, nValues), fmi3Float32 values[], size_t nValues)
+NO_VARIABLES_GET(fmi3GetInt8, NO_VALUES, fmi3Int8 values[], size_t nValues)
+NO_VARIABLES_GET(fmi3GetUInt8, NO_VALUES, fmi3UInt8 values[], size_t nValues)
+NO_VARIABLES_GET(fmi3GetInt16, NO_VALUES, fmi3Int16 values[], size_t nValues)
+NO_VARIABLES_GET(fmi3GetUInt16, NO_VALUES, fmi3UInt16 values[], size_t nValues)
+NO_VARIABLES_GET(fmi3GetUInt32, NO_VALUES, fmi3UInt32 values[], size_t nValues)
+NO_VARIABLES_GET(fmi3GetUInt64, NO_VALUES, fmi3UInt64 values[], size_t nValues)
+NO_VARIABLES_GET(fmi3GetString, NO_VALUES, fmi3String values[], size_t nValues)
+NO_VARIABLES_GET(
+    fmi3GetBinary, CLEAR(NO_VALUES, valueSizes, nValues), size_t valueSizes[],
+    fmi3Binary values[], size_t nValues)
+NO_VARIABLES_GET(fmi3GetClock, filled(CANNOT_READ, TRUTH, values, count), fmi3Clock values[])
 NO_VARIABLES_SET(fmi3SetFloat32, const fmi3Float32 values[], size_t nValues)
 NO_VARIABLES_SET(fmi3SetInt8, const fmi3Int8 values[], size_t nValues)
 NO_VARIABLES_SET(fmi3SetUInt8, const fmi3UInt8 values[], size_t nValues)
@@ -243,18 +253,28 @@ NO_VARIABLES_SET(fmi3SetClock, const fmi3Clock values[])
 
 /* --- derivatives */
 
-fmi3Status fmi3GetDirectionalDerivative(
-    fmi3Instance handle, const fmi3ValueReference unknowns[], size_t nUnknowns, const fmi3ValueReference knowns[],
-    size_t nKnowns, const fmi3Float64 seed[], size_t nSeed, fmi3Float64 sensitivity[], size_t nSensitivity)
+static Status read_derivative(
+    fmi3Instance handle, const char *call, const fmi3ValueReference unknowns[], size_t nUnknowns,
+    const fmi3ValueReference knowns[], size_t nKnowns, const fmi3Float64 seed[], size_t nSeed, fmi3Float64 sensitivity[],
+    size_t nSensitivity)
 {
-    Instance *instance = entered(handle, __func__);
-    if (!instance) return fmi3Error;
+    Instance *instance = entered(handle, call);
+    if (!instance) return ERROR;
     if (nUnknowns && !unknowns) return refuse_null(instance, "unknowns");
     if (nSensitivity && !sensitivity) return refuse_null(instance, "sensitivity");
     if (nKnowns && !knowns) return refuse_null(instance, "knowns");
     if (nSeed && !seed) return refuse_null(instance, "seed");
     return directional_derivative(
         instance, unknowns, nUnknowns, knowns, nKnowns, seed, nSeed, sensitivity, nSensitivity);
+}
+
+fmi3Status fmi3GetDirectionalDerivative(
+    fmi3Instance handle, const fmi3ValueReference unknowns[], size_t nUnknowns, const fmi3ValueReference knowns[],
+    size_t nKnowns, const fmi3Float64 seed[], size_t nSeed, fmi3Float64 sensitivity[], size_t nSensitivity)
+{
+    Status status = read_derivative(
+        handle, __func__, unknowns, nUnknowns, knowns, nKnowns, seed, nSeed, sensitivity, nSensitivity);
+    return filled(status, FLOAT64, sensitivity, nSensitivity);
 }
 
 /* --- state */
@@ -307,34 +327,49 @@ fmi3Status fmi3DeserializeFMUState(
 
 /* --- what the flags of the model description do not offer */
 
-#define NOT_OFFERED_CALL(name, ...)           \
-    fmi3Status name(__VA_ARGS__)              \
-    {                                         \
-        return refuse_call(handle, __func__); \
+#define REFUSED refuse_call(handle, __func__)
+#define NOT_OFFERED_GET(name, status, ...) \
+    fmi3Status name(__VA_ARGS__)           \
+    {                                      \
+        return status;                     \
     }
+#define NOT_OFFERED_CALL(name, ...) NOT_OFFERED_GET(name, REFUSED, __VA_ARGS__)
 
 NOT_OFFERED_CALL(fmi3EnterEventMode, fmi3Instance handle)
 NOT_OFFERED_CALL(fmi3EnterStepMode, fmi3Instance handle)
 NOT_OFFERED_CALL(fmi3EnterConfigurationMode, fmi3Instance handle)
 NOT_OFFERED_CALL(fmi3ExitConfigurationMode, fmi3Instance handle)
 NOT_OFFERED_CALL(fmi3EvaluateDiscreteStates, fmi3Instance handle)
-NOT_OFFERED_CALL(
-    fmi3UpdateDiscreteStates, fmi3Instance handle, fmi3Boolean *update, fmi3Boolean *end, fmi3Boolean *nominals,
-    fmi3Boolean *values, fmi3Boolean *defined, fmi3Float64 *next)
-NOT_OFFERED_CALL(fmi3GetNumberOfVariableDependencies, fmi3Instance handle, fmi3ValueReference reference, size_t *count)
-NOT_OFFERED_CALL(
-    fmi3GetVariableDependencies, fmi3Instance handle, fmi3ValueReference dependent, size_t elements[],
-    fmi3ValueReference independents[], size_t others[], fmi3DependencyKind kinds[], size_t count)
-NOT_OFFERED_CALL(
-    fmi3GetAdjointDerivative, ARGUMENTS, const fmi3ValueReference knowns[], size_t nKnowns, const fmi3Float64 seed[],
-    size_t nSeed, fmi3Float64 sensitivity[], size_t nSensitivity)
-NOT_OFFERED_CALL(fmi3GetOutputDerivatives, ARGUMENTS, const fmi3Int32 orders[], fmi3Float64 values[], size_t nValues)
-NOT_OFFERED_CALL(fmi3GetIntervalDecimal, ARGUMENTS, fmi3Float64 intervals[], fmi3IntervalQualifier qualifiers[])
-NOT_OFFERED_CALL(
-    fmi3GetIntervalFraction, ARGUMENTS, fmi3UInt64 counters[], fmi3UInt64 resolutions[],
-    fmi3IntervalQualifier qualifiers[])
-NOT_OFFERED_CALL(fmi3GetShiftDecimal, ARGUMENTS, fmi3Float64 shifts[])
-NOT_OFFERED_CALL(fmi3GetShiftFraction, ARGUMENTS, fmi3UInt64 counters[], fmi3UInt64 resolutions[])
+NOT_OFFERED_GET(
+    fmi3UpdateDiscreteStates,
+    CLEAR(CLEAR(CLEAR(CLEAR(CLEAR(filled(REFUSED, FLOAT64, next, 1), defined, 1), values, 1), nominals, 1), end, 1), update, 1),
+    fmi3Instance handle, fmi3Boolean *update, fmi3Boolean *end, fmi3Boolean *nominals, fmi3Boolean *values,
+    fmi3Boolean *defined, fmi3Float64 *next)
+NOT_OFFERED_GET(
+    fmi3GetNumberOfVariableDependencies, CLEAR(REFUSED, count, 1), fmi3Instance handle, fmi3ValueReference reference,
+    size_t *count)
+NOT_OFFERED_GET(
+    fmi3GetVariableDependencies,
+    CLEAR(CLEAR(CLEAR(CLEAR(REFUSED, elements, count), independents, count), others, count), kinds, count),
+    fmi3Instance handle, fmi3ValueReference dependent, size_t elements[], fmi3ValueReference independents[],
+    size_t others[], fmi3DependencyKind kinds[], size_t count)
+NOT_OFFERED_GET(
+    fmi3GetAdjointDerivative, filled(REFUSED, FLOAT64, sensitivity, nSensitivity), ARGUMENTS,
+    const fmi3ValueReference knowns[], size_t nKnowns, const fmi3Float64 seed[], size_t nSeed, fmi3Float64 sensitivity[],
+    size_t nSensitivity)
+NOT_OFFERED_GET(
+    fmi3GetOutputDerivatives, filled(REFUSED, FLOAT64, values, nValues), ARGUMENTS, const fmi3Int32 orders[],
+    fmi3Float64 values[], size_t nValues)
+NOT_OFFERED_GET(
+    fmi3GetIntervalDecimal, CLEAR(filled(REFUSED, FLOAT64, intervals, count), qualifiers, count), ARGUMENTS,
+    fmi3Float64 intervals[], fmi3IntervalQualifier qualifiers[])
+NOT_OFFERED_GET(
+    fmi3GetIntervalFraction, CLEAR(CLEAR(CLEAR(REFUSED, counters, count), resolutions, count), qualifiers, count), ARGUMENTS,
+    fmi3UInt64 counters[], fmi3UInt64 resolutions[], fmi3IntervalQualifier qualifiers[])
+NOT_OFFERED_GET(fmi3GetShiftDecimal, filled(REFUSED, FLOAT64, shifts, count), ARGUMENTS, fmi3Float64 shifts[])
+NOT_OFFERED_GET(
+    fmi3GetShiftFraction, CLEAR(CLEAR(REFUSED, counters, count), resolutions, count), ARGUMENTS, fmi3UInt64 counters[],
+    fmi3UInt64 resolutions[])
 NOT_OFFERED_CALL(fmi3SetIntervalDecimal, ARGUMENTS, const fmi3Float64 intervals[])
 NOT_OFFERED_CALL(fmi3SetIntervalFraction, ARGUMENTS, const fmi3UInt64 counters[], const fmi3UInt64 resolutions[])
 NOT_OFFERED_CALL(fmi3SetShiftDecimal, ARGUMENTS, const fmi3Float64 shifts[])
@@ -343,13 +378,17 @@ NOT_OFFERED_CALL(fmi3SetShiftFraction, ARGUMENTS, const fmi3UInt64 counters[], c
 /* --- model exchange and scheduled execution */
 
 NOT_OFFERED_CALL(fmi3EnterContinuousTimeMode, fmi3Instance handle)
-NOT_OFFERED_CALL(fmi3CompletedIntegratorStep, fmi3Instance handle, fmi3Boolean prior, fmi3Boolean *event, fmi3Boolean *end)
+NOT_OFFERED_GET(
+    fmi3CompletedIntegratorStep, CLEAR(CLEAR(REFUSED, event, 1), end, 1), fmi3Instance handle, fmi3Boolean prior,
+    fmi3Boolean *event, fmi3Boolean *end)
 NOT_OFFERED_CALL(fmi3SetTime, fmi3Instance handle, fmi3Float64 time)
 NOT_OFFERED_CALL(fmi3SetContinuousStates, fmi3Instance handle, const fmi3Float64 states[], size_t count)
-NOT_OFFERED_CALL(fmi3GetContinuousStateDerivatives, fmi3Instance handle, fmi3Float64 derivatives[], size_t count)
-NOT_OFFERED_CALL(fmi3GetEventIndicators, fmi3Instance handle, fmi3Float64 indicators[], size_t count)
-NOT_OFFERED_CALL(fmi3GetContinuousStates, fmi3Instance handle, fmi3Float64 states[], size_t count)
-NOT_OFFERED_CALL(fmi3GetNominalsOfContinuousStates, fmi3Instance handle, fmi3Float64 nominals[], size_t count)
-NOT_OFFERED_CALL(fmi3GetNumberOfEventIndicators, fmi3Instance handle, size_t *count)
-NOT_OFFERED_CALL(fmi3GetNumberOfContinuousStates, fmi3Instance handle, size_t *count)
+#define NOT_OFFERED_STATES(name) \
+    NOT_OFFERED_GET(name, filled(REFUSED, FLOAT64, values, count), fmi3Instance handle, fmi3Float64 values[], size_t count)
+NOT_OFFERED_STATES(fmi3GetContinuousStateDerivatives)
+NOT_OFFERED_STATES(fmi3GetEventIndicators)
+NOT_OFFERED_STATES(fmi3GetContinuousStates)
+NOT_OFFERED_STATES(fmi3GetNominalsOfContinuousStates)
+NOT_OFFERED_GET(fmi3GetNumberOfEventIndicators, CLEAR(REFUSED, count, 1), fmi3Instance handle, size_t *count)
+NOT_OFFERED_GET(fmi3GetNumberOfContinuousStates, CLEAR(REFUSED, count, 1), fmi3Instance handle, size_t *count)
 NOT_OFFERED_CALL(fmi3ActivateModelPartition, fmi3Instance handle, fmi3ValueReference clock, fmi3Float64 time)

@@ -323,24 +323,28 @@ static Status check_readable(Instance *instance, unsigned kinds, const unsigned 
     return outputs && instance->phase == INITIALIZING ? start(instance, ERROR) : OK;
 }
 
-/* Put what is no value there, for importers that do not look at the status: NaN, the smallest integer, or false. */
-static Status spoil(Type type, void *values, size_t room)
+/* The status of a call that reads. Where it failed, what is no value is put there, for importers that do not look at the status:
+NaN, the smallest integer, false, or bytes that are 0, of which a string is NULL. */
+Status filled(Status status, Type type, void *values, size_t room)
 {
+    if (status == OK || !values) return status;
     for (size_t k = 0; k < room; k++) {
         if (type == FLOAT64) ((double *)values)[k] = NAN;
+        if (type == FLOAT32) ((float *)values)[k] = NAN;
         if (type == INT32) ((int32_t *)values)[k] = INT32_MIN;
         if (type == INT64) ((int64_t *)values)[k] = INT32_MIN;
         if (type == TRUTH_INT) ((int32_t *)values)[k] = 0;
         if (type == TRUTH) ((bool *)values)[k] = false;
+        if (type == BYTES) ((char *)values)[k] = 0;
     }
-    return ERROR;
+    return status;
 }
 
 /* Values of variables of some kinds, in their order. */
 Status get_values(
     Instance *instance, Type type, unsigned kinds, const unsigned *references, size_t count, void *values, size_t room)
 {
-    if (check_readable(instance, kinds, references, count, room) != OK) return spoil(type, values, room);
+    if (check_readable(instance, kinds, references, count, room) != OK) return ERROR;
     for (size_t i = 0, k = 0; i < count; i++) {
         const double *value = instance->values + references[i];
         for (unsigned j = 0; j < WIDTH[references[i]]; j++, k++) {

@@ -10,7 +10,7 @@
 #include "messages.h"
 #include "tables.h"
 
-typedef enum { FLOAT64, INT32, INT64, TRUTH_INT, TRUTH } Type; /* of the numbers that the importer passes */
+typedef enum { FLOAT64, FLOAT32, INT32, INT64, TRUTH_INT, TRUTH, BYTES } Type; /* of what the importer passes */
 typedef void (*Log)(const Instance *instance, Status status, const char *text);
 
 struct Instance {
@@ -65,6 +65,7 @@ unsigned kind_of(unsigned reference, unsigned kinds);
 Fact name_of(unsigned reference);
 #define VARIABLE(reference) whole("reference", reference), name_of(reference) /* facts of sentences about one */
 Status check_count(Instance *instance, const unsigned *references, size_t count, size_t room);
+Status filled(Status status, Type type, void *values, size_t room);
 Status get_values(
     Instance *instance, Type type, unsigned kinds, const unsigned *references, size_t count, void *values, size_t room);
 Status set_values(

@@ -177,7 +177,7 @@ def run(options):
     """The command `replay`; returns 1 if no FMU meets what its scene asks for."""
     if options.html:
         page.drawing()  # before the flight, which would be in vain without plotly
-    read = log.read(options.log, options.map or KITEPOWER, options.set or ())
+    read = log.read(options.log, options.map or KITEPOWER, options.settings or ())
     flight = prepare(read, options.start, options.end)
     lead = options.lead or default_lead(read)
     wanted = wanted_fits(flight, options.fit)

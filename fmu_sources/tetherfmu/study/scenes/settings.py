@@ -6,7 +6,7 @@ from math import atan2, cos, hypot, sin
 
 import numpy as np
 
-from tetherfmu.input_files import in_si, keys_of, value_of
+from tetherfmu.input_files import check_once, in_si, keys_of, value_of
 from tetherfmu.runtime.naming import meant, meant_or_all, prefixed
 from tetherfmu.runtime.parameters import Environment, Ground, Tether, Winch
 from tetherfmu.wind.frozen_turbulence import PERIODIC
@@ -17,6 +17,7 @@ NOT_OF_A_SCENE = ("segments", "winch_control")
 PREFIX = {"tether": "", "environment": "", "ground": "ground_", "winch": "winch_"}  # of the names in an FMU, by section
 OF_THE_WIND = {"wind.speed": "m/s", "wind.direction": "rad"}  # what `wind.velocity` is made of: horizontal, from x to y
 SEED, FARTHEST = "wind.seed", 1e5  # name, and how far a seed moves a box along and across [m]
+MADE_OF = {**dict.fromkeys(OF_THE_WIND, "wind.velocity"), SEED: "wind.box.origin"}  # vectors that these change
 ELEMENT = re.compile(r"(.+)\[([123])\]")
 
 
@@ -46,10 +47,11 @@ def with_settings(table, settings):
 
     settings : pairs (name, value). A name is that of a key, such as ``tether.diameter`` or ``wind.velocity[1]``; or
     ``wind.speed`` or ``wind.direction``, the horizontal wind; or ``wind.seed``, a number for each piece of a periodic box;
-    or that of a parameter, such as ``diameter``.  ValueError names one that cannot be set.
+    or that of a parameter, such as ``diameter``.  ValueError names one that cannot be set, or two that are the same value.
     """
     if not settings:
         return table
+    check_settings(name for name, _ in settings)
     changed = deepcopy(table)
     for name, value in settings:
         if name == SEED:
@@ -59,6 +61,11 @@ def with_settings(table, settings):
         else:
             put(changed, key_meant(name), value)
     return changed
+
+
+def check_settings(names):
+    """ValueError if two names of settings, in whatever spelling, are the same value of a scene."""
+    check_once(names, lambda name: name if name in MADE_OF else key_meant(name), MADE_OF)
 
 
 def put(table, key, value):

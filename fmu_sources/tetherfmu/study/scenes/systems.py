@@ -5,7 +5,7 @@ from warnings import catch_warnings
 
 import numpy as np
 
-from tetherfmu.input_files import record, require, tables_of, value_of, vector_in
+from tetherfmu.input_files import check_once, record, require, tables_of, value_of, vector_in
 from tetherfmu.results import PlausibilityWarning
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.naming import meant_or_all, prefixed
@@ -105,6 +105,7 @@ def load(path, settings=()):
     """
     of_flight = [pair for pair in settings if pair[0].partition(".")[0] in OF_THE_FLIGHT]
     with prefixed(f"{path}: ", SceneError):
+        check_once(name for name, _ in settings)
         table, flight = tables_of(path), with_settings({}, of_flight)
         for key, value in (pair for pair in settings if pair not in of_flight):
             put(table, key, value)

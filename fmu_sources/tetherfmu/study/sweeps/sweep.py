@@ -180,7 +180,7 @@ def sweep(
     base = load(scene, settings)
     path = path_of(scene)
     table = with_settings(tables_of(path), settings)
-    quantities = all_varied(vary, table["flight"]["kind"], path.parent)
+    quantities = all_varied(vary, table["flight"]["kind"], path.parent, settings)
     statistics = Statistics(tuple(outputs), tuple(map(float, percentiles)), cycles_of, float(start)).checked()
     if not 0.0 <= start < base.duration:
         raise WrongUse(f"start is {start:g} s; it must be at least 0 s and less than the duration, {base.duration:g} s")

@@ -22,7 +22,7 @@ from tetherfmu.runtime.naming import check_names, meant_or_all, prefixed
 from tetherfmu.runtime.quantities import can_be_given
 from tetherfmu.study.scenes.files import NOT_OF_A_SCENE, RECORDS, Scene
 from tetherfmu.study.scenes.flights import KINDS
-from tetherfmu.study.scenes.settings import ELEMENT, OF_THE_WIND, SEED, key_meant
+from tetherfmu.study.scenes.settings import ELEMENT, OF_THE_WIND, SEED, check_settings, key_meant
 from tetherfmu.study.scenes.winds import Box
 
 WRITTEN = re.compile(r"\s*([\w.\[\]]+)\s*([=~])\s*(.+?)\s*")
@@ -162,10 +162,11 @@ def varied(text, flight="circle", folder=Path()):
         return Varied(name, unit, listed(rest, unit, folder))
 
 
-def all_varied(given, flight, folder):
+def all_varied(given, flight, folder, settings=()):
     """List of `Varied` of what `sweep` was given; ValueError says in one line what is wrong.
 
     given : texts, or a dict of values (a sequence), or a distribution of scipy.stats, by name.
+    settings : pairs (name, value) of what is the same in all flights, and not varied.
     """
     if isinstance(given, dict):
         found = []
@@ -180,10 +181,7 @@ def all_varied(given, flight, folder):
             )
     else:
         found = [varied(text, flight, folder) for text in ([given] if isinstance(given, str) else given)]
-    names = [each.name for each in found]
-    for name in names:
-        if names.count(name) > 1:
-            raise ValueError(f"{name} is varied twice")
+    check_settings([*(name for name, _ in settings), *(each.name for each in found)])
     if not found:
         raise ValueError(f"nothing is varied; give at least one {HOW}")
     return found

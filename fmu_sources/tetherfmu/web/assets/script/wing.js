@@ -14,9 +14,10 @@ const TRACTION = 1,
 
 const UNIFORM = 1,
   POWER_LAW = 2,
-  LOGARITHMIC = 3; // choices of `wind_profile`
+  LOGARITHMIC = 3,
+  EXPLOG = 4; // choices of `wind_profile`
 
-/** Wind at a height [m] over wind at the reference height. */
+/** Wind at a height [m] over wind at the reference height; an error for a law that is not here. */
 export function windFactor(z, air) {
   const h = air.wind_reference_height,
     roughness = air.surface_roughness;
@@ -24,7 +25,9 @@ export function windFactor(z, air) {
   const logarithm = z > roughness ? Math.log(z / roughness) / Math.log(h / roughness) : 0;
   if (air.wind_profile === UNIFORM) return 1;
   if (air.wind_profile === POWER_LAW) return power;
-  return air.wind_profile === LOGARITHMIC ? logarithm : Math.max(0, 2 * logarithm - power);
+  if (air.wind_profile === LOGARITHMIC) return logarithm;
+  if (air.wind_profile === EXPLOG) return Math.max(0, 2 * logarithm - power);
+  throw new Error(`wind_profile is ${air.wind_profile}, a law that wing.js does not know`);
 }
 
 /** Density of the air at a height [m]. */
