@@ -201,9 +201,7 @@ def add_options(
     """
     option = parser.add_argument
     allowed = ", ".join(TETHERS)
-    option(
-        "--tether", type=tether, default="dynamic", metavar="NAME", help=f"tether FMU: {allowed}, or all (default: dynamic)"
-    )
+    option("--tether", type=tether, metavar="NAME", help=f"tether FMU: {allowed}, or all (default: dynamic)")
     option("--fmu", type=file, metavar="FILE", help="a tether FMU of your own instead, for FMI 2 or 3")
     about = "folder of the tether FMUs, built there if missing (default: those in dist/, or else in a cache of yours)"
     option("--fmus", type=folder, metavar="DIR", help=about)
@@ -281,11 +279,11 @@ def fly_each(given, fly, names=None, find=find_fmu):
     fly : function of the path of an FMU, its `Flight`.  names : of the FMUs; None: those of --tether.  find : function of a
     name and the folder of --fmus, path of an FMU.
     """
-    if given.fmu and given.fmus:
-        raise WrongUse("--fmu is the one FMU that is flown; it goes without --fmus")
+    if given.fmu and (given.fmus or given.tether):
+        raise WrongUse("--fmu is the one FMU that is flown; it goes without --tether and --fmus")
     if given.html:
         import shared.flight_page  # noqa: F401 - before the flight, which would be in vain without plotly
-    names = names or (TETHERS.values() if given.tether == "all" else [TETHERS[given.tether]])
+    names = names or (TETHERS.values() if given.tether == "all" else [TETHERS[given.tether or "dynamic"]])
     flights = {}
     for fmu_file in [given.fmu] if given.fmu else [find(name, given.fmus) for name in names]:
         now(f"flying {fmu_file}")

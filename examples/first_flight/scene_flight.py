@@ -144,7 +144,7 @@ def names_of(scene, tether):
     """Names of the FMUs that can fly a scene, None for those of --tether; WrongUse if that one cannot."""
     if not scene.kite_is_free:
         return None
-    if tether != "dynamic":
+    if tether not in (None, "dynamic"):
         raise WrongUse(f"--tether is {tether}; the free end of {scene.name} is moved by TetherDynamicFree only")
     return [class_name(DYNAMIC_FREE.name)]
 

@@ -129,7 +129,7 @@ def draw(flights, places, ground):
 
 def run(given):
     """Fly the system that the options name, print a line on each of its lines, write the figures, print where they are."""
-    if getattr(given, "tether", "dynamic") != "dynamic":
+    if getattr(given, "tether", None) not in (None, "dynamic"):
         raise WrongUse(f"--tether is {given.tether}; the lines of a system are dynamic")
     settings = list(map(setting, given.settings))
     for option, key in OPTIONS.items():

@@ -38,7 +38,7 @@ class Lean:
     preset: str | None = None
 
     def __post_init__(self):
-        if self.preset is not None and self.preset not in PRESETS:
+        if self.preset not in (None, *PRESETS):
             hint = meant_or_all(str(self.preset), PRESETS, "it must be one of {}")
             raise ValueError(f"preset is {self.preset!r}{hint}")
 

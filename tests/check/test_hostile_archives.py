@@ -78,8 +78,14 @@ def test_entities(fmu, kind, file):
             "modelDescription.xml is no XML that can be read: unknown encoding",
         ),
         (lambda text: "", "modelDescription.xml is no XML that can be read"),
+        (
+            lambda text: text.replace('="foreign"', '="../../foreign"'),
+            "has the modelIdentifier '../../foreign'; it must be a name",
+        ),
+        (lambda text: text.replace('fmiVersion="2.0"', 'fmiVersion="7.0"'), "the fmiVersion is 7; it must be 1, 2, 3"),
+        (lambda text: text.replace('fmiVersion="2.0"', ""), "the fmiVersion is missing; it must be 1, 2, 3"),
     ],
-    ids=["deep", "many", "truncated", "encoding", "empty"],
+    ids=["deep", "many", "truncated", "encoding", "empty", "identifier", "version", "no version"],
 )
 def test_xml(fmu, change, words):
     refused(with_description(fmu, change), words)

@@ -3,7 +3,9 @@
 import errno
 import sys
 from functools import partial
+from http import HTTPStatus
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
 
 from tetherfmu.console.ending import WrongUse, command
 from tetherfmu.console.options import Parser, folder, number
@@ -18,6 +20,22 @@ class Handler(SimpleHTTPRequestHandler):
     """Serves the files of a folder as they are now, and keeps no log."""
 
     extensions_map = {**SimpleHTTPRequestHandler.extensions_map, **TYPES}  # noqa: RUF012 (as in its base)
+
+    def send_head(self):
+        """A file of the folder, or its page; no list of a folder, and nothing to which a link leads out of it."""
+        root = Path(self.directory).resolve()
+        try:
+            place = Path(self.translate_path(self.path)).resolve()
+        except ValueError:  # a path that no file has
+            place = None
+        if place is None or not (place == root or (place.is_file() and place.is_relative_to(root))):
+            self.send_error(HTTPStatus.NOT_FOUND)
+            return None
+        return super().send_head()
+
+    def list_directory(self, _):
+        """Nothing of a folder without a page."""
+        self.send_error(HTTPStatus.NOT_FOUND)
 
     def end_headers(self):
         """A page that is written again is loaded again."""

@@ -76,7 +76,7 @@ class SharedWinch:
 
     def __post_init__(self):
         checked_name("winch", self.name)
-        if self.control not in GIVEN:
+        if self.control not in tuple(GIVEN):
             raise ValueError(f"{self.name}.control is {self.control!r}; it must be {' or '.join(map(repr, GIVEN))}")
         if not isinstance(self.lines, Mapping) or not self.lines:
             raise ValueError(f"{self.name}.lines is {self.lines!r}; it must have names of lines, each with its ratio")

@@ -80,7 +80,7 @@ def add_winch_rates(system, k, time, w):
     """Add what a winch that pays out into portion k does to the forces per second to w.q and w.force_rate (modified)."""
     paid, by_length, into = winch_of(system, k), single_at(system, k, FORCE_BY_LENGTH), array_at(system, k, BY_SPEED, IN)
     border, parts = single_at(system, k, BORDER), parts_of(system, k)
-    speed, gain, jerk = winch.rate_at(paid, time), winch.gain_at(paid, time), winch.jerk_at(paid, time)
+    speed, gain, jerk = winch.rate_at(paid, time), winch.acceleration_at(paid, time), winch.jerk_at(paid, time)
     for i in range(len(into)):
         w.q[i] += speed * by_length[i] + gain * into[i] + jerk * parts[i // 3] * border[i]
     interleave(segments_of(system, k), w.q, w.force_rate)
@@ -173,7 +173,7 @@ def finish_row(system, k, side, weight, time, d):
     if not comes_from(system, k):
         paid, inertia = winch_of(system, k), numbers[at_sheave.INERTIA + side]
         of_winch = numbers[at_sheave.BY_LENGTH + side] * winch.rate_at(paid, time) - inertia * winch.jerk_at(paid, time)
-        rate += weight * (of_winch + numbers[at_sheave.BY_RATE + 2 * side] * winch.gain_at(paid, time))
+        rate += weight * (of_winch + numbers[at_sheave.BY_RATE + 2 * side] * winch.acceleration_at(paid, time))
     close_row(system, k, side, weight, d)
     return rate
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from tetherfmu.console.ending import WorkersLost, is_stop
 from tetherfmu.libraries.sources import PACKAGE
-from tetherfmu.libraries.whole_files import whole
+from tetherfmu.libraries.whole_files import naming, whole
 
 from .errors import DAMAGED, read_reference, write_reference
 
@@ -34,9 +34,12 @@ def key(*what):
 
 @contextmanager
 def keeping():
-    """Say that finished points are kept where Ctrl-C, or a loss of what does the work, ends what is done with them."""
+    """Say that finished points are kept where Ctrl-C, a full disk, or a loss of workers ends what is done with them."""
     try:
         yield
+    except OSError as error:
+        error.strerror = f"{error.strerror}; {KEPT}"
+        raise
     except (KeyboardInterrupt, WorkersLost) as end:
         end.args = ("; ".join([*end.args, KEPT]),)
         raise
@@ -59,7 +62,7 @@ class Store:
         self.points = {}
         text = self._file.read_text(encoding="utf-8") if self._file.exists() else ""
         for line in text.splitlines():
-            with suppress(ValueError):  # a kill may have come while it was written
+            with suppress(AttributeError, KeyError, TypeError, ValueError):  # a kill may have come while it was written
                 stored = json.loads(line)
                 self.points[stored.pop("key")] = stored
         if text and not text.endswith("\n"):
@@ -75,7 +78,7 @@ class Store:
         self._append("".join(json.dumps({"key": key, **point}) + "\n" for key, point in points.items()))
 
     def _append(self, text):
-        with open(self._file, "a", encoding="utf-8") as file:
+        with naming(self._file), open(self._file, "a", encoding="utf-8") as file:
             file.write(text)
             file.flush()
             os.fsync(file.fileno())

@@ -322,6 +322,6 @@ def read_flight(table, folder):
         status = path.stat() if path.is_file() else None
         return series(path, (status.st_size, status.st_mtime_ns) if status else object())
     kinds = [*KINDS, "series"]
-    if kind not in KINDS:
+    if kind not in tuple(KINDS):
         raise ValueError(f"flight.kind is {kind!r}{meant_or_all(str(kind), kinds, 'it must be one of {}')}")
     return record(KINDS[kind], table, "flight")

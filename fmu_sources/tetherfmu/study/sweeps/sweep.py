@@ -187,6 +187,11 @@ def sweep(
     if isinstance(samples, bool) or int(samples) != samples or samples < 1:
         raise WrongUse(f"samples is {samples!r}; it must be a whole number of at least 1")
     config = config_of(base, tether, segments, step)
+    if round(start / config.step) >= round(base.duration / config.step):
+        raise WrongUse(
+            f"step is {config.step:g} s; of the {base.duration - start:g} s that count it leaves no step whole: choose a "
+            "shorter one"
+        )
     task = Task(table, path.parent, base.name, config, statistics, ())
     values = points(quantities, int(samples), method, seed)
     for doubt in doubts_of_extremes(task, quantities, values):

@@ -10,6 +10,7 @@ wind.speed~weibull(2, 9 m/s)       a distribution
 import re
 from contextlib import suppress
 from dataclasses import dataclass
+from glob import glob
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -128,7 +129,7 @@ def listed(text, unit, folder):
         return tuple(number_of(each, unit) for each in parts)
     found = []
     for part in parts:
-        files = sorted(str(each.relative_to(folder)) for each in folder.glob(part)) if "*" in part else [part]
+        files = sorted(glob(part, root_dir=folder, recursive=True)) if "*" in part else [part]
         if not files:
             raise ValueError(f"no file is called {part}")
         found += files

@@ -1,0 +1,67 @@
+"""Whatever stands in the place of a value of a scene or system file is refused in words, never by a traceback."""
+
+import tomllib
+from copy import deepcopy
+
+import pytest
+
+from tetherfmu import lean
+from tetherfmu.study.scenes.files import read as read_scene
+from tetherfmu.study.scenes.named import named_scenes, named_systems
+from tetherfmu.systems.files import read as read_system
+
+KINDS = [["a"], [], {"a": 1}, {}, [[1, 2], [3]], True, "x", "", float("inf"), float("nan"), -1, 0, 10**30]
+READERS = {
+    **{path: lambda table, path: read_scene(table, path.parent, path.stem) for path in named_scenes().values()},
+    **{path: lambda table, path: read_system(table, path.stem) for path in named_systems().values()},
+}
+
+
+def places(table, before=()):
+    """Yield where a value stands in nested tables, as tuples of keys."""
+    for key, value in table.items():
+        yield (*before, key)
+        if isinstance(value, dict):
+            yield from places(value, (*before, key))
+
+
+def with_value(table, place, value):
+    """A copy of a table with another value at a place."""
+    found = inner = deepcopy(table)
+    for key in place[:-1]:
+        inner = inner[key]
+    inner[place[-1]] = value
+    return found
+
+
+@pytest.mark.filterwarnings("ignore")  # what is hardly meant is warned of, too
+@pytest.mark.parametrize("path", READERS, ids=lambda path: path.stem)
+def test_values_of_another_kind(path):
+    table = tomllib.loads(path.read_text(encoding="utf-8"))
+    refused = 0
+    for place in places(table):
+        for value in KINDS:
+            try:
+                READERS[path](with_value(table, place, value), path)
+            except (ValueError, OSError, RuntimeError) as error:  # what commands say in one line
+                refused += bool(str(error))
+    assert refused > len(KINDS)
+
+
+def test_values_of_another_kind_of_what_is_built():
+    table = {
+        "preset": "kite",
+        "inputs": ["kite_position"],
+        "outputs": ["kite_force"],
+        "parameters": [],
+        "set": {"diameter": 1},
+    }
+    for place in places(table):
+        for value in KINDS:
+            if (place, value) not in ((("set",), {}), (("inputs",), []), (("outputs",), []), (("parameters",), [])):
+                try:
+                    lean.read(with_value(table, place, value))
+                except ValueError as error:
+                    assert place[0] in str(error)
+                else:
+                    assert place[0] in ("inputs", "outputs", "parameters", "set")  # names are looked up with the FMU
