@@ -41,12 +41,18 @@ def test_writers_of_one_archive(tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["one.fmu"]
 
 
+def write_half_of(target):
+    """Write to a disk that is then full."""
+    with whole(target) as unfinished:
+        unfinished.write_text("half of")
+        raise OSError(28, "No space left on device")
+
+
 def test_what_fails_leaves_the_file_of_before(tmp_path):
     target = tmp_path / "target"
     target.write_text("before")
-    with pytest.raises(OSError, match="No space left") as error, whole(target) as unfinished:
-        unfinished.write_text("half of")
-        raise OSError(28, "No space left on device")
+    with pytest.raises(OSError, match="No space left") as error:
+        write_half_of(target)
     assert error.value.filename == str(target)
     assert [path.name for path in tmp_path.iterdir()] == ["target"]
     assert target.read_text() == "before"

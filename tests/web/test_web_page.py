@@ -1,5 +1,6 @@
 """The page in which one flies a tether: it knows what the FMU declares, asks no other host, and is written and served."""
 
+import http.client
 import json
 import re
 import signal
@@ -154,6 +155,32 @@ def test_the_server_serves_the_page(written):
     finally:
         server.shutdown()
         server.server_close()
+
+
+def test_the_server_shows_files_of_its_folder_only(tmp_path, capfd):
+    """No list of a folder, nothing behind a link that leads out of it, and no traceback on paths that no file has."""
+    place = tmp_path / "page"
+    (place / "inner").mkdir(parents=True)
+    (place / "index.html").write_text("page")
+    (tmp_path / "secret.html").write_text("secret")
+    (place / "link.html").symlink_to(tmp_path / "secret.html")
+    (place / "up").symlink_to(tmp_path)
+    server = server_of(place, 0)
+    threading.Thread(target=server.serve_forever, daemon=True).start()
+
+    def status(path):
+        client = http.client.HTTPConnection("127.0.0.1", server.server_port, timeout=60.0)
+        client.request("GET", path)
+        return client.getresponse().status
+
+    try:
+        assert [status(path) for path in ("/", "/index.html", "/?a=b")] == [200] * 3
+        wrong = ("/%00", "/a%00b", "/inner/", "/inner", "/link.html", "/up/secret.html", "/../secret.html", f"/{'a' * 5000}")
+        assert [status(path) for path in wrong] == [404] * len(wrong)
+    finally:
+        server.shutdown()
+        server.server_close()
+    assert capfd.readouterr().err == ""
 
 
 def test_a_port_that_is_taken_is_told(tmp_path, capsys):

@@ -26,9 +26,10 @@ class Handler(SimpleHTTPRequestHandler):
         root = Path(self.directory).resolve()
         try:
             place = Path(self.translate_path(self.path)).resolve()
-        except ValueError:  # a path that no file has
-            place = None
-        if place is None or not (place == root or (place.is_file() and place.is_relative_to(root))):
+            is_here = place == root or (place.is_file() and place.is_relative_to(root))
+        except (OSError, ValueError):  # a path that no file can have
+            is_here = False
+        if not is_here:
             self.send_error(HTTPStatus.NOT_FOUND)
             return None
         return super().send_head()

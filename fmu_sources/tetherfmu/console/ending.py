@@ -6,11 +6,13 @@
 130  Ctrl-C
 """
 
+import errno
 import re
 import sys
-from functools import wraps
+from functools import cache, wraps
 
 FAILED, WRONG_USE, STOPPED = 1, 2, 130
+DISK = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)  # errors of writing to a file that is open
 REQUIREMENT = re.compile(r"([\w-]+).*extra == ['\"](\w+)['\"]")
 
 
@@ -27,6 +29,7 @@ def command(main):
 
     @wraps(main)
     def run(*arguments, **options):
+        opened = last_opened()
         try:
             return main(*arguments, **options) or 0
         except WrongUse as error:
@@ -37,13 +40,27 @@ def command(main):
             package = missing.name.partition(".")[0]
             return _said(f"{package} is not installed: {remedy(package)}", WRONG_USE)
         except OSError as error:
-            return _said(f"{error.filename}: {error.strerror}" if error.filename else error, FAILED)
+            file = error.filename or (opened[-1] if error.errno in DISK else None)
+            return _said(f"{file}: {error.strerror}" if file else error, FAILED)
         except RuntimeError as error:
             return _said("stopped", STOPPED) if is_stop(error) else _said(error, FAILED)
         except KeyboardInterrupt as stop:
             return _said("; ".join(["stopped", *stop.args]), STOPPED)
 
     return run
+
+
+@cache
+def last_opened():
+    """A list with the file that was opened last to be written: a disk that is full is an error without a name."""
+    found = [None]
+
+    def note(event, facts):
+        if event == "open" and isinstance(facts[1], str) and facts[1].strip("rbt"):
+            found[-1] = facts[0]
+
+    sys.addaudithook(note)
+    return found
 
 
 def is_stop(error):

@@ -15,22 +15,13 @@ def whole(path):
     clear(path.parent, f"{escape(path.name)}.*.partial")
     unfinished = path.with_name(f"{path.name}.{uuid4().hex}.partial")
     try:
-        with naming(path):
-            yield unfinished
-            unfinished.replace(path)
+        yield unfinished
+        unfinished.replace(path)
+    except OSError as error:
+        error.filename = str(path)
+        raise
     finally:
         unfinished.unlink(missing_ok=True)
-
-
-@contextmanager
-def naming(path):
-    """Let an OSError without the name of a file, as of a full disk, have this one."""
-    try:
-        yield
-    except OSError as error:
-        if error.filename is None:
-            error.filename = str(path)
-        raise
 
 
 def clear(folder, pattern):

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from tetherfmu.console.ending import WorkersLost, is_stop
 from tetherfmu.libraries.sources import PACKAGE
-from tetherfmu.libraries.whole_files import naming, whole
+from tetherfmu.libraries.whole_files import whole
 
 from .errors import DAMAGED, read_reference, write_reference
 
@@ -78,7 +78,7 @@ class Store:
         self._append("".join(json.dumps({"key": key, **point}) + "\n" for key, point in points.items()))
 
     def _append(self, text):
-        with naming(self._file), open(self._file, "a", encoding="utf-8") as file:
+        with open(self._file, "a", encoding="utf-8") as file:
             file.write(text)
             file.flush()
             os.fsync(file.fileno())

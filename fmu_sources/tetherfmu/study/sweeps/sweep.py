@@ -189,8 +189,8 @@ def sweep(
     config = config_of(base, tether, segments, step)
     if round(start / config.step) >= round(base.duration / config.step):
         raise WrongUse(
-            f"step is {config.step:g} s; of the {base.duration - start:g} s that count it leaves no step whole: choose a "
-            "shorter one"
+            f"step is {config.step:g} s; at least one whole step must lie between start, {start:g} s, and the duration, "
+            f"{base.duration:g} s"
         )
     task = Task(table, path.parent, base.name, config, statistics, ())
     values = points(quantities, int(samples), method, seed)
