@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+import tomllib
 from importlib.metadata import PackageNotFoundError
 
 import pytest
@@ -68,12 +69,20 @@ def test_a_missing_compiler_is_named_with_the_remedy(monkeypatch):
         ready.folders(["straight"], HERE)
 
 
-def test_an_unknown_numba_is_refused(tmp_path, monkeypatch):
-    monkeypatch.setattr(ready, "version", lambda package: "99.1.0rc1")
-    with pytest.raises(
-        RuntimeError, match=r'numba 99\.1\.0rc1 cannot compile them, only 0\.63 to 0\.68; .* "tetherfmu\[build\]"'
-    ):
+FIRST, LAST = ready.TESTED
+
+
+@pytest.mark.parametrize("numba", ["99.1.0rc1", f"{FIRST[0]}.{FIRST[1] - 1}.1", f"{LAST[0]}.{LAST[1] + 1}.0"])
+def test_an_unknown_numba_is_refused(tmp_path, monkeypatch, numba):
+    monkeypatch.setattr(ready, "version", lambda package: numba)
+    only = "{}.{} to {}.{}".format(*FIRST, *LAST)
+    with pytest.raises(RuntimeError, match=rf'numba {numba} cannot compile them, only {only}; .* "tetherfmu\[build\]"'):
         ready.compiled_in(tmp_path, ["straight"], HERE)
+
+
+def test_the_extra_has_the_versions_of_numba_that_are_tested():
+    project = tomllib.loads((ready.PACKAGE.parents[1] / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    assert f"numba>={FIRST[0]}.{FIRST[1]},<{LAST[0]}.{LAST[1] + 1}" in project["optional-dependencies"]["build"]
 
 
 def test_flying_compiles_nothing_and_needs_no_compiler():

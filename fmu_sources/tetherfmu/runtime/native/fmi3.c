@@ -342,7 +342,8 @@ NOT_OFFERED_CALL(fmi3ExitConfigurationMode, fmi3Instance handle)
 NOT_OFFERED_CALL(fmi3EvaluateDiscreteStates, fmi3Instance handle)
 NOT_OFFERED_GET(
     fmi3UpdateDiscreteStates,
-    CLEAR(CLEAR(CLEAR(CLEAR(CLEAR(filled(REFUSED, FLOAT64, next, 1), defined, 1), values, 1), nominals, 1), end, 1), update, 1),
+    CLEAR(CLEAR(CLEAR(CLEAR(CLEAR(
+        filled(REFUSED, FLOAT64, next, 1), defined, 1), values, 1), nominals, 1), end, 1), update, 1),
     fmi3Instance handle, fmi3Boolean *update, fmi3Boolean *end, fmi3Boolean *nominals, fmi3Boolean *values,
     fmi3Boolean *defined, fmi3Float64 *next)
 NOT_OFFERED_GET(

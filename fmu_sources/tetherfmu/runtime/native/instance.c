@@ -323,8 +323,8 @@ static Status check_readable(Instance *instance, unsigned kinds, const unsigned 
     return outputs && instance->phase == INITIALIZING ? start(instance, ERROR) : OK;
 }
 
-/* The status of a call that reads. Where it failed, what is no value is put there, for importers that do not look at the status:
-NaN, the smallest integer, false, or bytes that are 0, of which a string is NULL. */
+/* The status of a call that reads. Where it failed, what is no value is put there, for importers that do not look at it: NaN,
+the smallest integer, false, or bytes that are 0, of which a string is NULL. */
 Status filled(Status status, Type type, void *values, size_t room)
 {
     if (status == OK || !values) return status;
