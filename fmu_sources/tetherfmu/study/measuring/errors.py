@@ -29,6 +29,7 @@ LONGEST_SETTLING = 0.25  # ... at most this part of the scene
 FIRST_SEGMENTS, MOST_SEGMENTS = 16, 256
 LONGEST_STEP, SHORTEST_STEP = 0.004, 0.00025  # communication step [s], about
 TOLERANCE = 1e-6
+FINER = 10.0  # times that the own error of a reference is smaller than the errors that it judges
 size = partial(np.linalg.norm, axis=-1)  # length of vectors along the last axis
 
 
@@ -88,6 +89,24 @@ class Reference(NamedTuple):
     def own_error(self, names=None):
         """Bound of its own error in some outputs, or in all: both changes together; each is larger than what is left."""
         return worst(self.space, names) + worst(self.time, names)
+
+
+def fine_enough(own, shown):
+    """Whether a reference with an own error [-] judges errors [-], a sequence: its own is at most a tenth of the smallest."""
+    return FINER * own <= min(shown)
+
+
+def judging(scene, measure, names, target):
+    """`Reference` that is fine enough for the errors that it judges, or the finest allowed; and these errors [-].
+
+    measure : errors against a `Flown`, a sequence.  names : as of `converged`.  target : own error [-] to begin with.
+    """
+    while True:
+        reference = converged(scene, target, names)
+        own, found = reference.own_error(names), measure(reference.run.flown)
+        if own > target or fine_enough(own, found):
+            return reference, found
+        target = min(found) / FINER
 
 
 def even_part(every, longest):
