@@ -76,8 +76,8 @@ def table():
         lines.append(f"| `{name}.fmu` | {purpose} | {cost} | " + " | ".join(found) + " |")
     return "\n".join(lines) + (
         f"\n\nTime: a step of 20 ms in FMPy ({measured_on(COSTS)}).\n"
-        f"Error: force on the kite, {SEGMENTS} segments, against a reference whose own error is at most a tenth of the smallest\n"
-        f"error (`python docs/make/make_fmu_table.py`, {measured_on(MEASURED)})."
+        f"Error: force on the kite, {SEGMENTS} segments, against a reference whose own error is at most a tenth of the\n"
+        f"smallest error (`python docs/make/make_fmu_table.py`, {measured_on(MEASURED)})."
     )
 
 

@@ -17,6 +17,7 @@ from PIL import Image
 import make_fmu_table
 import tetherfmu
 from named_functions import MODULES, NAME, PAGES
+from tetherfmu.runtime.variants import VARIANTS, class_name
 
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "fmu_sources" / "tetherfmu"

@@ -92,7 +92,7 @@ class Reference(NamedTuple):
 
 
 def fine_enough(own, shown):
-    """Whether a reference with an own error [-] judges errors [-], a sequence: its own is at most a tenth of the smallest."""
+    """Whether the own error of a reference [-] is at most a tenth of the smallest of the errors that it judges [-]."""
     return FINER * own <= min(shown)
 
 
