@@ -81,7 +81,10 @@ class Lean:
             grown = scaled(found, {each: variable.start for each, variable in given.items()}, name.removesuffix("diameter"))
             if grown:
                 values = " and ".join(f"{each} = {number:.4g} {given[each].quantity.unit}" for each, number in grown.items())
-                warn(f"{name} = {found[name]:g} m scales stiffness and damping: {values}; set them to have others", stacklevel=3)
+                warn(
+                    f"{name} = {found[name]:g} m scales stiffness and damping: {values}; set them to have others",
+                    stacklevel=3,
+                )
             found |= grown
         return tuple(found.items())
 

@@ -192,8 +192,8 @@ def said(name="", about=None):
 
 def tell(about):
     """Print doubts to stderr, each with the names of the FMUs that have it; about : as of `said`."""
-    for text, names in about.items():
-        print(f"{', '.join(names)}: {text}" if any(names) else text, file=sys.stderr)
+    for text, fmus in about.items():
+        print(f"{', '.join(fmus)}: {text}" if any(fmus) else text, file=sys.stderr)
 
 
 def build_for_system(wanted):
