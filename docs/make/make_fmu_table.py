@@ -1,8 +1,8 @@
 """Measure docs/data/fmus.csv and write the table of README.md from it: `python docs/make/make_fmu_table.py`.
 
 Errors are those of the force on the kite, as docs/use/quality_of_advice.md defines them, with 20 segments, a communication
-step of 20 ms and the default tolerance, against a reference that is refined until it is exact to 0.1 % or better. Costs are
-read from docs/data/benchmarks.csv, "FMUs in FMPy".
+step of 20 ms and the default tolerance, against a reference that is refined until its own error is at most a tenth of the
+smallest error of its scene. Costs are read from docs/data/benchmarks.csv, "FMUs in FMPy".
 """
 
 import csv
@@ -13,7 +13,8 @@ DOCS = Path(__file__).resolve().parents[1]
 README, DATA = DOCS.parent / "README.md", DOCS / "data"
 MEASURED, COSTS = DATA / "fmus.csv", DATA / "benchmarks.csv"
 SCENES = {"reel": "taut, reeling", "figure_of_eight": "figure of eight", "circle": "slack circle"}
-SEGMENTS, STEP, TOLERANCE, OWN_ERROR, NAMES = 20, 0.02, 1e-4, 1e-3, ("kite_force",)
+SEGMENTS, STEP, TOLERANCE, FIRST_REFERENCE, NAMES = 20, 0.02, 1e-4, 2e-5, ("kite_force",)
+REFERENCE, CIRCUMSTANCES = "own error of the reference", "circumstances"  # rows of `MEASURED` beside the FMUs
 NEEDED_FOR = {
     "TetherStraight": "tension of a taut tether",
     "TetherCatenary": "sag, rest, slow flight",
@@ -24,23 +25,29 @@ NEEDED_FOR = {
 
 
 def measure():
-    """Write the errors of the four tethers with driven ends in three scenes to `MEASURED`."""
-    from tetherfmu.runtime.variants import VARIANTS, class_name
+    """Write the errors of the four tethers with driven ends in three scenes, and of their references, to `MEASURED`."""
+    from tetherfmu.runtime.variants import BY_NAME, VARIANTS, class_name
     from tetherfmu.study.advice.tradeoff import measure
-    from tetherfmu.study.measuring.errors import converged
+    from tetherfmu.study.measuring.errors import fine_enough, judging
     from tetherfmu.study.measuring.runs import Config
+    from tetherfmu.study.measuring.tables import circumstances
     from tetherfmu.study.scenes.files import load
 
-    rows = {variant: [class_name(variant)] for variant in VARIANTS}
+    configs = [
+        Config(each.name, SEGMENTS if each.has_nodes else 0, TOLERANCE if each.has_waves else 0.0, STEP)
+        for each in map(BY_NAME.get, VARIANTS)
+    ]
+    columns = [["fmu", *map(class_name, VARIANTS), REFERENCE]]
     for name in SCENES:
         scene = load(DOCS.parent / "examples" / "scenes" / f"{name}.toml")
-        reference = converged(scene, OWN_ERROR, NAMES)
-        for variant in VARIANTS:
-            chain, dynamic = variant in ("quasi_steady", "dynamic"), variant == "dynamic"
-            config = Config(variant, SEGMENTS if chain else 0, TOLERANCE if dynamic else 0.0, STEP)
-            rows[variant].append(measure(scene, config, reference.run.flown).error(NAMES))
+        errors = lambda flown, scene=scene: [measure(scene, each, flown).error(NAMES) for each in configs]  # noqa: E731
+        reference, found = judging(scene, errors, NAMES, FIRST_REFERENCE)
+        own = reference.own_error(NAMES)
+        if not fine_enough(own, found):
+            raise SystemExit(f"{name}: the reference ({own:.2g}) is not ten times finer than {min(found):.2g}")
+        columns.append([name, *found, own])
     with MEASURED.open("w", encoding="utf-8", newline="") as file:
-        csv.writer(file, lineterminator="\n").writerows([["fmu", *SCENES], *rows.values()])
+        csv.writer(file, lineterminator="\n").writerows([*zip(*columns, strict=True), (CIRCUMSTANCES, circumstances())])
 
 
 def costs():
@@ -49,9 +56,10 @@ def costs():
         return {row[1]: float(row[5]) for row in csv.reader(file) if row[0] == "FMUs in FMPy"}
 
 
-def circumstances():
-    """Date, processor and Python of the costs."""
-    text = COSTS.read_text(encoding="utf-8").splitlines()[0].partition(",")[2].strip('"')
+def measured_on(path):
+    """Date, processor and Python of a table of measurements."""
+    with path.open(encoding="utf-8", newline="") as file:
+        (text,) = (row[1] for row in csv.reader(file) if row[0] == CIRCUMSTANCES)
     return text.partition(", tetherfmu")[0].replace("(R)", "")
 
 
@@ -67,8 +75,9 @@ def table():
         found = [f"{100.0 * float(error):.2g}" for error in errors.get(name, ())] or ["-"] * len(SCENES)
         lines.append(f"| `{name}.fmu` | {purpose} | {cost} | " + " | ".join(found) + " |")
     return "\n".join(lines) + (
-        f"\n\nTime: a step of 20 ms in FMPy ({circumstances()}). Error: force on the kite, {SEGMENTS} segments\n"
-        "(`python docs/make/make_fmu_table.py`)."
+        f"\n\nTime: a step of 20 ms in FMPy ({measured_on(COSTS)}).\n"
+        f"Error: force on the kite, {SEGMENTS} segments, against a reference whose own error is at most a tenth of the\n"
+        f"smallest error (`python docs/make/make_fmu_table.py`, {measured_on(MEASURED)})."
     )
 
 

@@ -148,5 +148,7 @@ class TurbulentWind(FileSlave):
             mean = MeanWind(known.mean_speed, known.wind_direction, known.wind_reference_height, known.wind_exponent)
             origin = [getattr(known, name) for name in names(ORIGIN)]
             self._wind = turbulence(self.path() if self.file else None, known, mean, origin)
+            for doubt in self._wind.doubts():
+                self.warn(doubt)
             self._opened = key
         return self._wind

@@ -6,6 +6,7 @@ What an FMU goes without is constant. `fmi/selection.py` has what the FMU itself
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
+from warnings import warn
 
 from tetherfmu.fmi.selection import GROUPS, own_name
 from tetherfmu.input_files import in_si, require
@@ -70,14 +71,21 @@ class Lean:
     def start_values(self, table: Iterable) -> tuple:
         """Pairs (name, number) of the start values in SI units; ValueError names one that is not allowed.
 
-        A diameter alone scales stiffness and damping, as everywhere.
+        A diameter alone scales stiffness and damping, as everywhere, and a warning says so.
         """
         given = {each.name: each for each in table if each.causality in (INPUT, PARAMETER)}
         found = {}
         for name, value in self.starts:
             found |= _starts_of(name, value, given)
         for name in [each for each in found if own_name(each) == "diameter"]:
-            found |= scaled(found, {each: variable.start for each, variable in given.items()}, name.removesuffix("diameter"))
+            grown = scaled(found, {each: variable.start for each, variable in given.items()}, name.removesuffix("diameter"))
+            if grown:
+                values = " and ".join(f"{each} = {number:.4g} {given[each].quantity.unit}" for each, number in grown.items())
+                warn(
+                    f"{name} = {found[name]:g} m scales stiffness and damping: {values}; set them to have others",
+                    stacklevel=3,
+                )
+            found |= grown
         return tuple(found.items())
 
 

@@ -87,3 +87,22 @@ def test_the_ends_of_what_is_allowed_pass_their_check(tmp_path, diameter, segmen
     built = [*map(str, tmp_path.glob("*.fmu"))]
     assert len(built) == len(names)
     assert main(["check", *built]) == 0
+
+
+@pytest.mark.parametrize(
+    ("options", "scales"),
+    [("--set diameter=0.008", True), ("--set diameter=0.008 --set axial_stiffness=7e5 --set axial_damping=5", False)],
+)
+def test_a_diameter_that_scales_the_stiffness_says_so_once(tmp_path, capsys, options, scales):
+    """Of two FMUs in one line, with the values that they start with."""
+    assert main(["build", "straight", "catenary", "--out", str(tmp_path), *options.split()]) == 0
+    said = "diameter = 0.008 m scales stiffness and damping: axial_stiffness = 2.458e+06 N and axial_damping = 1892 N.s"
+    expected = [f"TetherStraight, TetherCatenary: {said}; set them to have others"] if scales else []
+    assert capsys.readouterr().err.splitlines() == expected
+
+
+def test_a_material_wants_the_diameter_beside_it(tmp_path, capsys):
+    """With --set it would keep the stiffness of 4 mm."""
+    with pytest.raises(SystemExit):
+        main(["build", "straight", "--material", "steel", "--set", "diameter=0.008", "--out", str(tmp_path)])
+    assert "give the diameter with it, not with --set" in capsys.readouterr().err

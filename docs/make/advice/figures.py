@@ -11,6 +11,7 @@ from tetherfmu.console.colours import COLOUR
 from tetherfmu.runtime.variants import class_name
 from tetherfmu.study.advice.figures import draw_points
 from tetherfmu.study.advice.reasons import LEVELS, TABLE
+from tetherfmu.study.measuring.errors import FINER
 
 from .thresholds import SWEEPS
 
@@ -35,7 +36,8 @@ def draw_scenes(results, names, path):
     for place, (scene, (reference, points, _)) in enumerate(results.items()):
         axis = figure.add_subplot(rows, COLUMNS, place + 1, sharex=axis, sharey=axis)
         draw_points(axis, points, 4)
-        axis.axvspan(1e-4, 100.0 * reference.own_error(names), color="0.85", linewidth=0.0, label="error of the reference")
+        own = 100.0 * FINER * reference.own_error(names)
+        axis.axvspan(1e-4, own, color="0.85", linewidth=0.0, label="reference not ten times finer")
         axis.set_title(scene.name.replace("_", " "), fontsize=LETTERS + 1)
         axis.set_xlim(200.0, 0.005)
         axis.tick_params(labelleft=place % COLUMNS == 0, labelsize=LETTERS)
@@ -55,11 +57,11 @@ def draw_sweeps(path):
         for (variant, segments), curve in shown[shown.group == group].groupby(["variant", "segments"], sort=False):
             name = variant.replace("_", "-") + (f", {segments} segments" if segments else "")
             style = {"color": COLOUR[variant], "linestyle": LINES[segments], "linewidth": 1.3}
-            (handles[name],) = axis.loglog(curve.value, (100.0 * curve.error).clip(lower=1e-3), **style)
+            (handles[name],) = axis.loglog(curve.value, 100.0 * curve.error, **style)
         for level in LEVELS:
             axis.axhline(100.0 * level, color="0.8", linewidth=0.8, zorder=0)
         axis.set_xlabel(label, fontsize=9)
-        axis.set_ylim(5e-3, 200.0)
+        axis.set_ylim(100.0 * LEVELS[0], 200.0)  # what the references are fine enough for
     axes[0].set_ylabel("error of the force on the kite [%]", fontsize=9)
     figure.legend(handles.values(), handles.keys(), loc="outside lower center", ncols=6, frameon=False, fontsize=9)
     save(figure, path)

@@ -10,10 +10,10 @@ from tetherfmu.results import StepRefused
 from tetherfmu.study.advice.advise import BUDGET, FAST_BUDGET, advise
 from tetherfmu.study.advice.reasons import TABLE
 from tetherfmu.study.advice.tradeoff import LEVELS, REFERENCE_ERROR, cheapest, measure, study
-from tetherfmu.study.measuring.errors import converged, worst
+from tetherfmu.study.measuring.errors import judging, worst
 from tetherfmu.study.measuring.executors import executor_of, progress_bar
 from tetherfmu.study.measuring.store import POINTS, Store, keeping
-from tetherfmu.study.measuring.tables import factor, page, percent
+from tetherfmu.study.measuring.tables import factor, known, page, percent
 from tetherfmu.study.scenes.files import load
 
 from .figures import draw_chart, draw_scenes, draw_sweeps
@@ -42,26 +42,38 @@ def asking(scene, allowed):
     return replace(scene, wanted=replace(scene.wanted, outputs=NAMES, allowed_error=allowed))
 
 
-def verdict(scene, reference, budget):
-    """What is true of the advice for the force on the kite within a budget [s]: a dict of texts, numbers and times [s].
-
-    Errors are measured against a finer reference than the advisor's own, and are known up to that one's own error. `met`,
-    `wrong`: the allowed error was said to be met, and is or is not. `inside`: the error lies within the two that were said.
-    """
+def advised(scene, budget):
+    """The advice for the force on the kite within a budget [s], and the time that it took [s]."""
     began = process_time()
-    advice = advise(scene, budget)
-    said = {"seconds": process_time() - began, "advised": advice.point.config.words(), "cost": advice.point.cost}
-    said |= {"claimed": advice.met, "least": advice.least, "expected": advice.expected, "tried": len(advice.search.points)}
-    error = measure(scene, advice.point.config, reference.run.flown).error(NAMES)
-    own, allowed = reference.own_error(NAMES), error <= scene.wanted.allowed_error
-    inside = advice.least - own <= error <= advice.expected + own
-    return said | {"error": error, "met": advice.met and allowed, "wrong": advice.met and not allowed, "inside": inside}
+    return advise(scene, budget), process_time() - began
 
 
-def judged(scene, reference):
-    """`verdict` on the advice and, as `fast`, on the fast advice; with the scene and what is allowed."""
-    facts = {"scene": scene.name, "allowed": scene.wanted.allowed_error, "own_error": reference.own_error(NAMES)}
-    return facts | verdict(scene, reference, BUDGET) | {"fast": verdict(scene, reference, FAST_BUDGET)}
+def verdict(scene, advice, seconds, error, own):
+    """What is true of an advice with an error that a reference found, whose own error is `own`: a dict of texts and numbers.
+
+    `met`, `wrong`: the allowed error was said to be met, and is, even if the reference errs, or may not be. `inside`: the
+    error lies within the two that were said.
+    """
+    said = {"seconds": seconds, "advised": advice.point.config.words(), "cost": advice.point.cost, "claimed": advice.met}
+    said |= {"least": advice.least, "expected": advice.expected, "tried": len(advice.search.points), "error": error}
+    allowed, inside = error + own <= scene.wanted.allowed_error, advice.least - own <= error <= advice.expected + own
+    return said | {"met": advice.met and allowed, "wrong": advice.met and not allowed, "inside": inside}
+
+
+def judged(scene, reference=None):
+    """`verdict` on the advice and, as `fast`, on the fast advice; with the scene and what is allowed.
+
+    reference : by default one that is ten times finer than the errors of both, where there is one.
+    """
+    advices = [advised(scene, budget) for budget in (BUDGET, FAST_BUDGET)]
+    errors = lambda flown: [measure(scene, advice.point.config, flown).error(NAMES) for advice, _ in advices]  # noqa: E731
+    if reference is None:
+        reference, found = judging(scene, errors, NAMES, min(REFERENCE_ERROR, 0.1 * scene.wanted.allowed_error))
+    else:
+        found = errors(reference.run.flown)
+    own = reference.own_error(NAMES)
+    slow, fast = (verdict(scene, *advice, error, own) for advice, error in zip(advices, found, strict=True))
+    return {"scene": scene.name, "allowed": scene.wanted.allowed_error, "own_error": own, **slow, "fast": fast}
 
 
 def summary(verdicts):
@@ -84,7 +96,7 @@ def summary(verdicts):
 def unseen(scene):
     """`judged` in a scene with the error that it asks for; None if no reference can be flown."""
     try:
-        return judged(scene, converged(scene, min(REFERENCE_ERROR, 0.1 * scene.wanted.allowed_error), NAMES))
+        return judged(scene)
     except StepRefused:
         return None
 
@@ -122,11 +134,11 @@ def by_scene(cases):
     """Table of the cheapest tether and the advised one; `cases` are scene, allowed error, point or None, and verdict."""
     rows = []
     for scene, level, best, verdict in cases:
-        found = "none", "-", "-", "-"
+        found, own = ("none", "-", "-", "-"), verdict["own_error"]
         if best is not None:
-            found = best.config.words(), percent(best.error), factor(best.cost), factor(best.host_cost)
+            found = best.config.words(), known(best.error, own), factor(best.cost), factor(best.host_cost)
         ratio = f"{verdict['cost'] / best.cost:.2g}" if best is not None else "-"
-        rows.append((scene.name, percent(level), *found, verdict["advised"], percent(verdict["error"]), ratio))
+        rows.append((scene.name, percent(level), *found, verdict["advised"], known(verdict["error"], own), ratio))
     return pd.DataFrame(rows, columns=BY_SCENE)
 
 
@@ -138,7 +150,12 @@ def by_unseen(verdicts):
         for way, said in (("", each), ("fast: ", each["fast"])):
             met = "yes" if said["met"] else "no" if said["wrong"] else "not claimed"
             predicted = f"{percent(said['least'])} to {percent(said['expected'])}"
-            found = {"advised": said["advised"], "predicted": predicted, "true": percent(said["error"]), "met": met}
+            found = {
+                "advised": said["advised"],
+                "predicted": predicted,
+                "true": known(said["error"], each["own_error"]),
+                "met": met,
+            }
             row |= {way + name: text for name, text in found.items()}
         rows.append(row)
     return pd.DataFrame(rows)

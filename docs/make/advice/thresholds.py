@@ -20,7 +20,7 @@ from tetherfmu.runtime.parameters import Environment, Tether
 from tetherfmu.study.advice.reasons import LEVELS, TABLE, numbers
 from tetherfmu.study.advice.tradeoff import SEGMENTS, measure
 from tetherfmu.study.measuring import runs
-from tetherfmu.study.measuring.errors import converged
+from tetherfmu.study.measuring.errors import FINER, converged, fine_enough
 from tetherfmu.study.measuring.executors import progress_bar
 from tetherfmu.study.scenes.files import Scene, Wind
 from tetherfmu.study.scenes.flights import Circle, FigureOfEight, Parked
@@ -96,10 +96,12 @@ def points(group, stretch, scene):
     """
     try:
         value = getattr(numbers(scene), group)
-        reference = converged(scene, 1e-4, NAMES).run.flown
+        reference = converged(scene, LEVELS[0] / FINER, NAMES)
     except StepRefused:
         return []
-    measured = [measure(scene, config, reference, exact=True) for config in configs(group)]
+    if not fine_enough(reference.own_error(NAMES), LEVELS):
+        raise SystemExit(f"{group} {value:.2g}: the reference is not ten times finer than {LEVELS[0]:g}")
+    measured = [measure(scene, config, reference.run.flown, exact=True) for config in configs(group)]
     return [(group, stretch, *each.config[:2], value, max(each.error(NAMES), 1e-12)) for each in measured]
 
 

@@ -19,7 +19,6 @@ from tetherfmu.libraries import ready
 from tetherfmu.libraries.ahead_of_time import TARGETS
 from tetherfmu.libraries.examples import example
 from tetherfmu.materials import MATERIALS, tether_of
-from tetherfmu.results import PlausibilityWarning
 from tetherfmu.runtime.kernel_library import PYTHONFMU, this_platform
 from tetherfmu.runtime.limits import MAX_WIND_POINTS
 from tetherfmu.runtime.naming import meant_or_all, prefixed
@@ -157,6 +156,8 @@ def _problems(options):
             "the file of --system has its lines and their start values: it goes without NAME, --segments, --diameter, "
             "--material, --examples and --scene"
         )
+    if options.material is not None and "diameter" in dict(options.starts):
+        yield "--material sets stiffness and damping for --diameter; give the diameter with it, not with --set"
     for name in {"diameter", "segments"} & {each for each, _ in options.starts}:
         if getattr(options, name) is not None:
             yield f"--{name} and --set {name} are both given; give one of them"
@@ -171,17 +172,28 @@ def _problems(options):
 
 
 @contextmanager
-def said(name=""):
-    """What is in doubt goes to stderr, and what an FMU cannot have ends the program; name : of the FMU, before each line."""
-    before = f"{name}: " if name else ""
+def said(name="", about=None):
+    """What is in doubt goes to stderr, and what an FMU cannot have ends the program; name : of the FMU, before each line.
+
+    about : dict (modified) that gets the names of the FMUs by the doubt instead, to `tell` each doubt once.
+    """
     with catch_warnings(record=True) as doubts:
-        simplefilter("always", PlausibilityWarning)
+        simplefilter("always", UserWarning)
         try:
             yield
         except ValueError as error:
-            raise WrongUse(f"{before}{one_line(error)}") from None
-    for doubt in doubts:
-        print(f"{before}{doubt.message}", file=sys.stderr)
+            raise WrongUse(f"{name}: {one_line(error)}" if name else one_line(error)) from None
+    found = {} if about is None else about
+    for text in dict.fromkeys(str(doubt.message) for doubt in doubts):
+        found.setdefault(text, []).append(name)
+    if about is None:
+        tell(found)
+
+
+def tell(about):
+    """Print doubts to stderr, each with the names of the FMUs that have it; about : as of `said`."""
+    for text, fmus in about.items():
+        print(f"{', '.join(fmus)}: {text}" if any(fmus) else text, file=sys.stderr)
 
 
 def build_for_system(wanted):
@@ -244,9 +256,13 @@ def main(arguments=None, prog="tetherfmu build"):
     lean = lean_of(wanted)
     lean = replace(lean, starts=(*starts_of(wanted.diameter, wanted.material), *lean.starts))
     options = BuildOptions(segments, wanted.shape_points, platforms, lean, wind_points=wanted.wind_points)
-    for name in chosen:
-        with said(name):
-            build(wanted, name, options)
+    about = {}
+    try:
+        for name in chosen:
+            with said(name, about):
+                build(wanted, name, options)
+    finally:
+        tell(about)
     if wanted.examples:
         fmus = example("shared.example_fmus")
         for name in fmus.SLAVES:

@@ -24,6 +24,7 @@ from ..runtime.variants import BY_NAME, Variant, library_of
 from .portions import all_portions, portions_of
 from .selection import shown, with_starts
 from .system_variables import (
+    ENDS,
     OF_A_LINE,
     OF_PORTIONS,
     OF_SHEAVES,
@@ -194,6 +195,7 @@ def lines_of(structure):
             each.is_through,
             each.is_portion,
             k in drums,
+            words_of(structure, each),
         )
         for k, each in enumerate(all_portions(structure.lines))
     )
@@ -203,6 +205,21 @@ def names_of_inputs(structure, portion):
     """Names of the inputs of the system that are those of a line or a portion, by their places, but for its wind points."""
     for name in INPUT_NAMES:
         yield (told_by(structure.winches, portion.line, name) if portion.number == 0 else None) or input_name(name, portion)
+
+
+def words_of(structure, portion):
+    """What sentences on a tether say, and what that is called of a line or a portion: pairs, longer ones first."""
+    words = {}
+    for end, point in zip(ENDS, (portion.start, portion.end), strict=True):
+        first = "initial_" if point in structure.free else ""
+        place = words[f"{end}_position"] = f"{point}.{first}position"
+        words |= {f"{end}_velocity": f"{point}.{first}velocity", f"the {end} end": f"its end at {point}"}
+    load = f"{portion.end}.load" if portion.end in structure.free else "a load"
+    words |= {"the kite_load": load, "kite_mass; in a system the mass of the point": f"{portion.end}.mass"}
+    for winch in structure.winches:
+        if portion.line.name in dict(winch.ratios):
+            words |= {name: f"{winch.name}.{name}" for name in (winch.input, SPEED, *dict(winch.drum))}
+    return ("kite_position (initial_kite_position of a free kite end)", place), *words.items()
 
 
 def told_by(winches, line, name):

@@ -3,6 +3,7 @@
 The FMI slaves and the Python API run them. Arrays: `plan_layout.py`.
 """
 
+import re
 from array import array
 from functools import reduce
 from math import dist, inf
@@ -14,6 +15,11 @@ from . import plan_layout as places
 from . import plausibility, status
 from .saved_state import check_state
 
+OF_ALL_LINES = (  # the same pairs for a sentence about all lines of a system
+    ("kite_position, ground_position", "POINT.position"),
+    ("kite_position", "POINT.position"),
+    ("the kite_load", "a load (POINT.load)"),
+)
 _KITE_MOTION = range(at.KITE_POSITION, at.KITE_VELOCITY + 3)  # places of the motion of the kite end among the inputs
 
 
@@ -25,6 +31,12 @@ def zeros(count):
 def address(numbers):
     """Address of an array, which stays as long as its length."""
     return numbers.buffer_info()[0]
+
+
+def renamed(said, words):
+    """A sentence with other words, pairs; where several fit, the first one counts."""
+    own = dict(words)
+    return re.sub("|".join(map(re.escape, own)), lambda found: own[found[0]], said) if own else said
 
 
 class Line(NamedTuple):
@@ -39,6 +51,7 @@ class Line(NamedTuple):
     is_through: bool = False  # whether it goes on over a sheave at its end as the next line
     is_portion: bool = False  # whether it is a portion of such a line
     may_carry_drum: bool = False  # whether it may carry a drum that turns beside sheaves, or that holds several lines
+    words: tuple = ()  # pairs of what a sentence on a tether says, and what that is called in the system
 
     @property
     def outputs_size(self):
@@ -180,7 +193,8 @@ class Instance:
 
     def _about(self, k, said):
         """A sentence on line k."""
-        return f"the line {self.lines[k].name}: {said}" if self.lines[k].name else said
+        line = self.lines[k]
+        return f"the line {line.name}: {renamed(said, line.words)}" if line.name else said
 
     def sentence(self, result, step, at_start=False):
         """What a status says about a step [s] with the inputs and the unstretched lengths of now."""
@@ -199,7 +213,9 @@ class Instance:
         segments = self.segments if about == places.ALL_LINES else self.counts[k]
         facts = facts_of(inputs, parameters, self.state[self.states_at[k] + at.LENGTH], segments)
         said = status.sentence(result, name=name, value=inputs[place], step=step, **facts)
-        return said if about == places.ALL_LINES else self._about(k, said)
+        if about == places.ALL_LINES and line.name:
+            return renamed(said, OF_ALL_LINES)
+        return self._about(k, said)
 
 
 def facts_of(inputs, parameters, length, segments):

@@ -16,6 +16,7 @@ first one the wind is interpolated, too. Refused: a sentence on the point that i
 from dataclasses import dataclass
 from math import cos, sin
 from typing import NamedTuple
+from warnings import catch_warnings, warn
 
 import numpy as np
 
@@ -66,7 +67,9 @@ def turbulence(file, reading, mean, origin):
     """
     points = (reading.points_along, reading.points_across, reading.points_upwards)
     spacing = (reading.spacing_along, reading.spacing_across, reading.spacing_upwards)
-    return FrozenTurbulence(mean, open_box(file, points, spacing) if file else None, origin, reading.outside == PERIODIC)
+    box = open_box(file, points, spacing) if file else None
+    with catch_warnings(action="ignore"):  # whoever reads it passes `doubts` on
+        return FrozenTurbulence(mean, box, origin, reading.outside == PERIODIC)
 
 
 def profile(mean, height):
@@ -88,7 +91,8 @@ class FrozenTurbulence:
     origin : (3,) array
         Of the box [m].
     periodic : bool
-        Whether the box is repeated in all directions; if not, WrongBox names a point beyond it.
+        Whether the box is repeated in all directions, with a warning where its file says that it is not periodic; if
+        not, WrongBox names a point beyond it.
 
     Examples
     --------
@@ -106,6 +110,8 @@ class FrozenTurbulence:
         if box and box.mean:
             mean = mean._replace(speed=box.mean[0], reference_height=box.mean[1])
         self.mean, self.box, self.periodic = mean, box, periodic
+        for doubt in self.doubts():
+            warn(doubt, stacklevel=2)
         c, s = cos(mean.direction), sin(mean.direction)
         self._turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])  # R
         if box:
@@ -116,6 +122,16 @@ class FrozenTurbulence:
             self._rows = np.zeros(box.points[2])  # mean wind in each row of the box
             if box.mean:
                 self._rows += profile(mean, self._first[2] + box.spacing[2] * np.arange(box.points[2]))
+
+    def doubts(self):
+        """Sentences on a box that is repeated although its file says that it is not periodic."""
+        if self.box and self.box.has_seam and self.periodic:
+            length = self.box.points[0] * abs(self.box.spacing[0])
+            yield (
+                f"{self.box.file} says that it is not periodic, but it is repeated: the wind jumps every {length:.4g} m, or "
+                f'{length / self.mean.speed:.4g} s; make it periodic (in TurbSim UsableTime = "ALL"), or refuse what is '
+                "outside of it (outside = 2; in Python periodic=False)"
+            )
 
     def at(self, time, points):
         """Wind [m/s], array (K, 3), at a time [s], or one for each point (K,), and at points [m], array (K, 3).

@@ -53,6 +53,7 @@ class Box(NamedTuple):
     offset: tuple = (0.0, 0.0, 0.0)  # velocity [m/s] = (stored number - offset)/scale
     scale: tuple = (1.0, 1.0, 1.0)
     mean: tuple | None = None  # mean wind [m/s] that the box contains, and at which height [m]; None: fluctuations only
+    has_seam: bool = False  # whether the file says that the wind jumps where the box begins again
 
 
 def open_box(file: str | os.PathLike, points: Sequence[int] = (0, 0, 0), spacing: Sequence[float] = (0.0, 0.0, 0.0)) -> Box:
@@ -108,7 +109,7 @@ def turbsim_box(file):
     numbers = mapped(file, "<i2", HEADER.size + described, nt * plane)
     components, strides = tuple(numbers[component:] for component in range(3)), (plane, 3, 3 * ny)
     first, spacing = (0.0, -0.5 * (ny - 1) * dy, bottom), (-speed * dt, dy, dz)
-    stored = {"offset": tuple(offset), "scale": tuple(scale), "mean": (speed, hub)}
+    stored = {"offset": tuple(offset), "scale": tuple(scale), "mean": (speed, hub), "has_seam": kind == NOT_PERIODIC}
     return Box(file, components, strides, (nt, ny, nz), first, spacing, **stored)
 
 

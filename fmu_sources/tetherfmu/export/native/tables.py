@@ -4,9 +4,10 @@ Places in the flat arrays, variables, parameters with their ranges, sentences: w
 """
 
 import re
+from itertools import accumulate
 
 from tetherfmu.runtime import inputs, layout, parameters, plan_layout, plausibility, refusals, saved_state, status
-from tetherfmu.runtime.instance import Instance, address
+from tetherfmu.runtime.instance import OF_ALL_LINES, Instance, address
 from tetherfmu.runtime.variables import PARAMETER
 
 from .arrays import arrays
@@ -118,8 +119,17 @@ def _inputs(wiring):
         c_enumeration({f"SCALE_{name}": number for number, name in enumerate(inputs.SCALES)}),
         c_numbers("unsigned char INPUT_SCALE", numbers),
         c_texts("INPUT_NAME", [own[place] for place in range(wiring.ends[0])]),
+        *_words(wiring),
         c_rows("char *const LINE_INPUT_NAME", (map(c_text, row) for row in names), len(names[0])),
     ]
+
+
+def _words(wiring):
+    """Pairs of texts that are others in sentences about all lines (first) and about each of them; an empty one ends them."""
+    rows = [OF_ALL_LINES if any(line.name for line in wiring.lines) else (), *(line.words for line in wiring.lines)]
+    listed = [[*(text for pair in row for text in pair), ""] for row in rows]
+    ends = list(accumulate(map(len, listed), initial=0))
+    return c_texts("WORDS", [text for row in listed for text in row]), c_numbers("int WORDS_AT", ends[:-1])
 
 
 def room_of(kernels, wiring):

@@ -110,10 +110,12 @@ static bool check_points(const double *values, char *problem)
 }
 
 /* A sentence on a line, with its name if it has one; line : -1 for none. */
-static void about_line(char *text, int line, const char *said)
+void about_line(char *text, int line, const char *said)
 {
     const char *name = line < 0 ? "" : LINE_NAME[line];
-    fill_in(text, LONGEST_TEXT, *name ? "the line {line}: {said}" : "{said}", FACTS(word("line", name), word("said", said)));
+    char own[LONGEST_TEXT];
+    rename_in(own, sizeof own, said, WORDS + WORDS_AT[line + 1]);
+    fill_in(text, LONGEST_TEXT, *name ? "the line {line}: {said}" : "{said}", FACTS(word("line", name), word("said", own)));
 }
 
 /* What is wrong with the quantities of a line. */

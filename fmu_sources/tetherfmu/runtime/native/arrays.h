@@ -36,6 +36,7 @@ double *state_of(const Arrays *arrays, int line);
 double *parameters_of(const Arrays *arrays, int line);
 int64_t segments_of(const Arrays *arrays, int line);
 size_t state_size_of(const Arrays *arrays, int line);
+void about_line(char *text, int line, const char *said);
 void sentence_of(char text[LONGEST_TEXT], const Arrays *arrays, const double *values, int32_t result, double step);
 
 /* --- sentences.c */

@@ -176,15 +176,15 @@ static bool is_to_be_said(const Instance *instance, int line, int kind)
 static void warn_of_line(Instance *instance, int line)
 {
     const double *state = state_of(instance->arrays, line);
-    char text[LONGEST_TEXT];
+    char text[LONGEST_TEXT], said[LONGEST_TEXT];
     for (int kind = 0; kind < AT_WARNING_KINDS; kind++) {
         double value = state[AT_WARNED_VALUES + kind];
         if (!is_to_be_said(instance, line, kind)) continue;
-        fill_in(text, sizeof text, WARNING_SENTENCE[kind],
+        fill_in(said, sizeof said, WARNING_SENTENCE[kind],
             FACTS(real("value", value), real("percent", 100.0 * value), real("strain", 100.0 * (value - 1.0)),
                 real("segment", state[AT_TORN_SEGMENT]), real("time", state[AT_TORN_AT])));
-        say(instance, WARNING, *LINE_NAME[line] ? "the line {line}: {text}" : "{text}",
-            FACTS(word("line", LINE_NAME[line]), word("text", text)));
+        about_line(text, line, said);
+        say(instance, WARNING, "{text}", FACTS(word("text", text)));
     }
 }
 

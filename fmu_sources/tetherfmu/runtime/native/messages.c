@@ -142,6 +142,20 @@ void fill_in(char *text, size_t room, const char *sentence, const Fact *facts)
     *writer.next = '\0';
 }
 
+/* Write a sentence into `text` with other words: pairs of texts, an empty one at their end; the first that fits counts. */
+void rename_in(char *text, size_t room, const char *sentence, const char *const *words)
+{
+    Writer writer = {text, text + room - 1};
+    while (*sentence) {
+        const char *const *pair = words;
+        while (**pair && strncmp(sentence, *pair, strlen(*pair))) pair += 2;
+        if (**pair) put_text(&writer, pair[1]);
+        else put(&writer, *sentence);
+        sentence += **pair ? strlen(*pair) : 1;
+    }
+    *writer.next = '\0';
+}
+
 /* Write the first refusal to the standard error stream where the importer has not turned logging on, and may show nothing. */
 static void write_first(Instance *instance, const char *text)
 {

@@ -20,6 +20,7 @@ Fact real(const char *key, double number);
 Fact whole(const char *key, double number);
 Fact word(const char *key, const char *text);
 void fill_in(char *text, size_t room, const char *sentence, const Fact *facts);
+void rename_in(char *text, size_t room, const char *sentence, const char *const *words);
 Status say(Instance *instance, Status status, const char *sentence, const Fact *facts);
 Status refuse_null(Instance *instance, const char *argument);
 #define FACTS(...) ((const Fact[]){__VA_ARGS__, {0}}) /* the last one, without a key, is the end of the list */

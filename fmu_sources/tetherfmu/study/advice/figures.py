@@ -5,6 +5,7 @@ from matplotlib.figure import Figure
 
 from tetherfmu.console.colours import BLUE, COLOUR, VERMILLION
 from tetherfmu.runtime.variants import VARIANTS
+from tetherfmu.study.measuring.errors import FINER
 
 from .tradeoff import LEVELS, front
 
@@ -21,12 +22,12 @@ def draw_points(axis, points, size):
 
 
 def draw(points, own_error, scene, path):
-    """The Pareto figure: cost against error, the front as a line, the reference's own error as a grey band."""
+    """The Pareto figure: cost against error, the front as a line, grey where the reference is not ten times finer."""
     figure = Figure(figsize=(6.4, 4.4), layout="constrained")
     axis = figure.subplots()
     best = draw_points(axis, points, 5)
-    left = 100.0 * min(0.5 * own_error, best.error.min())
-    axis.axvspan(left, 100.0 * own_error, color="0.85", linewidth=0.0, label="reference's own error")
+    left, right = 100.0 * min(0.5 * own_error, best.error.min()), 100.0 * FINER * own_error
+    axis.axvspan(left, right, color="0.85", linewidth=0.0, label="reference not ten times finer")
     for level in LEVELS:
         axis.axvline(100.0 * level, color="0.8", linewidth=0.8, zorder=0)
     axis.invert_xaxis()

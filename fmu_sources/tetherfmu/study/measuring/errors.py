@@ -34,6 +34,7 @@ LONGEST_STEP, SHORTEST_STEP = 0.004, 0.00025  # communication step [s], about
 TOLERANCE = 1e-6
 # what reading raises if a file has no `Reference`
 DAMAGED = (KeyError, OSError, TypeError, ValueError, EOFError, zipfile.BadZipFile)
+FINER = 10.0  # times that the own error of a reference is smaller than the errors that it judges
 size = partial(np.linalg.norm, axis=-1)  # length of vectors along the last axis
 
 
@@ -109,6 +110,24 @@ def read_reference(path):
         config, (work, calls, implausible), seconds, space, time, spent = json.loads(str(file["facts"]))
         flown = Flown(file["outputs"], file["peak"], None, seconds, (), file["time"])
     return Reference(Config(*config), Run(flown, work, calls, tuple(implausible)), space, time, spent)
+
+
+def fine_enough(own, shown):
+    """Whether the own error of a reference [-] is at most a tenth of the smallest of the errors that it judges [-]."""
+    return FINER * own <= min(shown)
+
+
+def judging(scene, measure, names, target):
+    """`Reference` that is fine enough for the errors that it judges, or the finest allowed; and these errors [-].
+
+    measure : errors against a `Flown`, a sequence.  names : as of `converged`.  target : own error [-] to begin with.
+    """
+    while True:
+        reference = converged(scene, target, names)
+        own, found = reference.own_error(names), measure(reference.run.flown)
+        if own > target or fine_enough(own, found):
+            return reference, found
+        target = min(found) / FINER
 
 
 def even_part(every, longest):

@@ -13,6 +13,8 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from tetherfmu.runtime import __version__
 
+from .errors import fine_enough
+
 PACKAGES = ("numpy", "numba", "scipy", "fmpy", "pythonfmu", "casadi", "moordyn")
 
 
@@ -62,6 +64,11 @@ def percent(value):
     return f"{100.0 * value:.2g} %"
 
 
+def known(error, own):
+    """The same of an error, with the own error of the reference that judged it, if that one is not fine enough for it."""
+    return percent(error) if fine_enough(own, [error]) else f"{100.0 * error:.2g} ± {percent(own)}"
+
+
 def factor(cost):
     """Text of how many times faster than real time a cost per simulated second is, two digits; a dash if not known."""
     return f"{float(f'{1.0 / cost:.2g}'):.0f}" if cost else "-"
@@ -75,7 +82,7 @@ STUDY = Path(__file__).parents[1]
 def templates_of(folder):
     """The Jinja templates in a folder, with what those of all pages share."""
     templates = Environment(loader=FileSystemLoader(folder), undefined=StrictUndefined, **SPACES)
-    templates.filters |= {"table": markdown, "percent": percent, "factor": factor}
+    templates.filters |= {"table": markdown, "percent": percent, "known": known, "factor": factor}
     return templates
 
 

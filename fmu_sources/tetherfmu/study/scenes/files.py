@@ -147,6 +147,8 @@ class Scene:
         """Sentences on what was hardly meant: other units, a tether far too short for its ends."""
         yield from doubts_of(self.tether, "tether.")
         yield from doubts_of(self.environment, "environment.")
+        if self.wind_points:
+            yield from self.wind.doubts()
         if self.kite_is_free or self.has_force:
             yield from self.doubts_on_ground()
             return

@@ -60,6 +60,10 @@ class BoxedWind:
         """No wind at the reference height, array (times, 3): it is that of `at`."""
         return np.zeros((*np.shape(time), 3))
 
+    def doubts(self):
+        """Sentences on what is doubtful about the box."""
+        return opened(self).doubts()
+
     def at(self, time, ground, kite):
         """Wind [m/s] between the ends, array (times, wind_points, 3); time [s] (times,), ends [m] (times, 3).
 

@@ -47,7 +47,7 @@ class Statistics(NamedTuple):
             parts = ("max", "mean", "rms", *(f"p{each:g}" for each in self.percentiles))
             found |= {f"{name}_{part}": BY_NAME[name].quantity.unit for part in parts}
         unit = BY_NAME[self.cycles_of].quantity.unit
-        return found | {"peak_tension": "N", "cycles": "", "largest_cycle": unit, "time_slack": "s"}
+        return found | {"peak_tension": "N", "cycles": "", "largest_cycle": unit, "time_slack": "s", "break_time": "s"}
 
 
 USUAL = Statistics()
@@ -98,6 +98,8 @@ def statistics_of(flown, wanted, step):
     cycles, largest, bins = counted(values_of(flown, wanted.cycles_of)[rows])
     found |= {"peak_tension": flown.of("peak_tension")[rows].max(), "cycles": cycles, "largest_cycle": largest}
     found["time_slack"] = step * np.count_nonzero(flown.of("slack_segments")[rows])
+    if flown.of("broken")[-1]:
+        found["break_time"] = flown.of("break_time")[-1]
     return {name: float(value) for name, value in found.items()} | {"bins": bins}
 
 

@@ -151,7 +151,9 @@ def run(options):
     written = write(table, scene, config_of(scene, options.tether, options.segments, options.step), folder)
     refused = int((table.refused != "").sum())
     duration = "" if "duration" in table.attrs["varied"] else f" of {scene.duration:g} s"
-    print(f"{len(table)} flights{duration}, {refused} of them refused")
+    broken = int(table.break_time.notna().sum())
+    broke = f", {broken} broke, as in flight {table.break_time.first_valid_index()}" if broken else ""
+    print(f"{len(table)} flights{duration}, {refused} of them refused{broke}")
     if refused < len(table):
         k = int(table.peak_tension.idxmax())
         numbers = (name for name in table.attrs["varied"] if not isinstance(table[name][k], str))

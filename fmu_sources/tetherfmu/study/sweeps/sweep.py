@@ -126,9 +126,9 @@ def sweep(
 
     Columns: the varied values (SI units) by name; of each output its largest value, mean, root mean square and percentiles,
     as ``kite_tension_max``, ``_mean``, ``_rms``, ``_p5``; ``peak_tension`` [N], the largest of all internal steps;
-    ``cycles`` and ``largest_cycle`` by rainflow counting; ``time_slack`` [s], with a slack segment; ``refused``, why a
-    flight could not be flown, whose statistics are NaN, or "". ``attrs["bins"]`` has the cycles of each flight by range, see
-    `flights.counted`.
+    ``cycles`` and ``largest_cycle`` by rainflow counting; ``time_slack`` [s], with a slack segment; ``break_time`` [s] of a
+    tether that broke, NaN of others; ``refused``, why a flight could not be flown, whose statistics are NaN, or "".
+    ``attrs["bins"]`` has the cycles of each flight by range, see `flights.counted`.
 
     The numbers do not depend on who does the work.  ValueError says in one line what is not possible, WorkersLost that
     nobody is left to do the work.
@@ -197,7 +197,7 @@ def sweep(
     for doubt in doubts_of_extremes(task, quantities, values):
         if doubt not in base.doubts():  # which `load` has said
             print(f"{path}: {doubt}", file=sys.stderr)
-    keys = [key(base.digest, *config, *statistics, each) for each in values]
+    keys = [key(base.digest, *config, *statistics, *statistics.columns(), each) for each in values]
     store = Store(Path(out) / FLIGHTS) if out is not None else Memory()
     if hasattr(executor, "get_executor"):  # a Dask client
         executor = executor.get_executor(pure=False)

@@ -7,8 +7,8 @@ import { filled, short } from "./text.js";
 import { norm, sub } from "./vectors.js";
 
 export const REFERENCE = "reference";
-const FINER = 2; // segments of the finer tether for one
-const AT_LEAST = 40; // segments of it
+const FINER = 4; // segments of the finer tether for one: of order 2, it is 16 times more exact
+const AT_LEAST = 80; // segments of it
 const TIGHT = 1e-6; // its relative tolerance
 const JUDGED = 10; // seconds over which errors are averaged
 const MEASURED = 1.5; // ms that a measurement of the cost takes
