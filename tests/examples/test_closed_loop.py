@@ -19,6 +19,7 @@ from native.programs import available
 from tetherfmu import TetherDynamicFree
 from tetherfmu.export.build_options import BuildOptions
 from tetherfmu.export.native.fmus import build
+from tetherfmu.export.native.host_header import PREFIX
 from tetherfmu.libraries.linking import TARGETS
 
 sys.path.append(str(EXAMPLES))
@@ -40,7 +41,7 @@ pytestmark = pytest.mark.skipif(
 def native(tmp_path_factory):
     """Folder with the FMU, extracted, and its header."""
     folder = tmp_path_factory.mktemp("closed_loop")
-    path = build(NAME, folder, fmi=3, with_header=True, with_sources=True)
+    path = build(NAME, folder, fmi=3, with_header=PREFIX, with_sources=True)
     with zipfile.ZipFile(path) as archive:
         archive.extractall(folder / NAME)
     return folder

@@ -12,7 +12,7 @@ from tetherfmu.commands import build as command
 from tetherfmu.export.archive import SLAVES
 from tetherfmu.export.build_options import BuildOptions, Purpose
 from tetherfmu.export.native import fmus as native
-from tetherfmu.export.native.host_header import c_name
+from tetherfmu.export.native.host_header import PREFIX, c_name
 from tetherfmu.lean import Lean
 
 every_header = pytest.mark.parametrize(("fmi", "name"), [(fmi, name) for fmi in (2, 3) for name in SLAVES])
@@ -71,10 +71,12 @@ def test_compilers_take_it(folder, fmi, name, compiler):
 
 
 def test_equal_options_give_equal_bytes(native_folder, tmp_path):
-    again = native.build("TetherStraight", tmp_path / "b", with_header=True).with_suffix(".h")
+    again = native.build("TetherStraight", tmp_path / "b", with_header=PREFIX).with_suffix(".h")
     headers = [native_folder / "TetherStraight.h", again]
     assert headers[0].read_bytes() == headers[1].read_bytes()
-    other = native.build("TetherStraight", tmp_path / "c", BuildOptions(shape_points=0), with_header=True).with_suffix(".h")
+    other = native.build("TetherStraight", tmp_path / "c", BuildOptions(shape_points=0), with_header=PREFIX).with_suffix(
+        ".h"
+    )
     assert "SHAPE" not in re.sub("INITIAL_SHAPE", "", other.read_text("ascii"))
     assert numbers_of(other)["TETHER_SEGMENTS"] == numbers_of(headers[0])["TETHER_SEGMENTS"] - 63
 
@@ -83,11 +85,11 @@ def test_an_fmu_for_one_purpose(tmp_path):
     """Its header has its name, and what it has of variables."""
     purpose = Purpose("my-scene é", "For a test.", 0.02, 10.0, "<p>A page.</p>")
     made = native.build(
-        "TetherStraight", tmp_path, BuildOptions(purpose=purpose, lean=Lean(outputs=("kite_force",))), with_header=True
+        "TetherStraight", tmp_path, BuildOptions(purpose=purpose, lean=Lean(outputs=("kite_force",))), with_header=PREFIX
     )
     header = made.with_suffix(".h")
     assert header.name == "TetherStraight_my-scene é.h"
-    assert "#ifndef TETHERSTRAIGHT_MY_SCENE___H\n" in header.read_text("utf-8")
+    assert "#ifndef TETHER_TETHERSTRAIGHT_MY_SCENE___" in header.read_text("utf-8")
     assert "TETHER_SAG" not in numbers_of(header)
 
 
@@ -98,3 +100,30 @@ def test_command(tmp_path, capsys):
         assert command.main(["straight", "--native", *options, "--out", str(out)]) == 0
         assert sorted(path.name for path in out.glob("TetherStraight.*")) == files
         assert (f"{out / 'TetherStraight.h'}  " in capsys.readouterr().out) == bool(options)
+
+
+@pytest.mark.skipif(not programs.available(), reason="needs gcc on 64-bit Linux")
+@pytest.mark.parametrize("prefix", ["LEAN_", PREFIX])
+def test_headers_of_two_fmus_of_one_name_in_one_file(native_folder, tmp_path, prefix):
+    """With names of their own they compile; with the same ones the compiler says which option gives others."""
+    options = ["--outputs", "kite_force", "--header-prefix", prefix, "--out", str(tmp_path)]
+    assert command.main(["straight", "--native", "--header", *options]) == 0
+    code = f'#include "{native_folder}/TetherStraight.h"\n#include "{tmp_path}/TetherStraight.h"\n'
+    code += f"int both[] = {{TETHER_KITE_FORCE_1, {prefix}KITE_FORCE_1}};\n"
+    line = ["gcc", "-xc", "-std=c89", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-fsyntax-only", "-"]
+    done = subprocess.run(line, input=code, capture_output=True, text=True, check=False)
+    assert (done.returncode == 0) == (prefix != PREFIX)
+    assert ("build one of them with --header-prefix" in done.stderr) == (prefix == PREFIX)
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ("--native --header-prefix A_", "it goes with --header"),
+        ("--native --header --header-prefix 9-", "'9-' is no beginning of a name in C"),
+    ],
+)
+def test_a_wrong_prefix(options, said, capsys):
+    with pytest.raises(SystemExit):
+        command.main(["straight", *options.split()])
+    assert said in capsys.readouterr().err

@@ -14,6 +14,7 @@ from tetherfmu.commands import build as command
 from tetherfmu.export import archive, systems
 from tetherfmu.export.build_options import BuildOptions
 from tetherfmu.export.native import fmus as native
+from tetherfmu.export.native.host_header import PREFIX
 from tetherfmu.lean import PRESETS, Lean
 from tetherfmu.runtime.variables import variables
 
@@ -144,7 +145,7 @@ def test_a_system_and_its_file(tmp_path):
 def test_c_sources_and_header(tmp_path):
     """A constant is one in the C sources; header and tables do not name it."""
     options = BuildOptions(shape_points=0, lean=Lean(parameters=("initial_length",), starts=(("gravity", 1.5),)))
-    path = native.build("TetherStraight", tmp_path, options, with_header=True, with_sources=True)
+    path = native.build("TetherStraight", tmp_path, options, with_header=PREFIX, with_sources=True)
     header = path.with_suffix(".h").read_text()
     assert "TETHER_INITIAL_LENGTH =" in header
     assert "GRAVITY" not in header

@@ -1,6 +1,7 @@
 """The FMU of a system of tethers: the numbers of `TetherSystem`, states, refusals with names, dependencies, wrong files."""
 
 import math
+import re
 import zipfile
 from dataclasses import replace
 from pathlib import Path
@@ -17,7 +18,10 @@ from tetherfmu.check.__main__ import main as check
 from tetherfmu.commands.build import main
 from tetherfmu.export import systems
 from tetherfmu.fmi import system_variables
-from tetherfmu.fmi.system_variables import GIVEN
+from tetherfmu.fmi.system_variables import ENDS, GIVEN
+from tetherfmu.fmi.wiring import lines_of
+from tetherfmu.runtime import plausibility, status
+from tetherfmu.runtime.instance import OF_ALL_LINES, renamed
 from tetherfmu.runtime.limits import WORST_WORK
 from tetherfmu.runtime.outputs import COUNTERS
 from tetherfmu.systems import files
@@ -317,3 +321,40 @@ def test_options_that_do_not_go_with_a_system(other, capsys):
         main(["--system", str(FILES / "y_bridle.toml"), *other])
     assert ended.value.code == 2
     assert capsys.readouterr().err.count("\n") == 1
+
+
+OF_A_LINE_ALONE = {status.RELEASED_WITHOUT_MASS}  # no status of all lines
+OF_A_TETHER_ALONE = {status.NO_EQUILIBRIUM_OF_KITE}  # its kite is a free point in a system
+OF_ENDS = ("kite_", "ground_", "initial_kite_")  # what names of ends begin with
+
+
+def test_sentences_name_the_ends_and_the_winches_of_the_system():
+    """Of those on a line and on all lines: each name of an end of a tether is one of the system."""
+    structure = systems.structure_from(*systems.read(FILES / "steered_kite.toml"))
+    known = {each.name.partition("[")[0] for each in system_variables.table_of(structure)}
+    codes = status.SENTENCES.keys() - OF_A_TETHER_ALONE
+    of_lines = [*plausibility.SENTENCES.values(), *(status.SENTENCES[code] for code in codes)]
+    told = [renamed(status.SENTENCES[code], OF_ALL_LINES) for code in codes - OF_A_LINE_ALONE]
+    told += [
+        renamed(said.replace("{end}", end), line.words) for said in of_lines for line in lines_of(structure) for end in ENDS
+    ]
+    for said in told:
+        found = {word for word in re.findall(r"(?<!\{)\b\w[\w.]+\w", said) if word.startswith(OF_ENDS)}
+        assert found <= known, said
+    tape = next(line for line in lines_of(structure) if line.name == "tape_left")
+    assert renamed("check winch_length", tape.words) == "check steering.winch_length and depower.winch_length"
+    assert {"steering.winch_length", "depower.winch_length"} <= known
+
+
+@every_flavour
+@in_shared_process
+def test_a_refused_step_and_its_warnings_name_variables_of_the_system(folder):
+    host = opened(folder / "YBridle.fmu")
+    far = {"left.position": (150.0, -3.0, 1e9)}
+    said = refused(host, lambda: host.step(STEP, **far))
+    assert "the motion of an end (POINT.position) or a load (POINT.load) jumps too far" in said
+    host.messages.clear()
+    host.step(STEP, **{"left.position": (150.0, -3.0, 300.0)})
+    said += " ".join(host.messages)
+    assert "put its end at left; set left.position before the initialization ends" in said
+    assert not re.search(r"(kite|ground)_(position|velocity|load)", said)

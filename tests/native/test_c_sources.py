@@ -18,9 +18,11 @@ from runtime import clients
 from runtime.host import Host
 from shared_drums import SHARED
 from tetherfmu.export import systems
+from tetherfmu.export.build_options import BuildOptions
 from tetherfmu.export.native import fmus as native
 from tetherfmu.export.native import sources as native_sources
 from tetherfmu.export.native.tables import most_room
+from tetherfmu.lean import Lean
 
 pytestmark = pytest.mark.skipif(not importer.available(), reason="there is no gcc")
 NAME = "TetherStraight"
@@ -155,3 +157,22 @@ def test_room_is_enough_for_any_number_of_segments(sizes):
     for (base, slope), wanted in zip(bounds, (halves, sizes), strict=True):
         spare = [int(base) + int(slope) * n - needed for n, needed in enumerate(wanted, 1)]
         assert min(spare) == 0
+
+
+BOTH = """
+extern const char *{0}_fmi2GetVersion(void), *{1}_fmi2GetVersion(void);
+int main(void) {{ return {0}_fmi2GetVersion()[0] != '2' || {1}_fmi2GetVersion()[0] != '2'; }}
+"""
+
+
+def test_two_fmus_of_one_name_in_one_program(fmus, tmp_path):
+    """The full and a lean one, each with a prefix of its own."""
+    lean = native.build(NAME, tmp_path, BuildOptions(lean=Lean(outputs=("kite_force",))), with_sources=True)
+    objects = []
+    for prefix, path in (("full", fmus[2]), ("lean", lean)):
+        objects.append(str(tmp_path / f"{prefix}.o"))
+        sources = importer.unpacked(path, tmp_path / prefix)
+        importer.run(["gcc", "-std=c99", f"-DFMI2_FUNCTION_PREFIX={prefix}_", "-c", "fmu.c", "-o", objects[-1]], sources)
+    (tmp_path / "program.c").write_text(BOTH.format("full", "lean"))
+    importer.run(["gcc", "program.c", *objects, "-o", "program", "-lm"], tmp_path)
+    importer.run(["./program"], tmp_path)

@@ -1,6 +1,7 @@
 """Build FMUs: all or the named ones, for this platform or others, that of a system, or the one advised for a scene."""
 
 import argparse
+import re
 import sys
 from contextlib import contextmanager
 from dataclasses import replace
@@ -13,6 +14,7 @@ from tetherfmu.export import archive
 from tetherfmu.export.archive import SLAVES
 from tetherfmu.export.build_options import BuildOptions
 from tetherfmu.export.native import fmus as native
+from tetherfmu.export.native.host_header import PREFIX
 from tetherfmu.fmi.selection import GROUPS
 from tetherfmu.lean import LISTS, NONE, PRESETS, Lean
 from tetherfmu.libraries import ready
@@ -61,6 +63,13 @@ def points(most):
     return converted
 
 
+def c_prefix(text):
+    """Type of what names in C begin with."""
+    if not re.fullmatch(r"[A-Za-z_]\w*", text, re.ASCII):
+        raise argparse.ArgumentTypeError(f"{text!r} is no beginning of a name in C: letters, digits and _")
+    return text
+
+
 def starts_of(diameter, material):
     """Start values of a rope that differ from those of the default tether, pairs (parameter, value).
 
@@ -85,6 +94,7 @@ def parse(arguments, prog="tetherfmu build"):
     options = parser.parse_args(arguments)
     for problem in _problems(options):
         parser.error(problem)
+    options.header = options.header_prefix or options.header
     if options.system is None and options.shape_points is None:
         options.shape_points = BuildOptions.shape_points
     return options
@@ -135,7 +145,9 @@ def _add_flavours(option):
     option("--native", action="store_true", help="build FMUs that need no Python in their host")
     option("--fmi", type=lambda text: int(one_of("23")(text)), default=2, metavar="{2,3}", help=FMI)
     about = "with --native: also write a C header for hosts, with value references and the guid or token"
-    option("--header", action="store_true", help=about)
+    option("--header", action="store_const", const=PREFIX, help=about)
+    about = f"with --header: what its names begin with, for several headers in one C file (default: {PREFIX})"
+    option("--header-prefix", type=c_prefix, metavar="TEXT", help=about)
     about = "with --native: also put C sources into the FMU, which importers compile for any other processor"
     option("--sources", action="store_true", help=about)
     about = "build the one FMU of the system of tethers in this file; its lines and points have the names of the file"
@@ -165,6 +177,8 @@ def _problems(options):
         yield "PythonFMU makes FMUs for FMI 2; --fmi 3 goes with --native"
     if options.header and not options.native:
         yield "--header is for hosts in C, which take native FMUs; it goes with --native"
+    if options.header_prefix and not options.header:
+        yield "--header-prefix is for the names of a header; it goes with --header"
     if options.sources and not options.native:
         yield "C sources are those of native FMUs; --sources goes with --native"
     if options.examples and options.native:
@@ -226,7 +240,7 @@ def build_for_scene(wanted):
     return 0
 
 
-def show(path, platforms, with_header=False):
+def show(path, platforms, with_header=None):
     """Print a line on a finished FMU, and one on its header."""
     print(f"{path}  {path.stat().st_size / 1000:.0f} kB  for {', '.join(platforms)}")
     if with_header:

@@ -39,7 +39,7 @@ WINCHES = (
 TIMES = DEFAULT_OPTIONS["step"], DEFAULT_OPTIONS["stop"]  # of the default experiment [s]
 
 
-def build(path, folder, options=None, native=None, with_header=False, with_sources=False):
+def build(path, folder, options=None, native=None, with_header=None, with_sources=False):
     """Build the FMU of a system and return its path; ValueError says in one line what is wrong with the file.
 
     path : of the file, docs/use/systems.md has its keys.  folder : where the FMU goes, made if missing; the groups of

@@ -218,7 +218,8 @@ def words_of(structure, portion):
     words |= {"the kite_load": load, "kite_mass; in a system the mass of the point": f"{portion.end}.mass"}
     for winch in structure.winches:
         if portion.line.name in dict(winch.ratios):
-            words |= {name: f"{winch.name}.{name}" for name in (winch.input, SPEED, *dict(winch.drum))}
+            for name in dict.fromkeys((winch.input, SPEED, *dict(winch.drum))):
+                words[name] = " and ".join(filter(None, (words.get(name), f"{winch.name}.{name}")))
     return ("kite_position (initial_kite_position of a free kite end)", place), *words.items()
 
 

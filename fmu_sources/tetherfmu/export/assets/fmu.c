@@ -1,6 +1,6 @@
 /* $name, all of it: the kernels and the shell, compiled as one file of C99, with nothing but the mathematical library.
 
-Define FMI${fmi}_FUNCTION_PREFIX as ${name}_ to link several FMUs into one program. Define MAX_SEGMENTS to give an instance less
+Define FMI${fmi}_FUNCTION_PREFIX, as ${name}_ or another name for each FMU, to link several FMUs into one program. Define MAX_SEGMENTS to give an instance less
 room than that for $segments segments. */
 #if defined(__GNUC__)
 #pragma GCC diagnostic ignored "-Wunused-parameter" /* the standard has functions with more of them than are needed */
@@ -24,11 +24,16 @@ room than that for $segments segments. */
 #if defined(__GNUC__)
 #pragma GCC diagnostic pop
 #endif
-#if defined(FMI2_FUNCTION_PREFIX)
-#undef fmi2FullName
 #define PREFIXED(prefix, name) prefix##name
 #define WITH_PREFIX(prefix, name) PREFIXED(prefix, name)
+#if defined(FMI2_FUNCTION_PREFIX)
+#undef fmi2FullName
 #define fmi2FullName(name) WITH_PREFIX(FMI2_FUNCTION_PREFIX, name)
+#endif
+#if defined(FMI${fmi}_FUNCTION_PREFIX)
+#define OWN(name) WITH_PREFIX(FMI${fmi}_FUNCTION_PREFIX, name)
+#else
+#define OWN(name) PREFIXED(${name}_, name)
 #endif
 #if defined(__GNUC__) && !defined(_WIN32)
 #pragma GCC visibility push(hidden) /* but for the functions of FMI */

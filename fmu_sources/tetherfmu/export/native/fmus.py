@@ -41,7 +41,7 @@ class Model(NamedTuple):
     times: tuple  # communication step and stop time of the default experiment [s]
 
 
-def build(name, folder, options=None, fmi=2, with_header=False, with_sources=False):
+def build(name, folder, options=None, fmi=2, with_header=None, with_sources=False):
     """Build one native FMU and return its path; RuntimeError if a compiler or the linker fails.
 
     The arguments are those of `archive.build`; fmi : version, 2 or 3.  with_header, with_sources : as in `written`.
@@ -58,11 +58,12 @@ def build(name, folder, options=None, fmi=2, with_header=False, with_sources=Fal
     return written(files, model, folder, options.platforms, fmi, with_header, with_sources, options.purpose)
 
 
-def written(files, model, folder, platforms, fmi, with_header=False, with_sources=False, purpose=None):
+def written(files, model, folder, platforms, fmi, with_header=None, with_sources=False, purpose=None):
     """Write a native FMU to a folder, made if missing; returns its path.
 
     files : beside the model, dict of path in the archive to bytes (modified).  model : `Model`.  platforms : as in
-    `BuildOptions`.  with_header : whether a C header for hosts is written beside it, see `host_header`.  with_sources :
+    `BuildOptions`.  with_header : what the names of a C header for hosts begin with that is written beside it, None
+    for no header, see `host_header`.  with_sources :
     whether the FMU can also be compiled by its importer, see `sources`.
     """
     folder = Path(folder)
@@ -85,7 +86,7 @@ def written(files, model, folder, platforms, fmi, with_header=False, with_source
         files |= sources.sources(model.name, wiring.library, tables, room, fmi, HEADERS)
     made = write(files, folder, model.name, purpose)
     if with_header:
-        host_header.write(made, model.name, wiring, fmi, token)
+        host_header.write(made, model.name, wiring, fmi, token, with_header)
     return made
 
 

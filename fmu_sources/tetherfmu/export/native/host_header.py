@@ -4,6 +4,7 @@ Hosts in C and C++ include it instead of reading the model description.
 """
 
 import re
+from functools import partial
 
 from tetherfmu.runtime import __version__
 from tetherfmu.runtime.variables import INPUT, LOCAL, OUTPUT, PARAMETER
@@ -21,31 +22,31 @@ TYPES = {  # of FMI, for the kinds of variables
 }
 
 
-def c_name(name):
+def c_name(name, prefix=PREFIX):
     """A name in C for a variable or an element: TETHER_KITE_POSITION_1 for kite_position[1]."""
-    return PREFIX + re.sub(r"\W+", "_", name.rstrip("]")).upper()
+    return prefix + re.sub(r"\W+", "_", name.rstrip("]")).upper()
 
 
-def text(file, identifier, wiring, fmi, token):
+def text(file, identifier, wiring, fmi, token, prefix):
     """Text of the header of a native FMU.
 
     file : name of the FMU without ending.  identifier : model identifier.  wiring : `fmi.wiring.Wiring`.  fmi : 2 or 3.
-    token : guid of FMI 2, instantiation token of FMI 3.
+    token : guid of FMI 2, instantiation token of FMI 3.  prefix : what the names begin with.
     """
-    listed = arrays(wiring)
-    parts = [_enumeration(HEADS[causality], _references(wiring, listed, fmi, causality)) for causality in HEADS]
+    listed, named = arrays(wiring), partial(c_name, prefix=prefix)
+    parts = [_enumeration(HEADS[causality], _references(wiring, listed, fmi, causality, named)) for causality in HEADS]
     if fmi == 3:
-        time = (c_name("time"), wiring.ends[2], "Float64 [s]: simulation time")
+        time = (named("time"), wiring.ends[2], "Float64 [s]: simulation time")
         parts.append(_enumeration("independent", [time]))
-    parts.append(_enumeration("numbers of values", _sizes(listed)))
-    parts.append(_enumeration("choices", _choices(wiring.shown)))
+    parts.append(_enumeration("numbers of values", _sizes(listed, named)))
+    parts.append(_enumeration("choices", _choices(wiring.shown, named)))
     return filled(
         "host_header.h",
         file=file,
         fmi=fmi,
         version=__version__,
-        guard=re.sub(r"\W", "_", f"{file}_h", flags=re.ASCII).upper(),
-        prefix=PREFIX,
+        guard=re.sub(r"\W", "_", f"{prefix}{file}_{token.strip('{}')}_h", flags=re.ASCII).upper(),
+        prefix=prefix,
         identifier=c_text(identifier),
         token_name="GUID" if fmi == 2 else "INSTANTIATION_TOKEN",
         token=c_text(token),
@@ -53,13 +54,13 @@ def text(file, identifier, wiring, fmi, token):
     )
 
 
-def write(fmu, identifier, wiring, fmi, token):
+def write(fmu, identifier, wiring, fmi, token, prefix):
     """Write the header of a native FMU beside it; fmu : its path.  The others are the arguments of `text`."""
-    made = text(fmu.stem, identifier, wiring, fmi, token)
+    made = text(fmu.stem, identifier, wiring, fmi, token, prefix)
     fmu.with_suffix(".h").write_text(made, encoding="utf-8", newline="\n")
 
 
-def _references(wiring, listed, fmi, causality):
+def _references(wiring, listed, fmi, causality, named):
     """Names, value references and comments of the variables of a causality: in FMI 3 of arrays, in FMI 2 of all elements."""
     if fmi == 3:
         found = [(each.name, each.reference, each.variables) for each in listed]
@@ -69,21 +70,21 @@ def _references(wiring, listed, fmi, causality):
         first = variables[0]
         if first.causality == causality:
             unit = f" [{first.quantity.unit}]" if first.quantity.unit else ""
-            yield c_name(name), reference, f"{TYPES[fmi][first.kind]}{unit}: {meaning(variables)}"
+            yield named(name), reference, f"{TYPES[fmi][first.kind]}{unit}: {meaning(variables)}"
 
 
-def _sizes(listed):
+def _sizes(listed, named):
     """Names and numbers of values of the arrays."""
     for each in listed:
         if each.dimensions:
-            yield f"{c_name(each.name)}_SIZE", len(each.variables), ""
+            yield f"{named(each.name)}_SIZE", len(each.variables), ""
 
 
-def _choices(table):
+def _choices(table, named):
     """Names and numbers of the choices of enumerations."""
     for each in table:
         for choice, number in each.quantity.numbers.items():
-            yield f"{c_name(each.name)}_{choice.upper()}", number, ""
+            yield f"{named(each.name)}_{choice.upper()}", number, ""
 
 
 def _enumeration(head, rows):

@@ -28,7 +28,7 @@ def sources(name, library, tables, room, fmi, headers):
     parts = [NOT_IN_C.get(part, part) for part in (*PARTS, f"fmi{fmi}") if NOT_IN_C.get(part, part)]
     included = "\n".join(f'#include "{part}.c"' for part in parts)
     texts = {FILE: filled(FILE, name=name, fmi=fmi, segments=MAX_SEGMENTS, parts=included)}
-    texts |= {"CMakeLists.txt": filled("CMakeLists.txt", name=name), "names.h": names(name), "tables.h": f"{tables}{room}"}
+    texts |= {"CMakeLists.txt": filled("CMakeLists.txt", name=name), "names.h": names(), "tables.h": f"{tables}{room}"}
     if fmi == 3:
         texts["buildDescription.xml"] = build_description(name)
     found = {file: text.encode("utf-8") for file, text in texts.items()}
@@ -37,12 +37,12 @@ def sources(name, library, tables, room, fmi, headers):
     return {f"{FOLDER}/{file}": content for file, content in found.items()}
 
 
-def names(name):
-    """Text of a header that gives all functions of the shell names with that of the FMU in front."""
+def names():
+    """Text of a header that gives all functions of the shell names with the prefix of the FMU, or its name, in front."""
     found = [each for path in sorted(SHELL.glob("*.h")) for each in PROTOTYPE.findall(path.read_text(encoding="utf-8"))]
     listed = sorted({*found, *DATA} - {"KERNEL"})
     return "\n".join(
-        ["/* Names that no other FMU in the same program has. */", *(f"#define {each} {name}_{each}" for each in listed), ""]
+        ["/* Names that no other FMU in the same program has. */", *(f"#define {each} OWN({each})" for each in listed), ""]
     )
 
 

@@ -146,9 +146,10 @@ void fill_in(char *text, size_t room, const char *sentence, const Fact *facts)
 void rename_in(char *text, size_t room, const char *sentence, const char *const *words)
 {
     Writer writer = {text, text + room - 1};
-    while (*sentence) {
+    const char *end = sentence + strlen(sentence);
+    while (sentence < end) {
         const char *const *pair = words;
-        while (**pair && strncmp(sentence, *pair, strlen(*pair))) pair += 2;
+        while (**pair && (strlen(*pair) > (size_t)(end - sentence) || memcmp(sentence, *pair, strlen(*pair)))) pair += 2;
         if (**pair) put_text(&writer, pair[1]);
         else put(&writer, *sentence);
         sentence += **pair ? strlen(*pair) : 1;
