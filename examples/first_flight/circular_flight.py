@@ -31,7 +31,7 @@ from tetherfmu.console.progress import now
 from tetherfmu.runtime.variants import VARIANTS, class_name, variant_of
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # the folder of the rooms
-from shared.fmu_tools import find_fmu, running, variables_of
+from shared.fmu_tools import find_fmu, refuse_different, running, variables_of
 from shared.named_fmu import NamedFmu
 from shared.settings import add_settings
 
@@ -273,19 +273,22 @@ def write_figures(flights, folder, ground=None):
     return paths
 
 
-def fly_each(given, fly, names=None, find=find_fmu):
+def fly_each(given, fly, parameters, names=None, find=find_fmu):
     """Fly each FMU that the options `given` ask for, and print a line on each; returns a dict name -> `Flight`.
 
-    fly : function of the path of an FMU, its `Flight`.  names : of the FMUs; None: those of --tether.  find : function of a
-    name and the folder of --fmus, path of an FMU.
+    fly : function of the path of an FMU, its `Flight`.  parameters : names of those that are set; WrongUse if the tethers
+    differ in others.  names : of the FMUs; None: those of --tether.  find : function of a name and the folder of --fmus, path
+    of an FMU.
     """
     if given.fmu and (given.fmus or given.tether):
         raise WrongUse("--fmu is the one FMU that is flown; it goes without --tether and --fmus")
     if given.html:
         import shared.flight_page  # noqa: F401 - before the flight, which would be in vain without plotly
     names = names or (TETHERS.values() if given.tether == "all" else [TETHERS[given.tether or "dynamic"]])
-    flights = {}
-    for fmu_file in [given.fmu] if given.fmu else [find(name, given.fmus) for name in names]:
+    flights, fmu_files = {}, [given.fmu] if given.fmu else [find(name, given.fmus) for name in names]
+    if len(fmu_files) > 1:
+        refuse_different(fmu_files, parameters)
+    for fmu_file in fmu_files:
         now(f"flying {fmu_file}")
         flight = fly(fmu_file)
         report_missing(fmu_file, flight, given.html)
@@ -319,7 +322,7 @@ def main(arguments=None, prog=None):
     scene = given.length, given.rate, given.wind, given.step, given.duration, given.start
     print(about(*scene[:3]))
     more = {"ground": given.ground, "parameters": given.settings}
-    flights = fly_each(given, lambda fmu_file: fly(fmu_file, *scene, **more))
+    flights = fly_each(given, lambda fmu_file: fly(fmu_file, *scene, **more), dict(given.settings))
     title = "Tether of a kite that flies a circle"
     show(flights, given, "circular_flight", title, STATION if given.ground else None)
 

@@ -210,7 +210,7 @@ def main(arguments=None, prog=None):
     say_noise(given.log, scene.flight)
     inputs = given_inputs(scene.flight, scene.flight.wind or given.wind is not None)
     parameters = parameters_of(scene, given.start, given.ground) | dict(given.settings)
-    flights = fly_each(given, lambda fmu_file: fly(fmu_file, scene, inputs, parameters))
+    flights = fly_each(given, lambda fmu_file: fly(fmu_file, scene, inputs, parameters), parameters)
     title = f"Tether along the flight of {Path(given.log).name}"
     show(flights, given, scene.name, title, parameters["ground_height"] if given.ground else None)
 

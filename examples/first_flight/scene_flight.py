@@ -22,7 +22,7 @@ from tetherfmu.runtime.variants import DYNAMIC_FREE, class_name, variant_of
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # the folder of the rooms
 from first_flight.circular_flight import add_options, co_simulate, flight_of, fly_each, outputs_of, show
 from shared import cache
-from shared.fmu_tools import constants_of, find_fmu, running, variables_of
+from shared.fmu_tools import OF_A_TETHER, constants_of, find_fmu, running, variables_of
 from shared.settings import RECORD_OF, checked_value
 
 STEP = 0.02  # communication step, where the scene does not say it [s]
@@ -158,7 +158,7 @@ def run(given):
     def find(name, place):
         return fmu_of(name, place, scene.wind_points)
 
-    flights = fly_each(given, lambda fmu_file: fly(fmu_file, scene, others), names, find)
+    flights = fly_each(given, lambda fmu_file: fly(fmu_file, scene, others), OF_A_TETHER, names, find)
     ground = scene.ground.ground_height if scene.ground.ground_contact == at.FLAT else None
     show(flights, given, scene.name, f"Tether in the scene {scene.name}", ground)
 

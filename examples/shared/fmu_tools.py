@@ -19,8 +19,12 @@ from tetherfmu.console.ending import WrongUse, one_line
 from tetherfmu.console.options import file
 from tetherfmu.lean import scaled
 from tetherfmu.libraries.children import ctrl_c_waits
+from tetherfmu.runtime.parameters import Tether
+from tetherfmu.runtime.quantities import quantities
 
 WIND, WIND_AT = "wind_", "wind_at"  # begins the names of what an FMU with wind at points ignores, and the wind at these
+# parameters that make another tether
+OF_A_TETHER = tuple(name for name, _ in quantities(Tether) if name not in ("segments", "initial_length"))
 SLAVES = {"2.0": FMU2Slave, "3.0": ScalarsOfFmi3}  # by version of FMI
 
 
@@ -106,6 +110,20 @@ def constants_of(fmu_file):
     with zipfile.ZipFile(fmu_file) as opened:
         root = ElementTree.fromstring(opened.read("modelDescription.xml"))
     return {each.get("name"): float(each.get("value")) for each in root.iter("Constant")}
+
+
+def refuse_different(fmu_files, parameters):
+    """WrongUse if FMUs of tethers to be compared have different ones, but for what the parameters set, names."""
+    known, settled = {}, {*parameters, *(("axial_stiffness", "axial_damping") if "diameter" in parameters else ())}
+    for fmu_file in fmu_files:
+        starts = {each.name: each.start for each in description_of(fmu_file).modelVariables} | constants_of(fmu_file)
+        for name in (each for each in OF_A_TETHER if each in starts and each not in settled):
+            value, where = known.setdefault(name, (float(starts[name]), fmu_file))
+            if float(starts[name]) != value:
+                raise WrongUse(
+                    f"{name} is {value:g} in {where} and {float(starts[name]):g} in {fmu_file}: different tethers cannot be "
+                    "compared; build both alike, or choose one with --fmu"
+                )
 
 
 def add_fmu(parser, default="those in dist/, or else in a cache of yours"):
