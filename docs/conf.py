@@ -25,6 +25,7 @@ from tetherfmu.web import page  # noqa: E402
 
 project, author, copyright = "TetherFMU", "TetherFMU developers", "TetherFMU developers"
 version = release
+smartquotes_action = "qe"  # no dashes: an option of a command has two hyphens
 extensions = [
     "course_pages",
     "myst_nb",

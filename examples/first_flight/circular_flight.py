@@ -277,8 +277,8 @@ def fly_each(given, fly, parameters, names=None, find=find_fmu):
     """Fly each FMU that the options `given` ask for, and print a line on each; returns a dict name -> `Flight`.
 
     fly : function of the path of an FMU, its `Flight`.  parameters : names of those that are set; WrongUse if the tethers
-    differ in others.  names : of the FMUs; None: those of --tether.  find : function of a name and the folder of --fmus, path
-    of an FMU.
+    differ in others.  names : of the FMUs; None: those of --tether.  find : function of a name and the folder of --fmus, the
+    path of an FMU.
     """
     if given.fmu and (given.fmus or given.tether):
         raise WrongUse("--fmu is the one FMU that is flown; it goes without --tether and --fmus")

@@ -39,6 +39,24 @@ def test_tests_that_a_page_names_are_there(path):
     assert [name for name in named if not (ROOT / name).exists()] == []
 
 
+SOURCES = [path for folder in ("fmu_sources", "examples", "tests", "docs") for path in (ROOT / folder).rglob("*.*")]
+CITING = sorted(path for path in SOURCES if path.suffix in (".py", ".c", ".h", ".js", ".md"))
+PACKAGE = ROOT / "fmu_sources" / "tetherfmu"
+ROOMS = [
+    PACKAGE,
+    *(PACKAGE / room for room in ("kernels", "runtime", "study")),
+    *map(ROOT.joinpath, ("docs", "examples", "tests")),
+]
+CITED = re.compile(r"`((?:\w+/)+\w+\.(?:py|c|h|js|toml))`")
+
+
+def test_files_that_others_cite_are_there():
+    """With a path, in code and on pages, from a folder of the project or from one above the file."""
+    cited = [(path, name) for path in CITING for name in CITED.findall(path.read_text(encoding="utf-8"))]
+    assert len(cited) > 200
+    assert [each for each in cited if not any((room / each[1]).exists() for room in (*ROOMS, *each[0].parents))] == []
+
+
 def test_links_are_found():
     """Most pages have one, also to sections; else the test above would hold of nothing."""
     links = [LINK.findall(without_code(path.read_text(encoding="utf-8"))) for path in PAGES]

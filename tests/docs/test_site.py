@@ -3,6 +3,7 @@
 Needs the extra `docs`, and Chromium with its driver (Debian's packages `chromium` and `chromium-driver`).
 """
 
+import html
 import json
 import re
 import subprocess
@@ -55,6 +56,21 @@ def chromium_of_module(tmp_path_factory):
     """Chromium in the dark theme."""
     with chromium.started(DESK, tmp_path_factory.mktemp("chromium")) as driver:
         yield driver
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_a_page_is_rendered_as_it_is_written(site, page):
+    """All headings are headings, no fence of a block is left, and an option has two hyphens, as one types it."""
+    with urlopen(f"{site}/manual/{quote(page)}") as answer:
+        rendered = answer.read().decode("utf-8")
+    main = rendered.partition("<article")[2].partition("</article>")[0]
+    text = html.unescape(re.sub(r"<[^>]+>", "", main))
+    assert ":::" not in text
+    assert not re.search(r"(?<!\w)[\u2013\u2014][a-z]", text)  # dashes
+    source = (ROOT / "docs" / page).with_suffix(".md").read_text(encoding="utf-8")
+    prose = re.sub(r"^(```|~~~).*?^\1$", "", source, flags=re.MULTILINE | re.DOTALL)
+    written = len(re.findall(r"^#{1,6} ", prose, re.MULTILINE))
+    assert len(re.findall(r"<h[1-6]\b", main)) >= written > 0
 
 
 @pytest.fixture(params=[PHONE, DESK], ids=["phone", "desk"])

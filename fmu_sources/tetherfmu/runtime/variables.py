@@ -34,10 +34,10 @@ class Variable:
     place: int  # in the `inputs` array or, behind it, in the `outputs` array; of a parameter, its number
     start: float | None = None  # of inputs and parameters
     depends_on: tuple | None = None  # of an output, names of what it depends on when initialization ends; None: on anything
-    group: str = ""  # see `fmi/groups.py`
+    group: str = ""  # see `fmi/selection.py`
 
 
-# group of the quantities of a record, see `fmi/groups.py`
+# group of the quantities of a record, see `fmi/selection.py`
 GROUP_OF = {
     Tether: "tether",
     Environment: "wind",
