@@ -9,6 +9,7 @@ import zipfile
 from importlib.metadata import version
 from pathlib import Path, PurePosixPath
 
+from tetherfmu.console.ending import one_line
 from tetherfmu.runtime.kernel_library import NO_LIBRARY_OF_PYTHONFMU, PYTHONFMU, platform_of, this_platform
 
 from .findings import NOTE, OK, PROBLEM, Finding
@@ -18,6 +19,7 @@ MADE_BY_PYTHONFMU = "resources/slavemodule.txt"
 KERNELS = "resources/kernels/"
 RECOMMENDED = ("documentation/index.html", "documentation/externalDependencies.txt", "documentation/licenses/license.txt")
 ICONS = {"2": "model.png", "3": "terminalsAndIcons/icon.png"}
+MOST_PROBLEMS = 20  # of its validation that are shown
 HARMLESS = frozenset(string.ascii_letters + string.digits + "_-.~ ")  # in a path that PythonFMU's library must understand
 
 
@@ -40,7 +42,8 @@ def description(path):
     from fmpy.validation import validate_fmu
 
     if problems := validate_fmu(str(path)):
-        return [Finding(PROBLEM, f"FMPy's validation: {problem}") for problem in problems]
+        found = [Finding(PROBLEM, f"FMPy's validation: {one_line(problem)}") for problem in problems[:MOST_PROBLEMS]]
+        return found + [Finding(PROBLEM, f"and {len(problems) - MOST_PROBLEMS} more")] * (len(problems) > MOST_PROBLEMS)
     validity = f"valid by the XML schema of FMI {fmi_version(path)}.0, and FMPy finds no problem"
     return [Finding(OK, f"model description: {validity}")]
 
