@@ -307,17 +307,16 @@ def test_a_disk_that_is_full_is_told(monkeypatch, capsys, tmp_path):
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="no disk that is always full")
 def test_the_file_is_named_that_does_not_fit(capsys, tmp_path):
-    """A full disk is an error without the name of a file; finished points of a sweep are kept."""
-    (tmp_path / "flights.jsonl").symlink_to("/dev/full")
-    sweep = ["circle", "--vary", "tether.diameter=3 mm,4 mm", "--set", "duration=0.5 s", "--processes", "1"]
-    assert run("sweep", *sweep, "--out", str(tmp_path)) == 1
-    kept = "the finished points are kept, and the same command continues from them"
-    assert capsys.readouterr().err == f"{tmp_path / 'flights.jsonl'}: No space left on device; {kept}\n"
+    """A full disk is an error without the name of a file."""
     forces = tmp_path / "forces.png"
     forces.symlink_to("/dev/full")
-    (tmp_path / "first_shape.png").symlink_to("/dev/null")
     assert run("fly", "--duration", "1", "--out", str(tmp_path)) == 1
     assert capsys.readouterr().err == f"{forces}: No space left on device\n"
+
+
+def test_what_is_kept_is_said_when_a_disk_is_full():
+    with pytest.raises(OSError, match=f"No space left on device; {KEPT}"), keeping():
+        raise OSError(28, "No space left on device")
 
 
 def test_a_release_that_fails_leaves_an_empty_folder(monkeypatch, capsys, tmp_path):
