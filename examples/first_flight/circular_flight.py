@@ -28,6 +28,7 @@ import numpy as np
 from tetherfmu.console.ending import WrongUse, command
 from tetherfmu.console.options import Parser, file, folder, number
 from tetherfmu.console.progress import now
+from tetherfmu.runtime.plausibility import LARGEST_STRETCH
 from tetherfmu.runtime.variants import VARIANTS, class_name, variant_of
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # the folder of the rooms
@@ -187,8 +188,11 @@ def about(length, rate, wind):
     speed = rate * DISTANCE * np.sin(HALF_ANGLE)
     air = f"wind of {np.linalg.norm(wind):g} m/s" if any(wind) else "still air"
     line = f"circle: {DISTANCE:g} m away at {speed:.3g} m/s in {air}, on a tether of {length:g} m"
-    sags = " that sags: it pulls with its weight and drag only" if length > DISTANCE else ""
-    return f"{line}{sags}. Taut flights: tetherfmu fly --list"
+    strain = DISTANCE / length - 1.0
+    said = " that sags: it pulls with its weight and drag only" if strain < 0.0 else ""
+    if strain > LARGEST_STRETCH - 1.0:
+        said = f", stretched by {100.0 * strain:.3g} %, where any rope is broken"
+    return f"{line}{said}. Taut flights: tetherfmu fly --list"
 
 
 def add_options(

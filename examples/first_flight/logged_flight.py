@@ -208,6 +208,8 @@ def main(arguments=None, prog=None):
     given = parser_of(prog).parse_args(arguments)
     scene = scene_of(given.log, given.length, given.wind, given.duration, given.step)
     say_noise(given.log, scene.flight)
+    for doubt in scene.doubts():
+        print(f"{given.log}: {doubt}", file=sys.stderr)
     inputs = given_inputs(scene.flight, scene.flight.wind or given.wind is not None)
     parameters = parameters_of(scene, given.start, given.ground) | dict(given.settings)
     flights = fly_each(given, lambda fmu_file: fly(fmu_file, scene, inputs, parameters), parameters)

@@ -159,7 +159,7 @@ def load(fmu_file, description, folder):
         fmu = slave(guid=description.guid, unzipDirectory=folder, modelIdentifier=name, instanceName=name)
         if hasattr(fmu.dll, "finalizePythonInterpreter"):
             atexit.register(fmu.dll.finalizePythonInterpreter)
-        fmu.instantiate(loggingOn=True)
+        fmu.instantiate(loggingOn=not hasattr(fmu.dll, "finalizePythonInterpreter"))  # PythonFMU's are on stderr anyway
     except Exception as error:  # FMPy has no other class for this
         raise RuntimeError(f"{fmu_file} cannot be loaded: {one_line(error)}; try tetherfmu check {fmu_file}") from None
     return fmu

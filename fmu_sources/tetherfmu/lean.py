@@ -105,21 +105,22 @@ _ROPE = ("initial_length", "diameter", "density", "axial_stiffness", "axial_damp
 _AIR = ("drag_coefficient", "wind_profile", "wind_exponent", "wind_reference_height")
 _FORCES = ("ground_force", "kite_force", "ground_tension", "kite_tension", "force", "tension_from", "tension_to")
 _LENGTHS = ("tether_length", "kite_position", "kite_velocity", "position", "velocity")
+_START = ("initial_kite_position", "initial_position")
 PRESETS = {  # what a scene of a kind needs, as far as an FMU has it
     "kite": {
         "inputs": ("kite_position", "kite_velocity", "kite_load", "reel_out_speed", "wind_velocity", *_OF_POINTS),
         "outputs": (*_FORCES, "peak_tension", *_LENGTHS),
-        "parameters": (*_ROPE, *_AIR, "kite_mass", "mass"),
+        "parameters": (*_ROPE, *_AIR, "kite_mass", "mass", *_START),
     },
     "crane": {
         "inputs": ("ground_position", "ground_velocity", "kite_load", "reel_out_speed", *_OF_POINTS),
         "outputs": (*_FORCES, "peak_tension", *_LENGTHS),
-        "parameters": (*_ROPE, "kite_mass", "mass", "initial_kite_position"),
+        "parameters": (*_ROPE, "kite_mass", "mass", *_START),
     },
     "drone": {
-        "inputs": (*_ENDS, "kite_load", "wind_velocity", *_OF_POINTS),
+        "inputs": (*_ENDS, "kite_load", "reel_out_speed", "wind_velocity", *_OF_POINTS),
         "outputs": (*_FORCES, *_LENGTHS, "grounded_length"),
-        "parameters": (*_ROPE, "drag_coefficient", "kite_mass", "mass", "ground_contact", "ground_height"),
+        "parameters": (*_ROPE, "drag_coefficient", "kite_mass", "mass", *_START, "ground_contact", "ground_height"),
     },
 }
 

@@ -10,6 +10,7 @@ from fmpy import read_model_description
 from fmpy.fmi1 import FMICallException
 
 from example_fmus.example_slaves import Model, example_fmus
+from example_fmus.test_wind_boxes import some_numbers, turbsim
 from isolation import in_own_process
 from runtime.host import Host, blob_of, restore
 from tetherfmu.wind import frozen_turbulence as frozen
@@ -172,3 +173,12 @@ def test_the_ground_station_outside_of_the_box_is_refused_at_the_start():
         ValueError, match=r"does not reach the point \(0, 0, 0\) m at 0 s: upwards it is at 0 m; the box is from 20 to 80"
     ):
         Model("TurbulentWind", TURBSIM, outside=2, kite_position=(0.0, 0.0, 40.0))
+
+
+@in_own_process
+def test_the_fmu_warns_of_a_seam_once(example_folder, tmp_path):
+    path = turbsim(tmp_path / "box.bts", some_numbers(), kind=7)
+    host = Host(example_folder / "TurbulentWind.fmu").start(file=str(path), kite_position=(0.0, 0.0, 30.0))
+    host.step(0.1)
+    host.step(0.1)
+    assert sum("says that it is not periodic" in each for each in host.messages) == 1

@@ -6,6 +6,7 @@ import os
 import struct
 import subprocess
 import sys
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -307,3 +308,17 @@ def test_four_gigabytes_need_no_memory(tmp_path, kind):
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     assert 1024 * int(done.stdout) < 64 * MEGABYTE
+
+
+@pytest.mark.parametrize(("kind", "periodic", "said"), [(7, True, True), (7, False, False), (8, True, False)])
+def test_a_box_that_is_not_periodic_is_not_repeated_in_silence(tmp_path, kind, periodic, said):
+    """Six planes, 0.5 s and 4.5 m apart."""
+    box = boxes.open_box(turbsim(tmp_path / "box.bts", some_numbers(), kind=kind))
+    with warnings.catch_warnings(record=True) as given:
+        warnings.simplefilter("always")
+        wind = frozen.FrozenTurbulence(frozen.MeanWind(9.0), box, periodic=periodic)
+    texts = [str(each.message) for each in given]
+    assert texts == list(wind.doubts())
+    assert [("box.bts says that it is not periodic" in each, "every 27 m, or 3 s" in each) for each in texts] == [
+        (True, True)
+    ] * said

@@ -15,6 +15,7 @@ from tetherfmu.export import archive, systems
 from tetherfmu.export.build_options import BuildOptions
 from tetherfmu.export.native import fmus as native
 from tetherfmu.export.native.host_header import PREFIX
+from tetherfmu.fmi.system_variables import table_of
 from tetherfmu.lean import PRESETS, Lean
 from tetherfmu.runtime.variables import variables
 
@@ -120,7 +121,7 @@ def test_presets_name_what_there_is(preset, variant):
     kept = {each.name.partition("[")[0] for each in table} - {name.partition("[")[0] for name in missing}
     assert 12 < len(kept) < 30
     named = {name for each in PRESETS.values() for names in each.values() for name in names}
-    of_systems = {"position", "velocity", "load", "force", "tension_from", "tension_to", "mass"}
+    of_systems = {"position", "velocity", "load", "force", "tension_from", "tension_to", "mass", "initial_position"}
     assert named - of_systems <= {each.name.partition("[")[0] for each in (*variables("dynamic_free", 3), *table)} | {
         "kite_load"
     }
@@ -228,3 +229,15 @@ def test_parameters_come_in_groups(folder):
     with zipfile.ZipFile(folder / "full_native" / "TetherDynamic.fmu") as opened:
         page = opened.read("documentation/index.html").decode("utf-8")
     assert page.index("what is set first") < page.index("<code>initial_length</code>") < page.index("material and segments")
+
+
+@pytest.mark.parametrize("preset", PRESETS)
+def test_presets_have_a_winch_and_where_a_free_end_starts(preset, tmp_path):
+    """Of a free kite end, and of the free points and the lines of a system."""
+    file = tmp_path / "hanging.toml"
+    file.write_text('name = "Hanging"\n' + SYSTEM.partition("\n")[2].partition("\n")[2])
+    tables = variables("dynamic_free", 0), table_of(systems.structure_from(*systems.read(file)))
+    wanted = {"reel_out_speed", "initial_kite_position"}, {"rope.reel_out_speed", "load.initial_position"}
+    for table, names in zip(tables, wanted, strict=True):
+        left_out = Lean(preset=preset).left_out(table)
+        assert names <= {each.name.partition("[")[0] for each in table if each.name not in left_out}

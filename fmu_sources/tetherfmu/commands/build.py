@@ -218,7 +218,7 @@ def build_for_system(wanted):
     options = BuildOptions(platforms=wanted.platforms, lean=lean_of(wanted), **points)
     with said():
         native = wanted.fmi if wanted.native else None
-        made = systems.build(wanted.system, wanted.out, options, native, wanted.header, wanted.sources)
+        made = systems.build(wanted.system, wanted.out, options, native, wanted.header, wanted.sources, now)
     show(made, wanted.platforms, wanted.header)
     return 0
 

@@ -39,15 +39,17 @@ WINCHES = (
 TIMES = DEFAULT_OPTIONS["step"], DEFAULT_OPTIONS["stop"]  # of the default experiment [s]
 
 
-def build(path, folder, options=None, native=None, with_header=None, with_sources=False):
+def build(path, folder, options=None, native=None, with_header=None, with_sources=False, now=str):
     """Build the FMU of a system and return its path; ValueError says in one line what is wrong with the file.
 
     path : of the file, docs/use/systems.md has its keys.  folder : where the FMU goes, made if missing; the groups of
     variables for the Open Simulation Platform are written beside it.  options : `BuildOptions`, of which a table [build] of
     the file is a part; None for those of the file and one point of the shape at each node.  native : version of FMI (2 or 3)
     of an FMU without Python; None for PythonFMU's.  with_header, with_sources : of a native one, see `fmus.written`.
+    now : gets a text on each part of the work that takes long for many lines.
     """
     options = options or BuildOptions(shape_points=None)
+    now(f"starting the system of {path}")
     (found, positions), folder = read(path), Path(folder)
     with prefixed(f"{path}: "):
         check_with_sheaves(found.lines, found.winches)
@@ -58,8 +60,11 @@ def build(path, folder, options=None, native=None, with_header=None, with_source
     table = with_starts(table_of(structure), starts)
     points, lines, free = len(structure.points), len(structure.lines), len(structure.free)
     about = f"{ABOUT} {structure.name}: {lines} line{'s' * (lines > 1)} between {points} points, of which {free} free."
+    now(f"flying {lines} lines with {len(table)} variables for the evidence set")
     sets = {} if starts else _evidence_of(found, table, native == 3, options.wind_points, left_out)
+    now("writing the documents")
     files = documents(structure, table, about, options.platforms, sets, native, left_out)
+    now("writing the FMU")
     if native:
         wiring = of_system(structure, left_out, starts)
         terminals = description_fmi3.terminals_of_system(structure, wiring.shown)

@@ -1,5 +1,6 @@
 """The flat arrays of a system: an `Instance` made of records, and views of its arrays for numpy."""
 
+from itertools import accumulate
 from types import SimpleNamespace
 
 import numpy as np
@@ -60,6 +61,11 @@ class Arrays:
         self.instance, self.lines, self._profile = instance, lines, wind_profile
         self.turned = Turned(winches, lines)
         self.inputs = np.frombuffer(instance.values)[: instance.outputs_at]
+        sizes = (at.inputs_size(line.wind_points) for line in instance.lines)
+        self._bounds, self._ends = list(accumulate(sizes, initial=0)), {}
+        for k, line in enumerate(lines):
+            for end, point in zip(ENDS, (line.start, line.end), strict=True):
+                self._ends.setdefault(point, []).append((k, end))
         self.state, self.plan = np.frombuffer(instance.state), np.frombuffer(instance.plan, dtype=np.int64)
 
     def loads_in(self, inputs):
@@ -69,8 +75,7 @@ class Arrays:
 
     def inputs_in(self, k, inputs):
         """View of the inputs of line k, its wind points too, in those of all (..., size)."""
-        first, end = (self.instance.inputs_at(each) for each in (k, k + 1))
-        return inputs[..., first:end]
+        return inputs[..., self._bounds[k] : self._bounds[k + 1]]
 
     def topology(self):
         """Copy of the plan without what the kernels write and which points the start has found, and ratios of winches."""
@@ -111,11 +116,9 @@ class Arrays:
 
         rows : views (..., INPUTS) of the inputs of all lines (modified).
         """
-        for line, row in zip(self.lines, rows, strict=True):
-            for end, point in zip(ENDS, (line.start, line.end), strict=True):
-                if point == name:
-                    place = PLACES[f"{end}_{what}"]
-                    row[..., place : place + 3] = vector
+        for k, end in self._ends[name]:
+            place = PLACES[f"{end}_{what}"]
+            rows[k][..., place : place + 3] = vector
 
     def outputs_by_line(self, outputs):
         """Outputs of each portion by its name, from those of all (..., outputs)."""

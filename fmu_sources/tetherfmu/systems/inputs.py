@@ -100,7 +100,8 @@ def put(given, arrays, points, lines, inputs=None, at_start=False):
     given = {name: value for name, value in given.items() if value is not None}
     whole = arrays.inputs if inputs is None else inputs
     rows = [arrays.inputs_in(k, whole) for k in range(len(lines))]
-    movable = [point.name for point in points if at_start or point.is_driven]
+    movable = dict.fromkeys(point.name for point in points if at_start or point.is_driven)
+    loaded = {name: k for k, name in enumerate(arrays.instance.free)}
     steps = whole.shape[:-1]
     for what, own in (("positions", "position"), ("velocities", "velocity")):
         for name, value in given.get(what, {}).items():
@@ -110,7 +111,7 @@ def put(given, arrays, points, lines, inputs=None, at_start=False):
             if what == "velocities" and name not in arrays.instance.free:
                 check_effect("ground_velocity", numbers, arrays.instance.parameters_of(0), at_start, f"{name}.velocity")
     for name, value in given.get("loads", {}).items():
-        _check_known("load on a free point", name, arrays.instance.free)
+        _check_known("load on a free point", name, loaded)
         load = _numbers(f"{name}.load", value, (3,), steps)
         if not np.all(np.abs(load) <= at.LARGEST_INPUT):
             raise StepRefused(
@@ -118,20 +119,22 @@ def put(given, arrays, points, lines, inputs=None, at_start=False):
                 "magnitude",
                 status.INPUT_NOT_FINITE,
             )
-        arrays.loads_in(whole)[..., arrays.instance.free.index(name), :] = load
-    names, told = [line.name for line in lines], np.tile(arrays.turned.told, (*steps, 1))
-    whole_lines = [line.name for line in lines if line.number == 0]
-    alone = [line.name for k, line in enumerate(lines) if k not in arrays.turned.held and line.number == 0]
+        arrays.loads_in(whole)[..., loaded[name], :] = load
+    number, told = {line.name: k for k, line in enumerate(lines)}, np.tile(arrays.turned.told, (*steps, 1))
+    whole_lines = dict.fromkeys(line.name for line in lines if line.number == 0)
+    held = set(arrays.turned.held)
+    alone = [line.name for k, line in enumerate(lines) if k not in held and line.number == 0]
     speeds = {}
     for each, what in _WINCHES.items():
         shared = arrays.turned.by(what)
         starting = [winch.name for winch in arrays.turned.winches if at_start and what == SPEED != winch.input]
+        told_alone = dict.fromkeys([*alone, *shared, *starting])
         for name, value in given.get(each, {}).items():
             if what == RELEASE:
                 _check_known("release of a line", name, whole_lines)
                 check_release(_numbers(f"{name}.{what}", value, (), steps), f"{name}.{what}")
             else:
-                _check_known(f"{what} of a line or a winch", name, alone + shared + starting)
+                _check_known(f"{what} of a line or a winch", name, told_alone)
             numbers = _numbers(f"{name}.{what}", value, (), steps)
             if name in starting:
                 speeds[name] = numbers
@@ -139,9 +142,9 @@ def put(given, arrays, points, lines, inputs=None, at_start=False):
             if name in shared:
                 told[..., arrays.turned.place_of(name)] = numbers
                 continue
-            own = rows[names.index(name)][..., PLACES[what] : PLACES[what] + 1]
+            own = rows[number[name]][..., PLACES[what] : PLACES[what] + 1]
             own[..., 0] = numbers
-            check_effect(what, own, arrays.instance.parameters_of(names.index(name)), at_start, f"{name}.{what}")
+            check_effect(what, own, arrays.instance.parameters_of(number[name]), at_start, f"{name}.{what}")
     if arrays.turned.winches:
         arrays.turned.put(told, rows)
     if speeds:
@@ -151,18 +154,21 @@ def put(given, arrays, points, lines, inputs=None, at_start=False):
         _check_known("wind_at of a line", name, whole_lines)
         if not points:
             raise ValueError("this TetherSystem has no wind points for wind_at: make it with wind_points=11")
-        own = range(names.index(name), names.index(name) + sum(line.line.name == name for line in lines))
+        own = range(number[name], number[name] + sum(line.line.name == name for line in lines))
         winds = _numbers(f"{name}.wind_at", value, (len(own) * points, 3), steps)
         for j, k in enumerate(own):
             of_portion = winds[..., j * points : (j + 1) * points, :]
             rows[k][..., at.INPUTS :] = of_portion.reshape(*winds.shape[:-2], 3 * points)
     if "wind_velocity" in given:
-        _put_wind(given["wind_velocity"], arrays, rows, names, at_start)
+        _put_wind(given["wind_velocity"], arrays, rows, number, at_start)
     return told
 
 
-def _put_wind(wind, arrays, rows, names, at_start):
-    """Set the wind [m/s] of all lines, (3,), or at each node of some, a dict by name; errors as those of `put`."""
+def _put_wind(wind, arrays, rows, number, at_start):
+    """Set the wind [m/s] of all lines, (3,), or at each node of some, a dict by name; errors as those of `put`.
+
+    number : of each portion by its name.
+    """
     instance, at_nodes, steps = arrays.instance, isinstance(wind, Mapping), rows[0].shape[:-1]
     if not at_nodes:
         wind = _numbers("wind_velocity", wind, (3,), steps)
@@ -173,7 +179,7 @@ def _put_wind(wind, arrays, rows, names, at_start):
     winds = []
     for name, value in wind.items() if at_nodes else ():
         _check_known("wind_velocity of a line", name, [line.name for line in arrays.lines if line.number == 0])
-        first = names.index(name)
+        first = number[name]
         own = range(first, first + sum(line.line.name == name for line in arrays.lines))
         shape, node = (sum(instance.counts[k] for k in own) + 1, 3), 0
         value = numbers_in_shape(f"wind_velocity of {name}", value, shape)

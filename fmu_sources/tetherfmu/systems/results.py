@@ -209,13 +209,12 @@ def points_of(points, lines, motions, values):
 
     points, lines : of the system.  motions : arrays (..., 2, segments + 1, 3).
     """
-    found = {}
-    for point in points:
-        force, motion = 0.0, None
-        for k, line in enumerate(lines):
-            for node, place, name in ((0, at.GROUND_FORCE, line.start), (-1, at.KITE_FORCE, line.end)):
-                if name == point.name:
-                    force = force + values[line.name][..., place : place + 3]
-                    motion = motions[k][..., node, :] if node == 0 else end_of(values[line.name])
-        found[point.name] = PointOutputs(motion[..., 0, :].copy(), motion[..., 1, :].copy(), force)
-    return found
+    forces, motion = dict.fromkeys((point.name for point in points), 0.0), {}
+    for k, line in enumerate(lines):
+        for node, place, name in ((0, at.GROUND_FORCE, line.start), (-1, at.KITE_FORCE, line.end)):
+            forces[name] = forces[name] + values[line.name][..., place : place + 3]
+            motion[name] = motions[k][..., node, :] if node == 0 else end_of(values[line.name])
+    return {
+        name: PointOutputs(motion[name][..., 0, :].copy(), motion[name][..., 1, :].copy(), force)
+        for name, force in forces.items()
+    }

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from benchmark.scenes import BREEZE
+from example_fmus.test_wind_boxes import turbsim
 from study.scenes_of_tests import SCENE, written
 from tetherfmu.__main__ import main
 from tetherfmu.runtime.parameters import Environment
@@ -147,3 +148,11 @@ def test_a_mistake_is_one_line(tmp_path, capsys, mistake):
     assert len(lines) == 1
     assert re.search(words, lines[0])
     assert str(path) in lines[0]
+
+
+@pytest.mark.parametrize("kind", [7, 8])
+def test_a_scene_says_that_its_box_has_a_seam(tmp_path, capsys, kind):
+    numbers = np.zeros((6, 5, 3, 3), int)
+    turbsim(tmp_path / "box.bts", numbers, kind=kind)
+    load(written(tmp_path, PARKED.replace("box.npz", "box.bts")))
+    assert ("box.bts says that it is not periodic" in capsys.readouterr().err) == (kind == 7)

@@ -200,7 +200,10 @@ def test_a_diameter_in_millimetres_is_told_first(tmp_path, capsys):
     assert capsys.readouterr().err == f"{scene_file}: {said}\n"
 
 
-@pytest.mark.parametrize(("length", "says"), [("50 m", "s, the tether is 50 m long; check"), ("477 m", None)])
+@pytest.mark.parametrize(
+    ("length", "says"),
+    [("50 m", "s, the tether is 50 m long: stretched by 900 %, where any rope is broken; check"), ("477 m", None)],
+)
 def test_a_tether_that_is_far_too_short_is_told_first(tmp_path, capsys, length, says):
     scene_file = scene_of(tmp_path, text=SERIES.replace("505 m", length))
     load(scene_file)

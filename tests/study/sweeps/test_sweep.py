@@ -50,6 +50,7 @@ def test_statistics_of_a_sine():
     time, mean, amplitude, periods = np.arange(1000) / 1000.0, 300.0, 110.0, 5
     force = mean + amplitude * np.sin(2.0 * np.pi * periods * time)
     signals = {"kite_tension": force, "ground_tension": force, "peak_tension": 2.0 * force, "slack_segments": time >= 0.75}
+    signals["broken"] = np.zeros(1000)
     found = statistics_of(SimpleNamespace(of=signals.get), Statistics(("kite_tension",), (50.0, 100.0)), 0.001)
     assert found["kite_tension_mean"] == pytest.approx(mean)
     assert found["kite_tension_rms"] == pytest.approx(np.sqrt(mean**2 + 0.5 * amplitude**2))
@@ -141,7 +142,8 @@ def test_the_command_writes_tables_figures_and_a_page(tmp_path, capsys):
     assert said.startswith("3 flights of 0.6 s, 1 of them refused\nlargest tension: ")
     written = pd.read_csv(tmp_path / "flights.csv")
     statistics = ["sag_max", "sag_mean", "sag_rms", "sag_p90", "peak_tension", "cycles", "largest_cycle", "time_slack"]
-    assert list(written) == ["flight", "tether.diameter", *statistics, "refused"]
+    none_broke = ["break_time"]
+    assert list(written) == ["flight", "tether.diameter", *statistics, *none_broke, "refused"]
     figures = sorted(path.name for path in (tmp_path / "figures").iterdir())
     assert figures == sorted(f"{name}_over_tether.diameter.png" for name in statistics)
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
@@ -192,3 +194,20 @@ def test_what_is_hardly_meant_is_said_of_the_extremes(capsys, tmp_path):
     said = capsys.readouterr()
     assert said.err.count("tether.diameter is 4 m, more than 0.2 m; diameters are in m: 4 mm are 0.004") == 1
     assert said.out.startswith("4 flights, 0 of them refused\n")
+
+
+def test_flights_that_break_their_tether_are_counted(tmp_path, capsys):
+    """The circle pulls with some 50 N: 20 N break it, 200 N do not."""
+    values = ["--vary", "tether.breaking_force=200,20", "--set", "duration=0.6", "--segments", "4", "--processes", "1"]
+    assert main(["sweep", "circle", *values, "--out", str(tmp_path)]) == 0
+    assert "2 flights of 0.6 s, 0 of them refused, 1 broke, as in flight 1\n" in capsys.readouterr().out
+    held, broke = pd.read_csv(tmp_path / "flights.csv").break_time
+    assert np.isnan(held)
+    assert 0.0 <= broke <= 0.6
+
+
+def test_a_doubt_is_said_once(tmp_path, capsys):
+    values = ["--vary", "wind.speed=2,3", "--set", "tether.initial_length=250", "--set", "duration=0.6", "--processes", "1"]
+    assert main(["sweep", "circle", *values, "--segments", "4", "--out", str(tmp_path)]) == 0
+    (said,) = capsys.readouterr().err.splitlines()
+    assert "the tether is 250 m long: stretched by 100 %, where any rope is broken; check tether.initial_length" in said

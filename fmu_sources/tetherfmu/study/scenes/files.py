@@ -158,8 +158,9 @@ class Scene:
         k = np.argmax(distance - LARGEST_STRETCH * length)
         if distance[k] > LARGEST_STRETCH * length[k]:
             yield (
-                f"the ends are {distance[k]:.6g} m apart at {self.times[k]:.6g} s, the tether is {length[k]:.6g} m long; "
-                "check tether.initial_length, and the unit m of the positions"
+                f"the ends are {distance[k]:.6g} m apart at {self.times[k]:.6g} s, the tether is {length[k]:.6g} m long: "
+                f"stretched by {100.0 * (distance[k] / length[k] - 1.0):.3g} %, where any rope is broken; check "
+                "tether.initial_length, and the unit m of the positions"
             )
 
     def doubts_on_ground(self):
@@ -210,8 +211,9 @@ class Scene:
         return self.wind.at(time, motion.ground, motion.kite)
 
 
-def load(path, settings=()):
-    """`Scene` of a file; SceneError says in one line what is wrong with it. What is only doubtful is said on stderr.
+def load(path, settings=(), *, quiet=False):
+    """`Scene` of a file; SceneError says in one line what is wrong with it. What is only doubtful is said on stderr,
+    unless it is to be quiet.
 
     path : of the file, or the name of one of `named.named_scenes`.
     settings : pairs (name, value) of what is different from the file, see `settings.with_settings`.
@@ -220,7 +222,7 @@ def load(path, settings=()):
         path = path_of(path)
     with prefixed(f"{path}: ", SceneError):
         scene = read(with_settings(tables_of(path), settings), path.parent, path.stem)
-    for doubt in scene.doubts():
+    for doubt in () if quiet else scene.doubts():
         print(f"{path}: {doubt}", file=sys.stderr)
     return scene
 

@@ -136,7 +136,7 @@ def write(table, scene, config, folder):
 
 def run(options):
     """Sweep, write and print what came out."""
-    scene = load(options.scene, options.settings)
+    scene = load(options.scene, options.settings, quiet=True)  # `sweep` says what is in doubt
     if options.method == "sobol" and options.samples & (options.samples - 1):
         print(f"--samples is {options.samples}: the points of Sobol are balanced for powers of 2 only", file=sys.stderr)
     folder = options.out or Path("study") / f"{scene.name}_sweep"
