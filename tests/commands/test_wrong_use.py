@@ -15,6 +15,7 @@ from tetherfmu.__main__ import main as tetherfmu
 from tetherfmu.console.ending import WrongUse, remedy
 from tetherfmu.console.subcommands import SUBCOMMANDS
 from tetherfmu.study.measuring.fmus import fmus_in
+from tetherfmu.study.measuring.store import KEPT, keeping
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 sys.path.append(str(EXAMPLES))
