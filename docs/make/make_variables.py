@@ -91,6 +91,7 @@ Variables that FMI 2 counts, of full FMUs and with each `--preset`:
 
 `tetherfmu build --native --header` writes [a C header](../use/importing.md#hosts-in-c-and-c-tested) with the value
 references. A name is `TETHER_` and the variable in capitals, for FMI 2 with the index: `TETHER_KITE_POSITION_1`.
+To include the headers of several FMUs in one C file, give each its own names with `--header-prefix`, such as `LEAN_`.
 """
 
 

@@ -118,7 +118,8 @@ def _add_variables(parser):
     for key in LISTS:
         about = f"{key} of the FMU by names, groups ({', '.join(GROUPS)}) or patterns; {NONE} for none (default: all)"
         option(f"--{key}", type=names, metavar="NAME,...", help=about)
-    about = "start value of an input or a parameter; may be repeated; constant if the FMU goes without it"
+    about = "start value of an input or a parameter; may be repeated; constant if the FMU goes without it; "
+    about += "a diameter scales stiffness and damping that are not set"
     option("--set", dest="starts", type=named_value, action="append", default=[], metavar="NAME=VALUE", help=about)
 
 
