@@ -146,7 +146,7 @@ def test_while_lessons_run(tmp_path):
 
 @EACH_WAY
 def test_while_an_evidence_set_runs(tmp_path, fmu_folder, send):
-    begun = runs("tetherfmu.check.replay")
+    begun = runs("tetherfmu.check.apart flown")
     assert stopped(send, COMMAND, "check", fmu_folder / "TetherDynamic.fmu", begun=begun, cwd=tmp_path) == ["stopped"]
 
 

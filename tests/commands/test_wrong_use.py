@@ -103,7 +103,7 @@ WRONG = [  # what is typed, status, what must be said
     ("fly --fmu folder", 2, ("--fmu", "'folder'", "is a folder")),
     ("fly --fmu none.fmu", 2, ("--fmu", "none.fmu", "no file")),
     ("fly --fmu ''", 2, ("--fmu", "''")),
-    ("fly --fmu no_shape.fmu --fmus folder", 2, ("--fmu is the one FMU that is flown", "without --fmus")),
+    ("fly --fmu no_shape.fmu --fmus folder", 2, ("--fmu is the one FMU that is flown", "without --tether and --fmus")),
     ("fly --fmus text.txt", 2, ("--fmus", "'text.txt'", "is a file")),
     ("fly --html --duration 0.1 --fmu no_shape.fmu", 2, ("no_shape.fmu", "output shape", "--shape-points 21")),
     ("fly --fmu other.fmu", 2, ("other.fmu", "no variable kite_position", "tetherfmu build")),

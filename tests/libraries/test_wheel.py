@@ -18,7 +18,7 @@ from tetherfmu.runtime.kernel_library import file_name
 from tetherfmu.runtime.variants import EVERY_VARIANT, VARIANTS, class_name
 
 ROOT = Path(__file__).resolve().parents[2]
-LARGEST = 1_200_000  # bytes of a library, for both kinds of x86-64; the largest has 1 162 752, systems for Windows
+LARGEST = 1_250_000  # bytes of a library, for both kinds of x86-64; the largest has 1 218 560, systems for Windows
 SCRIPTS = "Scripts" if os.name == "nt" else "bin"
 PLACES = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}  # which would come before the wheel
 TURBULENT = "turbulent_circle", "turbulent_parked_kite"  # systems with a box of wind
@@ -150,7 +150,7 @@ def test_edited_kernels_are_never_replaced_by_those_of_the_wheel(clean, tmp_path
     site = Path(done(clean / "python", "-c", "import tetherfmu; print(tetherfmu.__path__[0])").strip())
     source = site / "kernels" / "variants" / "straight.py"
     text = source.read_text(encoding="utf-8")
-    source.write_text(text + "# edited\n", encoding="utf-8")
+    source.write_text(text + "EDITED = 1\n", encoding="utf-8")
     try:
         start = [str(clean / "python"), "-c", "import tetherfmu; tetherfmu.TetherStraight()"]
         failed = subprocess.run(start, cwd=tmp_path, capture_output=True, text=True, check=False, env=PLACES)

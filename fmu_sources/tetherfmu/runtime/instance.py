@@ -34,9 +34,10 @@ def address(numbers):
 
 
 def renamed(said, words):
-    """A sentence with other words, pairs; where several fit, the first one counts."""
+    """A sentence with other words, pairs; where several fit, the first one counts, and names with a dot stay."""
     own = dict(words)
-    return re.sub("|".join(map(re.escape, own)), lambda found: own[found[0]], said) if own else said
+    pattern = f"(?<![\\w.])(?:{'|'.join(map(re.escape, own))})"
+    return re.sub(pattern, lambda found: own[found[0]], said) if own else said
 
 
 class Line(NamedTuple):
