@@ -108,4 +108,4 @@ for number, plot in enumerate((plot_first_shape, plot_forces, plot_shapes)):
 def test_names_the_input_that_is_refused(fmu_folder, tmp_path):
     done = run_example(fmu_folder, tmp_path, "--wind", "1e9", 0, 0)
     assert done.returncode == 1
-    assert "wind_velocity" in done.stdout
+    assert "wind_velocity" in done.stderr

@@ -142,17 +142,21 @@ void fill_in(char *text, size_t room, const char *sentence, const Fact *facts)
     *writer.next = '\0';
 }
 
-/* Write a sentence into `text` with other words: pairs of texts, an empty one at their end; the first that fits counts. */
+/* Write a sentence into `text` with other words: pairs of texts, an empty one at their end; the first that fits counts.
+ * Names with a dot stay. */
 void rename_in(char *text, size_t room, const char *sentence, const char *const *words)
 {
     Writer writer = {text, text + room - 1};
     const char *end = sentence + strlen(sentence);
+    char before = ' ';
     while (sentence < end) {
         const char *const *pair = words;
-        while (**pair && (strlen(*pair) > (size_t)(end - sentence) || memcmp(sentence, *pair, strlen(*pair)))) pair += 2;
+        int is_begun = before == '.' || before == '_' || (before >= 'a' && before <= 'z') || (before >= 'A' && before <= 'Z');
+        while (**pair && (is_begun || strlen(*pair) > (size_t)(end - sentence) || memcmp(sentence, *pair, strlen(*pair)))) pair += 2;
         if (**pair) put_text(&writer, pair[1]);
         else put(&writer, *sentence);
         sentence += **pair ? strlen(*pair) : 1;
+        before = sentence[-1];
     }
     *writer.next = '\0';
 }
