@@ -29,8 +29,7 @@ SETTLED, WALK, SPEED, SPEED_UP = 20.0, 20.0, 1.0, 4.0  # until [s], for [s], at 
 MASS, SINKING, GRIP, REELING, REEL_TIME = 3.0, 1.6, 15.0, 0.5, 40.0  # kite [kg], [m/s], of its flight control [N s/m], ...
 WIND = (0.0, 1.5, 0.0)  # [m/s]
 GROUND = Ground(ground_contact="flat", ground_friction=FRICTION)
-SLACK = {"slack_stiffness_ratio": 0.0, "slack_damping_ratio": 0.0}  # a slack rope does not push
-TETHER = Tether(initial_length=LENGTH, segments=SEGMENTS, **SLACK)
+TETHER = Tether(initial_length=LENGTH, segments=SEGMENTS)
 WEIGHT = TETHER.mass_per_length * LENGTH * GRAVITY  # of the tether [N]
 
 
