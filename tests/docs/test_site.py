@@ -64,21 +64,6 @@ def chromium_of_module(tmp_path_factory):
         yield driver
 
 
-def test_links_of_all_rendered_pages_lead_somewhere(manual):
-    """Also those between pages and sources, which no page of ours has: to files, and to places in them."""
-    texts = {path: path.read_text(encoding="utf-8") for path in manual.rglob("*.html")}
-    places = {path: set(re.findall(r'\bid="([^"]+)"', text)) for path, text in texts.items()}
-    dead = []
-    for path, text in texts.items():
-        for link in set(re.findall(r'<a\b[^>]*\bhref="([^":]+)"', text)):
-            target, _, place = unquote(html.unescape(link)).partition("#")
-            file = (path.parent / target).resolve() if target else path
-            if not file.exists() or (place and file in places and place not in places[file]):
-                dead.append((path.relative_to(manual).as_posix(), link))
-    assert len(texts) > 2 * len(PAGES)
-    assert dead == []
-
-
 @pytest.fixture(params=[PHONE, DESK], ids=["phone", "desk"])
 def browser(request, chromium_of_module):
     """It with a window of one of the widths."""
@@ -117,6 +102,21 @@ def test_pages_need_no_other_host_and_fit_the_window(site, chromium_of_module, p
     asked = [each["request"]["url"] for each in chromium.messages(browser, "Network.requestWillBeSent")]
     assert f"{site}/{page}" in asked
     assert [url for url in asked if not url.startswith((f"{site}/", "data:", "blob:"))] == []
+
+
+def test_links_of_all_rendered_pages_lead_somewhere(manual):
+    """Also those between pages and sources, which no page of ours has: to files, and to places in them."""
+    texts = {path: path.read_text(encoding="utf-8") for path in manual.rglob("*.html")}
+    places = {path: set(re.findall(r'\bid="([^"]+)"', text)) for path, text in texts.items()}
+    dead = []
+    for path, text in texts.items():
+        for link in set(re.findall(r'<a\b[^>]*\bhref="([^":]+)"', text)):
+            target, _, place = unquote(html.unescape(link)).partition("#")
+            file = (path.parent / target).resolve() if target else path
+            if not file.exists() or (place and file in places and place not in places[file]):
+                dead.append((path.relative_to(manual).as_posix(), link))
+    assert len(texts) > 2 * len(PAGES)
+    assert dead == []
 
 
 def test_the_manual_has_formulas(site, browser):
