@@ -16,7 +16,7 @@ def fixed(step, method):
 
 def with_each_solver(step=0.01):
     """Let a test run with adaptive steps, and with fixed ones [s] of both methods."""
-    silent = pytest.mark.filterwarnings("ignore::tetherfmu.PlausibilityWarning")
+    silent = pytest.mark.filterwarnings("ignore:.*backward Euler")  # which is asked for
     in_steps = [pytest.param(fixed(step, method), marks=silent, id=method) for method in METHODS]
     return pytest.mark.parametrize("solver", [pytest.param(ADAPTIVE, id="adaptive"), *in_steps])
 

@@ -33,7 +33,8 @@ SPEEDS = (0.1, 0.25, 0.5, 1.0)  # of the hoist [m/s]
 SEGMENTS, DAMPING_RATIO = 20, 0.01  # of the wire; of the load that bounces on it, over critical damping
 DECK = Ground(ground_contact="flat", ground_height=0.0)
 WIRE = tether_of("steel", 0.012, initial_length=LENGTH)
-WIRE = replace(WIRE, segments=SEGMENTS, axial_damping=2.0 * DAMPING_RATIO * np.sqrt(LOAD * LENGTH * WIRE.axial_stiffness))
+DAMPING = 2.0 * DAMPING_RATIO * np.sqrt(LOAD * LENGTH * WIRE.axial_stiffness)
+WIRE = replace(WIRE, segments=SEGMENTS, axial_damping=DAMPING, slack_damping_ratio=0.0, slack_stiffness_ratio=0.0)
 WEIGHT, OF_WIRE = LOAD * GRAVITY, WIRE.mass_per_length * LENGTH * GRAVITY  # [N]
 STIFFNESS = WIRE.axial_stiffness / LENGTH  # [N/m]
 

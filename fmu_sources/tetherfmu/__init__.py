@@ -10,7 +10,7 @@ from .runtime.variants import EVERY_VARIANT, class_name
 
 _HOMES = {
     "models": tuple(map(class_name, EVERY_VARIANT)),
-    "results": ("Flown", "Outputs", "PlausibilityWarning", "StepRefused"),
+    "results": ("Flown", "Outputs", "PlausibilityWarning", "Refusal", "StepRefused"),
     "paths": ("MovingEnd", "inputs_along", "kite_at"),
     "systems.tether_system": ("TetherSystem",),
     "systems.records": ("Line", "Point"),

@@ -9,6 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import tetherfmu
+
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 LESSONS = sorted((DOCS / "course").glob("*.md"))
 MOST_LINES, WIDEST = 20, 105  # of code on a page, of a line that a window of 1400 px shows
@@ -39,6 +41,16 @@ def test_all_parts_are_there(path):
     assert sorted(parts, key=text.index) == parts
     assert text.rstrip().endswith("```")  # the answer is the last
     assert [options for options, _ in CELL.findall(text)].count(":tags: [hide-cell]\n") == 1
+
+
+@each_lesson
+def test_what_it_imports_is_promised(path):
+    """By the front of the package, or by name on the page of promises."""
+    promises = (DOCS / "reference" / "promises.md").read_text(encoding="utf-8")
+    for module, names in re.findall(r"^\s*from (tetherfmu[\w.]*) import (.+)$", code_of(path), re.MULTILINE):
+        for name in names.split(", "):
+            assert f"`{module}.{name}`" in promises if module != "tetherfmu" else name in tetherfmu.__all__
+    assert set(re.findall(r"^\s*import (tetherfmu\S*)", code_of(path), re.MULTILINE)) <= {"tetherfmu"}
 
 
 def test_contents_have_all_lessons_in_order():

@@ -272,6 +272,15 @@ def test_each_picture_of_the_gallery_has_the_command_that_draws_it():
         assert command.startswith("tetherfmu fly") or f"{name}" in script.read_text(encoding="utf-8"), command
 
 
+def test_each_map_of_stability_has_its_command():
+    """With as many points as its row has."""
+    with open(ROOT / "docs" / "data" / "stability_by_map.csv", encoding="utf-8", newline="") as file:
+        rows = {(row["winch control"], row["ground"], row["points"]) for row in csv.DictReader(file)}
+    found = re.findall(r"make_stability\.py( --control \w+)?( --ground)? --points (\d+)", page("developing"))
+    commands = {(control.split()[-1] if control else "speed", "flat" if on else "none", n) for control, on, n in found}
+    assert commands == rows
+
+
 def test_three_pages_have_the_same_command():
     """The home page has it in two lines."""
     home = (ROOT / "docs" / "index.md").read_text(encoding="utf-8")

@@ -163,6 +163,15 @@ def test_a_refused_parameter_is_told_as_by_the_model(address, browser):
     assert f"TetherDynamic: {refused.value}" in said(browser)
 
 
+@pytest.mark.parametrize("control", [1, 2, 3], ids=["speed", "force", "length"])
+@pytest.mark.parametrize("name", ["", "circle", "reel", "pointer", "free"])
+def test_no_input_of_the_winch_is_given_where_it_has_no_effect(address, browser, name, control):
+    """Not even as the page opens, with the scene that it has without any."""
+    opened(browser, address, f"p.winch_control={control}" + (f"&scene={name}" if name else ""))
+    browser.execute_script("for (let k = 0; k < 100; k++) tetherfmu.simulation.advance()")
+    assert "has no effect" not in said(browser)
+
+
 @pytest.mark.filterwarnings("ignore:a segment is stretched")
 def test_a_refused_step_is_told_as_by_the_model_and_the_tether_stays(address, browser):
     """A winch that reels 2 m of tether in at 20 m/s is refused in the step that would end below the shortest segments."""

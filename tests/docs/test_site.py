@@ -10,7 +10,7 @@ import subprocess
 import sys
 from pathlib import Path
 from types import SimpleNamespace
-from urllib.parse import quote
+from urllib.parse import quote, unquote
 from urllib.request import urlopen
 
 import numpy as np
@@ -38,8 +38,8 @@ def write_flight(file):
 
 
 @pytest.fixture(scope="module")
-def site(tmp_path_factory):
-    """Address of a folder with the site in `manual` and a page of a flight, served on this machine."""
+def manual(tmp_path_factory):
+    """Folder with the site, beside a page of a flight."""
     for needed in ("sphinx", "myst_nb", "jupytext", "plotly"):
         pytest.importorskip(needed, reason="needs the extras docs and html")
     folder = tmp_path_factory.mktemp("site")
@@ -47,7 +47,13 @@ def site(tmp_path_factory):
     done = subprocess.run([*build, ROOT / "docs", folder / "manual"], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     write_flight(folder / "flight.html")
-    with chromium.served(folder) as address:
+    return folder / "manual"
+
+
+@pytest.fixture(scope="module")
+def site(manual):
+    """Address of its folder, served on this machine."""
+    with chromium.served(manual.parent) as address:
         yield address
 
 
@@ -111,6 +117,21 @@ def test_pages_need_no_other_host_and_fit_the_window(site, chromium_of_module, p
     asked = [each["request"]["url"] for each in chromium.messages(browser, "Network.requestWillBeSent")]
     assert f"{site}/{page}" in asked
     assert [url for url in asked if not url.startswith((f"{site}/", "data:", "blob:"))] == []
+
+
+def test_links_of_all_rendered_pages_lead_somewhere(manual):
+    """Also those between pages and sources, which no page of ours has: to files, and to places in them."""
+    texts = {path: path.read_text(encoding="utf-8") for path in manual.rglob("*.html")}
+    places = {path: set(re.findall(r'\bid="([^"]+)"', text)) for path, text in texts.items()}
+    dead = []
+    for path, text in texts.items():
+        for link in set(re.findall(r'<a\b[^>]*\bhref="([^":]+)"', text)):
+            target, _, place = unquote(html.unescape(link)).partition("#")
+            file = (path.parent / target).resolve() if target else path
+            if not file.exists() or (place and file in places and place not in places[file]):
+                dead.append((path.relative_to(manual).as_posix(), link))
+    assert len(texts) > 2 * len(PAGES)
+    assert dead == []
 
 
 def test_the_manual_has_formulas(site, browser):

@@ -24,7 +24,6 @@ initial_length = 20.0
 breaking_force = 1e6
 """
 every_flavour = pytest.mark.parametrize("flavour", list(FLAVOURS))
-pytestmark = pytest.mark.filterwarnings("ignore::tetherfmu.PlausibilityWarning")
 
 
 @pytest.fixture(scope="session")

@@ -13,7 +13,7 @@ G = np.array((0.0, 0.0, -9.81))
 ADAPTIVE, NONE = Solver(), Ground()
 SOLVERS = [ADAPTIVE, Solver(fixed_step=0.005), Solver(fixed_step=0.005, fixed_step_method="backward_euler")]
 ROPE = {"axial_stiffness": 5e5, "axial_damping": 500.0}
-pytestmark = pytest.mark.filterwarnings("ignore::tetherfmu.PlausibilityWarning")
+pytestmark = pytest.mark.filterwarnings("ignore:.*presses its ends apart", "ignore:.*(backward|broke)")  # recoil
 
 
 def crane(solver=ADAPTIVE, ground=NONE, **more):

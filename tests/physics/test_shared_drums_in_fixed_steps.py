@@ -14,7 +14,7 @@ from shared_winches import LIGHT, follows_atwood, own_or_shared, rope
 from solvers import METHODS, bounded_flight, fixed
 from tetherfmu import Line, Point, SharedWinch, Solver, StepRefused, TetherSystem, Winch
 
-pytestmark = pytest.mark.filterwarnings("ignore::tetherfmu.PlausibilityWarning")
+pytestmark = pytest.mark.filterwarnings("ignore::tetherfmu.PlausibilityWarning")  # random systems at the extremes
 
 
 # --- formulas

@@ -14,7 +14,7 @@ from random_sheaves import random_ropes, started, told
 from solvers import METHODS, bounded_flight, fixed
 from tetherfmu import Line, Point, Solver, StepRefused, Tether, TetherSystem
 
-pytestmark = pytest.mark.filterwarnings("ignore::tetherfmu.PlausibilityWarning")
+pytestmark = pytest.mark.filterwarnings("ignore::tetherfmu.PlausibilityWarning")  # random systems at the extremes
 
 
 # --- closed forms

@@ -9,7 +9,7 @@ import pytest
 
 from tetherfmu import Environment, Line, Point, SharedWinch, Solver, Tether, TetherSystem, Winch
 
-pytestmark = pytest.mark.filterwarnings("ignore::tetherfmu.PlausibilityWarning")
+pytestmark = pytest.mark.filterwarnings("ignore::tetherfmu.PlausibilityWarning")  # random lines, and a winch that races
 UNDAMPED = {"segments": 1, "axial_damping": 0.0, "drag_coefficient": 0.0}
 
 

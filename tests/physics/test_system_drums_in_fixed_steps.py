@@ -12,7 +12,7 @@ from random_drums import left, random_drums, started
 from solvers import METHODS, fixed
 from tetherfmu import Line, Point, Solver, Tether, TetherDynamic, TetherSystem, Winch
 
-pytestmark = pytest.mark.filterwarnings("ignore::tetherfmu.PlausibilityWarning")
+pytestmark = pytest.mark.filterwarnings("ignore::tetherfmu.PlausibilityWarning")  # drums at the extremes
 WIND = (8.0, 1.0, 0.0)
 POINTS = [Point("ground", (0.0, 0.0, 0.0)), Point("kite", (60.0, 0.0, 80.0), (3.0, 1.0, 6.0))]
 DRUMS = {

@@ -20,7 +20,7 @@ from tetherfmu.runtime.limits import COARSE_WORK, ITERATION_BUDGET, LAST_ITERATI
 
 WIND = (8.0, 1.0, 0.0)
 every_method = pytest.mark.parametrize("method", METHODS)
-quiet = pytest.mark.filterwarnings("ignore::tetherfmu.PlausibilityWarning")
+quiet = pytest.mark.filterwarnings("ignore::tetherfmu.PlausibilityWarning")  # random systems at the extremes
 
 
 def circle(centre, radius, angle, rate):

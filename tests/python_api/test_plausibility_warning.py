@@ -1,6 +1,8 @@
 """The Python API warns once of what no tether and no kite does, at the line of the caller; `implausible` says it again."""
 
+import re
 import warnings
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -105,3 +107,13 @@ def test_what_cannot_break_says_so(model):
     said = warnings_of(lambda: model(breaking_force=5e3))
     cannot = "breaking_force is 5000 N and has no effect: this tether cannot break; the dynamic one can"
     assert said == ([] if model is TetherDynamic else [cannot])
+
+
+def test_what_silences_all_warnings_says_why():
+    """A mark that names what it silences says enough; one of the whole kind has its reason beside it."""
+    tests = Path(__file__).resolve().parents[1]
+    whole = re.compile(r'^.*filterwarnings\("ignore::.*$', re.MULTILINE)
+    found = [line for path in tests.rglob("*.py") for line in whole.findall(path.read_text(encoding="utf-8"))]
+    assert found
+    assert [line for line in found if "  # " not in line] == []
+    assert "filterwarnings" not in (tests.parent / "pyproject.toml").read_text(encoding="utf-8")

@@ -147,7 +147,7 @@ def test_kernels_of_its_own_are_shared_by_copies_and_refused_by_pickle():
         pickle.dumps(tether)
 
 
-@pytest.mark.filterwarnings("ignore::tetherfmu.PlausibilityWarning")
+@pytest.mark.filterwarnings("ignore::tetherfmu.PlausibilityWarning")  # any number that a state may hold
 @every_variant
 @pytest.mark.parametrize("value", [np.nan, np.inf, -1.0, 1e300])
 def test_a_state_with_any_number_replaced_is_refused_or_harmless(variant, value):

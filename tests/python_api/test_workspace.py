@@ -12,7 +12,7 @@ from over_sheaves import Atwood, rope
 from solvers import ADAPTIVE, fixed
 from tetherfmu import Line, Point, SharedWinch, Tether, TetherDynamic, TetherSystem
 
-pytestmark = pytest.mark.filterwarnings("ignore::tetherfmu.PlausibilityWarning")
+pytestmark = pytest.mark.filterwarnings("ignore::tetherfmu.PlausibilityWarning")  # broken ropes, in steps of all kinds
 SOLVERS = [ADAPTIVE, fixed(0.01, "second_order"), fixed(0.01, "backward_euler")]
 
 

@@ -49,7 +49,6 @@ def rows_in_python(name, ground, steps):
     return flown_in_python(tether, steps, lambda k: kite_inputs(name, *motion(k)))
 
 
-@pytest.mark.filterwarnings("ignore::tetherfmu.PlausibilityWarning")
 @every_flavour
 @pytest.mark.parametrize("name", list(SLAVES))
 @in_shared_process

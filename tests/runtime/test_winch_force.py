@@ -53,7 +53,6 @@ def rows_in_python(name, winch, steps):
     return flown_in_python(tether, steps, lambda k: inputs(name, k))
 
 
-@pytest.mark.filterwarnings("ignore::tetherfmu.PlausibilityWarning")
 @every_flavour
 @pytest.mark.parametrize("name", list(SLAVES))
 @in_shared_process

@@ -22,7 +22,7 @@ ALONG = KITE / 500.0
 EVERY = (TetherStraight, TetherCatenary, TetherQuasiSteady, TetherDynamic)
 every_model = pytest.mark.parametrize("model", EVERY, ids=lambda model: model.variant)
 every_end = pytest.mark.parametrize("end", ["kite", "ground"])
-pytestmark = pytest.mark.filterwarnings("ignore::tetherfmu.PlausibilityWarning")
+pytestmark = pytest.mark.filterwarnings("ignore::tetherfmu.PlausibilityWarning")  # tests read what is noted instead
 
 
 def noted(model):

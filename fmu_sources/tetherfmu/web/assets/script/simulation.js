@@ -110,8 +110,16 @@ export class Simulation {
     }
   }
 
+  /** Whether an input of the winch has an effect; its speed has one at the start, whatever controls it. */
+  controls(name, atStart) {
+    const control = { reel_out_speed: 1, winch_force: 2, winch_length: 3 }[name];
+    const isStart = atStart && name === "reel_out_speed";
+    return control === undefined || control === this.settings.values.winch_control || isStart;
+  }
+
   give({ tether, variant }, given, atStart = false) {
     for (const [name, value] of Object.entries(given)) {
+      if (!this.controls(name, atStart)) continue;
       const isOfKite = name === "kite_position" || name === "kite_velocity";
       if (variant.free ? isOfKite && !atStart : name === "kite_load") continue;
       tether.give(name, value);
