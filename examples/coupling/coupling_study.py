@@ -4,6 +4,7 @@ import warnings
 
 import numpy as np
 import pandas as pd
+import tabulate  # noqa: F401 - of to_markdown: missing, it is to be named before the measurements, not after them
 
 from coupling.axial_chain import AxialChain
 from coupling.monolithic import exact

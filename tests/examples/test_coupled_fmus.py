@@ -102,7 +102,7 @@ def test_a_wrong_step_is_refused_in_one_line(example):
     assert re.fullmatch(r".+--step: '-1' is not possible; it must be .+\n", done.stderr)
 
 
-MISSING = [("mooring", "scipy", "examples"), ("coupling_limits", "pandas", "study")]
+MISSING = [("mooring", "scipy", "examples"), ("coupling_limits", "tabulate", "study")]
 
 
 @pytest.mark.parametrize(("example", "package", "extra"), MISSING)

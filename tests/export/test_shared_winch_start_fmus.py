@@ -110,7 +110,10 @@ def test_winches_by_length_start_with_a_speed(folder, native):
 
 
 REFUSED = {
-    "no balance": ({"lift.winch_force": 1.0}, "lift.winch_force, 1.0 N, with winch_start 2 (equilibrium)"),
+    "no balance": (
+        {"lift.winch_force": 1.0},
+        "lift.winch_force, 1.0 N, with trim.winch_start and lift.winch_start 2 (equilibrium)",
+    ),
     "no choice": ({"trim.winch_start": 3}, "winch_start is 3; it must be one of 1 (given), 2 (equilibrium)"),
     "no number": ({"trim.reel_out_speed": float("nan")}, "trim.reel_out_speed"),
 }

@@ -310,8 +310,8 @@ def note_idle_parameters(parameters, state):
 def note_step(n, parameters, before, state):
     """Note what is implausible in a communication step from the state `before` to the state (modified).
 
-    Driven ends are judged from the second step on (with derived velocities from the third): the first one begins where the
-    initialization was, and how far that is from where the ends are then is noted.
+    Driven ends are judged from the second step on (with derived velocities from the fourth, as only the third one knows a
+    motion): the first one begins where the initialization was, and how far that is from where the ends are then is noted.
     """
     note_shape(n, parameters, state)
     note_slack_winch(n, parameters, state)
@@ -322,7 +322,7 @@ def note_step(n, parameters, before, state):
         note_jump(n, n, OF_KITE, parameters, before, state)
         note_jump_of_length(parameters, before, state)
         return
-    if are_derived(parameters) and before[at.CLOCK] <= before[at.LAST_STEP]:
+    if are_derived(parameters) and before[at.CLOCK] <= before[at.PAST_TIMES] + before[at.PAST_TIMES + 1]:
         return
     note_end(n, 0, OF_GROUND, parameters, before, state)
     note_end(n, n, OF_KITE, parameters, before, state)
