@@ -132,7 +132,7 @@ def fly(
         fmu.setInteger(variables.of("initial_shape"), [STARTS[start]])
         if ground:
             fmu.setInteger(variables.of("ground_contact"), [FLAT])
-        NamedFmu(variables, fmu).set(**dict(parameters))
+        NamedFmu(variables, fmu).set(**variables.completed(dict(parameters)))
         fmu.enterInitializationMode()
         if any(wind):
             fmu.setReal(variables.of("wind_velocity"), wind)  # an input that is set once stays

@@ -38,6 +38,23 @@ def test_prints_one_line_and_writes_three_figures(fmu_folder, tmp_path):
         assert np.count_nonzero(np.ptp(colors, axis=-1) > 0.2) > 1000, name  # coloured pixels; empty axes have none
 
 
+def test_a_diameter_alone_scales_the_stiffness(fmu_folder, tmp_path):
+    """As `fly` along a log and `build` have it: a taut straight tether pulls four times as hard."""
+    code = f"""
+import numpy as np
+from first_flight import circular_flight
+fly = lambda *values: circular_flight.fly({str(fmu_folder / "TetherStraight.fmu")!r}, 495.0, duration=0.2, parameters=values)
+pull = lambda *values: np.linalg.norm(fly(*values).kite_force[-1])
+thick, stiff = ("diameter", 0.008), ("axial_stiffness", 4.0 * 614600.0)
+print(pull(thick) / pull(), pull(thick) / pull(thick, stiff, ("axial_damping", 4.0 * 473.0)))
+"""
+    done = run_code(code)
+    assert done.returncode == 0, done.stderr
+    of_thin, of_stiff = map(float, done.stdout.split())
+    assert of_thin == pytest.approx(4.0, abs=0.1)  # what the air pulls grows with the diameter only
+    assert of_stiff == pytest.approx(1.0, abs=1e-12)
+
+
 @pytest.mark.skipif(importlib.util.find_spec("plotly") is None, reason="plotly is an optional extra")
 def test_a_ground_carries_the_tether_and_is_drawn(fmu_folder, tmp_path):
     """A tether of 560 m lies on the ground, which has its place in the page and in both side views, and nowhere else."""
