@@ -48,6 +48,9 @@ class Refusal(NamedTuple):
         What `StepRefused` says of it.
     status : int
         As that of `StepRefused`.
+
+    >>> Refusal(3, "the step is 0.0 s; it must be above 0 s", 1).step
+    3
     """
 
     step: int

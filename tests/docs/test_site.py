@@ -73,7 +73,10 @@ def test_a_page_is_rendered_as_it_is_written(site, page):
     text = html.unescape(re.sub(r"<[^>]+>", "", main))
     assert ":::" not in text
     assert not re.search(r"(?<!\w)[\u2013\u2014][a-z]", text)  # dashes
-    source = (ROOT / "docs" / page).with_suffix(".md").read_text(encoding="utf-8")
+    path = (ROOT / "docs" / page).with_suffix(".md")
+    source = path.read_text(encoding="utf-8")
+    for other in re.findall(r"^```\{include\} (\S+)$", source, re.MULTILINE):
+        source += (path.parent / other).read_text(encoding="utf-8")
     prose = re.sub(r"^(```|~~~).*?^\1$", "", source, flags=re.MULTILINE | re.DOTALL)
     written = len(re.findall(r"^#{1,6} ", prose, re.MULTILINE))
     assert len(re.findall(r"<h[1-6]\b", main)) >= written > 0
