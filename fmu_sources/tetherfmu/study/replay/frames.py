@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from tetherfmu.files.csv_files import from_angles
 from tetherfmu.runtime.inputs import components
-from tetherfmu.study.scenes.csv_files import from_angles
 
 from .columns import FROM_ANGLES, GEODETIC_POINT, WIND_FROM, Source
 
