@@ -1,13 +1,6 @@
 """What a tether refuses, and what it warns of."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 from tetherfmu.runtime.status import code
-
-if TYPE_CHECKING:
-    from tetherfmu.python.results import Flown
 
 
 class PlausibilityWarning(UserWarning):
@@ -47,7 +40,7 @@ class StepRefused(ValueError):
     this TetherStraight is not initialized: call initialize first
     """
 
-    def __init__(self, message: str, status: int | None = None, flown: Flown | None = None):
+    def __init__(self, message: str, status: int | None = None, flown: tuple | None = None):
         super().__init__(message)
         self.flown = flown
         self.status = None if status is None else code(status)
