@@ -21,13 +21,11 @@ ROOT = Path(__file__).resolve().parents[2]
 COURSE = "course"  # folder of the lessons, in docs and on the site
 FMUS = ("TetherDynamic", "TetherCatenary")
 WARNING = "Warning: missing input for variable"  # of FMPy
-NO_JIT = "NUMBA_DISABLE_JIT"  # which conf.py sets for the docstrings of kernels
 LINK = re.compile(r"(?<!!)\[([^\]]*)\]\((?!https:)[^)]*\)")  # to another page of the manual
 ANIMATION = re.compile(r"^!\[[^\]]*\]\([^)]*\)\n*", re.MULTILINE)
 
 STARTUP = """\
 import os, sys
-os.environ.pop({no_jit!r}, None)
 os.environ["MPLBACKEND"] = "module://matplotlib_inline.backend_inline"
 os.chdir({work!r})
 sys.path.insert(0, {package!r})
@@ -50,7 +48,7 @@ c.InlineBackend.rc = {
 
 def lessons(docs):
     """The pages of all lessons, in order."""
-    return sorted((Path(docs) / COURSE).glob("*.md"))
+    return sorted((Path(docs) / COURSE).glob("[0-9]*.md"))
 
 
 def write_notebooks(docs, folder):
@@ -71,12 +69,11 @@ def prepare(app):
     app.course_folder = Path(tempfile.mkdtemp())
     work, profile = app.course_folder / "work", app.course_folder / "ipython" / "profile_default"
     (profile / "startup").mkdir(parents=True)
-    names = {"no_jit": NO_JIT, "work": str(work), "package": str(ROOT / "fmu_sources")}
+    names = {"work": str(work), "package": str(ROOT / "fmu_sources")}
     (profile / "startup" / "course.py").write_text(STARTUP.format(**names), encoding="utf-8")
     (profile / "ipython_kernel_config.py").write_text(PROFILE, encoding="utf-8")
     os.environ["IPYTHONDIR"] = str(profile.parent)
     clean = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
-    clean.pop(NO_JIT, None)
     build = [sys.executable, "-m", "tetherfmu", "build", *FMUS, "--out", work / "dist"]
     subprocess.run(build, env=clean, check=True, stdout=subprocess.DEVNULL)
 
@@ -92,7 +89,7 @@ def without_warnings(app, doctree):
 def add_link(app, doctree, docname):
     """Offer a lesson as a notebook, below its title."""
     folder, _, name = docname.rpartition("/")
-    if folder == COURSE and app.builder.format == "html":
+    if folder == COURSE and name[0].isdigit() and app.builder.format == "html":
         link = nodes.reference("", "Download this lesson as a notebook", refuri=f"{name}.ipynb", internal=True)
         (section,) = doctree.findall(lambda node: isinstance(node, nodes.section) and node.parent is doctree)
         section.insert(1, nodes.paragraph("", "", link, classes=["notebook"]))

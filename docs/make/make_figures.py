@@ -49,17 +49,29 @@ def of_example(name):
 
 
 def circle():
-    """Shapes in space at the left, forces over time at the right: the circle of the example in wind."""
+    """The circle of the example in wind."""
     from first_flight.circular_flight import find_fmu, fly
+
+    draw_beside(fly(find_fmu("TetherDynamic"), length=525.0, wind=WIND), 20, "circle")
+
+
+def first_flight():
+    """The figure of eight that the README flies first."""
+    from first_flight.scene_flight import find_fmu, fly, scene_of
+
+    draw_beside(fly(find_fmu("TetherDynamic"), scene_of("eight_on_a_winch")), 12, "first_flight")
+
+
+def draw_beside(flight, count, name):
+    """Shapes in space at the left, so many of them, forces over time at the right."""
     from shared.flight_figures import ENDS, draw_components, draw_shapes, plt, times_of
 
-    flight = fly(find_fmu("TetherDynamic"), length=525.0, wind=WIND)
     figure = plt.figure(figsize=(12.0, 5.2), layout="constrained")
     grid = figure.add_gridspec(2, 2, width_ratios=(1.25, 1.0))
     space = figure.add_subplot(grid[:, 0], projection="3d")
     flights = {"TetherDynamic": flight}
     colours = times_of(flights)
-    draw_shapes(space, flights, 20, colours)
+    draw_shapes(space, flights, count, colours)
     space.legend(loc="upper left", frameon=False)
     figure.colorbar(colours, ax=space, label="time [s]", shrink=0.6, pad=0.02, location="left")
     for row, (field, end) in enumerate(ENDS.items()):
@@ -69,7 +81,7 @@ def circle():
         axes.grid(alpha=0.3)
         axes.tick_params(labelbottom=row == len(ENDS) - 1)
     axes.set_xlabel("time [s]")
-    save(figure, FIGURES / "circle")
+    save(figure, FIGURES / name)
 
 
 def coupling():
@@ -106,7 +118,7 @@ def work_precision():
 
 DRAWN = {
     **{name: partial(of_example, name) for name in EXAMPLES},
-    **{each.__name__: each for each in (circle, coupling, fixed_steps, work_precision)},
+    **{each.__name__: each for each in (circle, coupling, first_flight, fixed_steps, work_precision)},
 }
 
 
