@@ -34,6 +34,10 @@ class Rows(Domain):
     initial_data = {"rows": {}}
     object_types = {}
 
+    def get_type_name(self, type, primary=False):
+        """What a row is, as the search shows it."""
+        return type.lname
+
     def get_objects(self):
         """Name, shown name, kind, page, anchor and priority of each."""
         for page, rows in self.data["rows"].items():
