@@ -23,7 +23,7 @@ version = release
 smartquotes_action = "qe"  # no dashes: an option of a command has two hyphens
 extensions = [
     "course_pages",
-    "myst_nb",
+    "myst_parser",
     "numpydoc",
     "sphinx.ext.autodoc",
     "sphinx.ext.mathjax",
@@ -39,13 +39,6 @@ exclude_patterns = ["data", "make", "publishing", "site_files"]
 myst_enable_extensions = ["amsmath", "attrs_block", "colon_fence", "deflist", "dollarmath"]
 myst_heading_anchors = 4
 myst_links_external_new_tab = True
-
-nb_execution_mode = "force"  # of the lessons, each time that they are read
-nb_execution_raise_on_error = True
-nb_execution_timeout = 120  # s
-nb_output_stderr = "remove"  # warnings of FMPy
-nb_merge_streams = True
-nb_code_prompt_show, nb_code_prompt_hide = "Show the answer", "Hide the answer"
 
 autodoc_member_order = "bysource"
 autodoc_typehints = "none"  # numpydoc has the types

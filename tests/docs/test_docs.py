@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 from PIL import Image
 
 import make_fmu_table
@@ -69,12 +70,6 @@ def test_functions_named_in_the_theory_exist(name, section):
     assert named
     for module, function in named:
         assert callable(getattr(importlib.import_module(MODULES[module]), function))
-
-
-def test_all_modules_of_the_kernels_are_listed():
-    listed = set(re.findall(r"automodule:: (\S+)", page("functions")))
-    rooms = {module for module in MODULES.values() if re.match(r"tetherfmu\.kernels\.\w+\.", module)}
-    assert listed == {*rooms, "tetherfmu.kernels.packing"}
 
 
 def test_all_public_names_are_on_the_page_of_the_python_api():
@@ -281,12 +276,37 @@ def test_each_map_of_stability_has_its_command():
     assert commands == rows
 
 
-def test_three_pages_have_the_same_command():
-    """The home page has it in two lines."""
-    home = (ROOT / "docs" / "index.md").read_text(encoding="utf-8")
-    texts = (README, page("start"), home)
-    first, start, two = [re.findall(r"^```sh\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)[0] for text in texts]
-    assert first == start == " && ".join(two.splitlines()) + "\n"
+def test_pages_have_the_same_command():
+    """The home page includes that of the README."""
+    first, start = (re.findall(r"^```sh\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)[0] for text in (README, page("start")))
+    assert first == start
+    assert max(map(len, first.splitlines())) <= 70  # as wide as a page of code
+    assert "first flight" in (ROOT / "docs" / "index.md").read_text(encoding="utf-8")
+
+
+def test_first_flight_prints_what_the_readme_shows(fmu_folder, tmp_path):
+    """All but its speed; the circle is the flight that pulls with some 50 N."""
+    shutil.copytree(fmu_folder, tmp_path / "dist")
+    eight, circle = re.findall(r"^\.venv/bin/(tetherfmu fly .*)$", README, re.MULTILINE)
+    shown = re.search(r"```text\n(TetherDynamic: .*; )\d+ times real time\n```", README)[1]
+    printed = ran(as_here(eight), tmp_path)
+    assert printed.startswith(shown)
+    assert (tmp_path / "plots" / "eight" / "forces.png").exists()
+    pulls = re.findall(r"(\d+\.\d) N, \|kite\| (\d+\.\d) N", ran(as_here(circle.replace("all", "dynamic")), tmp_path))
+    assert [40.0 < float(each) < 60.0 for each in pulls[0]] == [True, True]
+    assert "{} N at the ground, {} N at the kite".format(*(f"{float(each):.0f}" for each in pulls[0])) in page("start")
+
+
+def test_citations_are_those_of_the_file():
+    cited = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
+    (readme,), (start,) = (re.findall(r"^```bibtex\n(.*?)^```$", text, re.M | re.S) for text in (README, page("start")))
+    assert readme == start
+    fields = {name: re.sub(r"[{}]", "", value) for name, value in re.findall(r"(\w+) += \{(.*)\},", readme)}
+    assert fields["author"] == cited["authors"][0]["name"]
+    assert fields["year"] == str(cited["date-released"].year)
+    assert {name: fields[name] for name in ("title", "version", "license")} == {
+        name: cited[name] for name in ("title", "version", "license")
+    }
 
 
 def test_pages_on_the_example_fmus_are_what_the_script_writes(monkeypatch):

@@ -37,7 +37,8 @@ def test_versions_and_licence_are_those_of_the_project():
     assert cited["license"] == archived["license"] == recipe["about"]["license"] == DECLARED["license"]
     assert cited["title"] == archived["title"]
     assert [each["name"] for each in cited["authors"]] == [each["name"] for each in archived["creators"]]
-    assert archived["keywords"] == DECLARED["keywords"]
+    assert archived["keywords"] == cited["keywords"] == DECLARED["keywords"]
+    assert archived["description"] == cited["abstract"]
     assert recipe["about"]["summary"] == DECLARED["description"]
 
 
