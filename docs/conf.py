@@ -1,6 +1,5 @@
 """How Sphinx makes the documentation site: `python -m sphinx -W --keep-going -b html docs site`."""
 
-import re
 import shutil
 import sys
 import tempfile
@@ -30,6 +29,7 @@ extensions = [
     "sphinx.ext.viewcode",
     "sphinx_design",
     "links_to_functions",
+    "real_signatures",
     "rows_of_search",
     "sidebar",
     "words_of_search",
@@ -41,12 +41,12 @@ myst_heading_anchors = 4
 myst_links_external_new_tab = True
 
 autodoc_member_order = "bysource"
-autodoc_typehints = "none"  # numpydoc has the types
-autodoc_preserve_defaults = True
+autodoc_typehints = "none"  # real_signatures has them
 numpydoc_show_class_members = False
 numpydoc_xref_param_type = False
 
 add_module_names = False
+maximum_signature_line_length = 100
 default_role = "literal"  # single backticks in docstrings
 toc_object_entries = False
 html_theme = "furo"
@@ -76,15 +76,6 @@ def without_fields(app, what, name, obj, skip, options):
     return True if type(obj).__name__ == "_tuplegetter" else skip
 
 
-def for_users(app, what, name, obj, options, signature, returns):
-    """A signature without private arguments, and with the values of constants instead of their names."""
-    if signature:
-        names = getattr(getattr(obj, "__init__", None) if what == "class" else obj, "__globals__", {})
-        signature = re.sub(r", _\w+=(\([^)]*\)|[^,)]*)", "", signature)
-        signature = re.sub(r"(?<==)_?[A-Z][A-Z_]+\b", lambda found: repr(names.get(found[0], found[0])), signature)
-    return signature, returns
-
-
 def figures_as_links(app, doctree, docname):
     """Make each figure a link to its file, which a small screen can show as large as the reader likes."""
     if app.builder.format != "html":
@@ -111,7 +102,6 @@ def without_page(app, exception):
 def setup(app):
     """Connect the functions above."""
     app.connect("build-finished", without_page)
-    app.connect("autodoc-process-signature", for_users)
     app.connect("autodoc-skip-member", without_fields)
     app.connect("doctree-resolved", figures_as_links)
     app.connect("doctree-resolved", tables_of_variables)

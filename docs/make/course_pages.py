@@ -13,7 +13,8 @@ ROOT = Path(__file__).resolve().parents[2]
 COURSE = "course"  # folder of the lessons, in docs and on the site
 CODE = re.compile(r"^```python\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 LINK = re.compile(r"(?<!!)\[([^\]]*)\]\((?!https:)[^)]*\)")  # to another page of the manual
-SHOWN = re.compile(r"\n```text\n(?!python3).*?^```$|^!\[[^\]]*\]\([^)]*\)$|^</?details>$|^<summary>.*$", re.MULTILINE | re.DOTALL)
+OUTPUT, PICTURE, FOLD = r"\n```text\n(?!python3).*?^```$", r"^!\[[^\]]*\]\([^)]*\)$", r"^</?details>$|^<summary>.*$"
+SHOWN = re.compile(f"{OUTPUT}|{PICTURE}|{FOLD}", re.MULTILINE | re.DOTALL)
 KERNEL = {"display_name": "Python 3", "language": "python", "name": "python3"}
 
 
@@ -28,9 +29,9 @@ def notebook(text):
     for k, part in enumerate(CODE.split(text)):
         is_code = k % 2 == 1
         source = (part if is_code else re.sub(r"\n{3,}", "\n\n", SHOWN.sub("", LINK.sub(r"\1", part)))).strip()
-        more = {"execution_count": None, "outputs": []} if is_code else {}
+        kind = {"cell_type": "code", "execution_count": None, "outputs": []} if is_code else {"cell_type": "markdown"}
         if source:
-            cells.append({"cell_type": "code" if is_code else "markdown", "id": f"cell-{k}", "metadata": {}, "source": source, **more})
+            cells.append({**kind, "id": f"cell-{k}", "metadata": {}, "source": source})
     if cells[-1]["cell_type"] == "code":
         cells[-1]["metadata"] = {"jupyter": {"source_hidden": True}}  # the answer
     return {"cells": cells, "metadata": {"kernelspec": KERNEL}, "nbformat": 4, "nbformat_minor": 5}

@@ -1,4 +1,4 @@
-"""Sphinx extension: on the pages of equations a name such as `segment.tension` becomes a link to the source of that function.
+"""Sphinx extension: on the pages of equations a name such as `segment.tension` becomes a link to its source.
 
 viewcode makes a page of each module whose objects the manual describes; here also of those whose functions are named. The
 source leads back to the place that names it first.
@@ -37,7 +37,7 @@ def mark_names(app, doctree):
 
 
 def described(env, module):
-    """What viewcode has of a module: places of its functions, the page that each leads back to, beginning of their anchors."""
+    """What viewcode has of a module: places of its functions, pages that they lead back to, prefix of their anchors."""
     if not hasattr(env, "_viewcode_modules"):
         env._viewcode_modules = {}
     if not env._viewcode_modules.get(module):

@@ -37,7 +37,8 @@ tetherfmu build --examples
 ```
 
 builds them and five systems of them as SSP files. They are PythonFMU slaves of 70 to 150 lines (`examples/fmus/`);
-`TurbulentWind` needs numpy. [Variables of the example FMUs](../reference/variables_of_examples.md) has their equations and parameters.
+`TurbulentWind` needs numpy. [Variables of the example FMUs](../reference/variables_of_examples.md) has their equations and
+parameters.
 
 | FMU | in | out | for |
 |---|---|---|---|

@@ -1,10 +1,11 @@
-"""Sphinx extension: each variable, parameter, command, option and key is an entry of the search that leads to its own row.
+"""Sphinx extension: each variable, parameter, command, option and key is an entry of the search that leads to its row.
 
 A page of `PAGES` has tables whose first column names them. The rows get anchors, and the names are objects of a domain, which
 the search shows with what they are; `site_files/scorer.js` puts the one first whose name was typed.
 """
 
 import re
+from typing import ClassVar
 
 from docutils import nodes
 from sphinx.domains import Domain, ObjType
@@ -31,8 +32,8 @@ class Rows(Domain):
     """Named rows: name -> (what it is, page, anchor) for each page."""
 
     name, label, data_version = "row", "rows of tables", 1
-    initial_data = {"rows": {}}
-    object_types = {}
+    initial_data: ClassVar = {"rows": {}}
+    object_types: ClassVar = {}
 
     def get_type_name(self, type, primary=False):
         """What a row is, as the search shows it."""
@@ -93,7 +94,9 @@ def note_rows(app, doctree):
             continue
         if page == COMMANDS:
             noted.append((f"tetherfmu {title}", "command", section["ids"][0]))
-        kind = kinds[head[0][0].astext()].format(KINDS.get(title, title) if page != EXAMPLES or title not in KINDS else "several")
+        kind = kinds[head[0][0].astext()].format(
+            "several" if page == EXAMPLES and title in KINDS else KINDS.get(title, title)
+        )
         for row in next(table.findall(nodes.tbody)):
             for name in names_of(page, title, row):
                 anchor = re.sub(r"[^\w.-]", "", re.sub(r"\[.*", "", name.removeprefix("tetherfmu ").replace(" ", "")))

@@ -1,4 +1,4 @@
-"""Sphinx extension: pages below others in the sidebar, and stubs that lead from pages that are gone to those that have their text.
+"""Sphinx extension: pages below others in the sidebar, and stubs that lead on from pages that are gone.
 
 The first level is in the contents of `docs/index.md`.
 """
@@ -33,7 +33,11 @@ MOVED = {  # page that is gone: where its text is
     "use/examples_of_systems": "use/gallery.html#a-kite-on-a-y-bridle",
 }
 CONTENTS = "\n\n```{{toctree}}\n:hidden:\n\n{}\n```\n"
-STUB = '<!doctype html><meta charset="utf-8"><title>Moved</title><meta http-equiv="refresh" content="0; url=../{0}"><a href="../{0}">{0}</a>\n'
+STUB = """<!doctype html>
+<meta charset="utf-8"><title>Moved</title>
+<meta http-equiv="refresh" content="0; url=../{0}">
+<a href="../{0}">{0}</a>
+"""
 
 
 def add_contents(app, docname, source):

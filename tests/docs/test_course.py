@@ -67,7 +67,7 @@ def test_contents_have_all_lessons_in_order():
 
 @pytest.fixture
 def printed(fmu_folder, tmp_path):
-    """Function that runs a lesson beside the FMUs and returns what it prints, which stands in its file; it draws a picture."""
+    """Function that runs a lesson beside the FMUs and returns what it prints, which its file shows; it draws a picture."""
     (tmp_path / "dist").symlink_to(fmu_folder, target_is_directory=True)
 
     def run(number):

@@ -18,7 +18,8 @@ from PIL import Image
 import make_fmu_table
 import tetherfmu
 from named_functions import MODULES, NAME, PAGES
-from tetherfmu.runtime.variants import VARIANTS, class_name
+from real_signatures import parameters_of
+from tetherfmu.runtime.variants import EVERY_VARIANT, VARIANTS, class_name
 
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "fmu_sources" / "tetherfmu"
@@ -313,3 +314,14 @@ def test_pages_on_the_example_fmus_are_what_the_script_writes(monkeypatch):
     monkeypatch.syspath_prepend(ROOT / "docs" / "make")
     for file, text in importlib.import_module("make_example_fmus").pages():
         assert file.read_text(encoding="utf-8") == text
+
+
+@pytest.mark.parametrize("name", [*map(class_name, EVERY_VARIANT), "TetherSystem"])
+def test_signatures_on_the_page_of_the_python_api_are_real(name):
+    """All arguments by name, with types; what `step` takes is what the classes take."""
+    found = getattr(tetherfmu, name)
+    for called in (found, found.initialize, found.step):
+        parameters = [each for each in parameters_of(called) if each.name != "quantities"]
+        assert not any(each.kind in (each.VAR_POSITIONAL, each.VAR_KEYWORD) for each in parameters)
+        assert all(each.annotation is not each.empty for each in parameters)
+    assert {"wind_velocity", "wind_at"} <= {each.name for each in parameters_of(found.step)}
