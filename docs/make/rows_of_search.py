@@ -1,7 +1,7 @@
 """Sphinx extension: each variable, parameter, command, option and key is an entry of the search that leads to its row.
 
-A page of `PAGES` has tables whose first column names them. The rows get anchors, and the names are objects of a domain, which
-the search shows with what they are; `site_files/scorer.js` puts the one first whose name was typed.
+A page of `PAGES` has tables whose first column names them. The rows get anchors, and the names are objects of a domain,
+which the search shows with what they are; `site_files/scorer.js` puts the one first whose name was typed.
 """
 
 import re
