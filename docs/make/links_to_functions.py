@@ -10,6 +10,7 @@ from sphinx.transforms.post_transforms import SphinxPostTransform
 from sphinx.util import logging
 from sphinx.util.nodes import make_refnode
 
+import tetherfmu
 from named_functions import FOLDER, MODULES, NAME, PAGES
 
 SOURCES = "_modules"  # folder of viewcode's pages
@@ -43,7 +44,8 @@ def described(env, module):
     if not env._viewcode_modules.get(module):
         analyzer = ModuleAnalyzer.for_module(module)
         analyzer.find_tags()
-        env._viewcode_modules[module] = analyzer.code, analyzer.tags, {}, module
+        front = module.removeprefix("tetherfmu.") in tetherfmu._HOMES  # its names are those of the package
+        env._viewcode_modules[module] = analyzer.code, analyzer.tags, {}, "tetherfmu" if front else module
     return env._viewcode_modules[module][1:]
 
 
