@@ -52,21 +52,21 @@ def circle():
     """The circle of the example in wind."""
     from first_flight.circular_flight import find_fmu, fly
 
-    draw_beside(fly(find_fmu("TetherDynamic"), length=525.0, wind=WIND), 20, "circle")
+    draw_beside(fly(find_fmu("TetherDynamic"), length=525.0, wind=WIND), 20, "circle", (12.0, 5.2))
 
 
 def first_flight():
     """The figure of eight that the README flies first."""
     from first_flight.scene_flight import find_fmu, fly, scene_of
 
-    draw_beside(fly(find_fmu("TetherDynamic"), scene_of("eight_on_a_winch")), 12, "first_flight")
+    draw_beside(fly(find_fmu("TetherDynamic"), scene_of("eight_on_a_winch")), 12, "first_flight", (8.6, 4.4))
 
 
-def draw_beside(flight, count, name):
-    """Shapes in space at the left, so many of them, forces over time at the right."""
+def draw_beside(flight, count, name, size):
+    """Shapes in space at the left, so many of them, forces over time at the right; size of the figure [in]."""
     from shared.flight_figures import ENDS, draw_components, draw_shapes, plt, times_of
 
-    figure = plt.figure(figsize=(12.0, 5.2), layout="constrained")
+    figure = plt.figure(figsize=size, layout="constrained")
     grid = figure.add_gridspec(2, 2, width_ratios=(1.25, 1.0))
     space = figure.add_subplot(grid[:, 0], projection="3d")
     flights = {"TetherDynamic": flight}
@@ -77,7 +77,8 @@ def draw_beside(flight, count, name):
     for row, (field, end) in enumerate(ENDS.items()):
         axes = figure.add_subplot(grid[row, 1])
         draw_components(axes, flight.time, getattr(flight, field))
-        axes.set(title=f"Force of the tether on the {end}", ylabel="force [N]", xlim=flight.time[[0, -1]])
+        axes.set(ylabel="force [N]", xlim=flight.time[[0, -1]])
+        axes.set_title(f"Force of the tether on the {end}", fontsize="medium" if size[0] < 10.0 else "large")
         axes.grid(alpha=0.3)
         axes.tick_params(labelbottom=row == len(ENDS) - 1)
     axes.set_xlabel("time [s]")

@@ -278,11 +278,12 @@ def test_figures_are_links_and_follow_the_theme(site, browser):
     assert browser.execute_script("return getComputedStyle(document.querySelector('article img')).colorScheme") == "light"
 
 
-def test_letters_of_the_decision_chart_can_be_read(site, browser):
+@pytest.mark.parametrize(("page", "figure"), [("how_much_tether", "decision"), ("interface", "signs")])
+def test_letters_of_a_figure_can_be_read(site, browser, page, figure):
     """They are 11 points high."""
-    opened(browser, f"{site}/manual/use/how_much_tether.html")
+    opened(browser, f"{site}/manual/use/{page}.html")
     scale = browser.execute_script(
-        "const chart = document.querySelector(\"img[src$='decision.svg']\"); return chart.clientWidth / chart.naturalWidth"
+        f"const shown = document.querySelector(\"img[src$='{figure}.svg']\"); return shown.clientWidth / shown.naturalWidth"
     )
     assert 11.0 * 96.0 / 72.0 * scale > 10.0  # px
 
