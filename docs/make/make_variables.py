@@ -26,19 +26,19 @@ hide-toc: true
 
 <!-- Written by docs/make/make_variables.py from the sources: edit those, and run it again. -->
 
-For everyone who connects a tether FMU: every variable with unit, start value, limits, value reference, and the FMUs
-that have it. [Signals and signs](../use/interface.md) explains the exchange.
+For everyone who connects a tether FMU: every variable with unit, start value, limits and value reference, and the FMUs
+that have it. Exchange and signs: [Interface](../use/interface.md).
 
 ```{{raw}} html
 <p class="filter"><input type="search" placeholder="Filter: winch, force, DF, N/m ..." aria-label="Filter the variables"></p>
 <script defer src="../_static/filter.js"></script>
 ```
 
-FMUs: {letters}. Brackets: the FMU ignores the parameter, but checks its range.
+FMUs: {letters}. In brackets: ignored, but its range is checked.
 
 Value references (VR) are the same in all FMUs. A vector is one array in FMI 3 with the VR of its first element. With K
-shape points (`--shape-points`) the VR of parameters are greater by 3 (K - {points}). The type is Real (FMI 3:
-Float64) unless the VR column says {integer} or Boolean. [Groups](#groups-and-presets) are for lean FMUs.
+points of the shape (`--shape-points`) the VR of parameters are greater by 3 (K - {points}). Types: Real (FMI 3:
+Float64) unless the VR column says {integer} or Boolean. A [group](#groups-and-presets) is for lean FMUs.
 
 ## Inputs
 
@@ -52,8 +52,8 @@ Float64) unless the VR column says {integer} or Boolean. [Groups](#groups-and-pr
 
 ## Local variables
 
-Local variables can be read and plotted, not connected. K is the build option `--shape-points`, {points} by default. With
-`--wind-points` the shape is an output.
+Read and plotted, not connected. K is the build option `--shape-points`, {points} by default. With `--wind-points` the
+shape is an output.
 
 {local}
 
@@ -63,19 +63,19 @@ Set them before the initialization ends.
 
 {parameters}
 
-More rules: with `wind_profile` 3 or 4, `surface_roughness` must be less than `wind_reference_height`. `initial_length` must
-be at least 0.01 m per segment, and with force control between `shortest_length` and `longest_length`. The build option
-`--segments` sets the start value of `segments`.
+More rules: with `wind_profile` 3 or 4 `surface_roughness` is less than `wind_reference_height`; `initial_length` is at
+least 0.01 m for each segment; with force control it lies between `shortest_length` and `longest_length`. `segments` starts
+at the build option `--segments`.
 
 The time of FMI 3 has the VR {time}, in `TetherDynamicFree.fmu` {free_time}.
 
 ## In some FMUs
 
-These variables have other meanings in some FMUs:
+Other meanings there:
 
 {meanings}
 
-These parameters are ignored:
+Ignored parameters:
 
 {ignored}
 
@@ -83,7 +83,7 @@ These parameters are ignored:
 
 {groups}.
 
-Number of FMI 2 variables of full FMUs and with each `--preset`:
+Variables that FMI 2 counts, of full FMUs and with each `--preset`:
 
 {presets}
 
