@@ -29,7 +29,9 @@ def parse(arguments, prog):
     option("--from", dest="start", type=time, metavar="T", help=about)
     option("--to", dest="end", type=time, metavar="T", help="end of the flight (default: the end of the log)")
     fits = ("offset", "origin", "delay", "nothing")
-    about = "corrections that reconcile length and positions: offset, origin, delay, or nothing (default: offset, if possible)"
+    about = (
+        "corrections that reconcile length and positions: offset, origin, delay, or nothing (default: offset, if possible)"
+    )
     parser.add_choice("--fit", fits, nargs="+", metavar="WHAT", help=about)
     about = (
         "start of the part used for the fit (default: the part before the flight; its first half if that is less than 20 s)"

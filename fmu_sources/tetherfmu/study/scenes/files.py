@@ -73,11 +73,19 @@ class Wanted:
 
     outputs: tuple = field(default=("kite_force",), metadata={"read": output_names})
     allowed_error: float = quantity(0.01, "", "allowed error of each output", minimum=1e-4, maximum=0.5)
-    real_time_factor: float = quantity(0.0, "", "required speed relative to real time; 0: no requirement", minimum=0.0, maximum=1e9)
-    communication_step: float = quantity(0.0, "s", "communication step of the simulator; 0: the advisor chooses", minimum=0.0, maximum=1.0)
+    real_time_factor: float = quantity(
+        0.0, "", "required speed relative to real time; 0: no requirement", minimum=0.0, maximum=1e9
+    )
+    communication_step: float = quantity(
+        0.0, "s", "communication step of the simulator; 0: the advisor chooses", minimum=0.0, maximum=1.0
+    )
     fixed: bool = field(default=False, metadata={"read": yes_or_no})
     time_per_step: float = quantity(
-        0.0, "s", "longest kernel time of a communication step, with fixed = true; 0: no requirement", minimum=0.0, maximum=1.0
+        0.0,
+        "s",
+        "longest kernel time of a communication step, with fixed = true; 0: no requirement",
+        minimum=0.0,
+        maximum=1.0,
     )
     __post_init__ = check
 
@@ -86,9 +94,7 @@ class Wanted:
 class TableOfWinch(without(WINCH, Winch)):
     """What a file says of the winch: its drum, and the force that it holds."""
 
-    force: float = quantity(
-        0.0, "N", "constant force with which the winch pulls; 0: no force control", 0.0, 1e9
-    )
+    force: float = quantity(0.0, "N", "constant force with which the winch pulls; 0: no force control", 0.0, 1e9)
 
 
 RECORDS = {"tether": Tether, "environment": Environment, "ground": TABLE_OF_GROUND}  # of a scene, by section

@@ -40,9 +40,7 @@ class Wind:
 class Box(Reading):
     """How the box of a scene is read, where it is, and at how many points the tether has its wind."""
 
-    wind_points: int = quantity(
-        11, "", "wind points from the ground end to the kite end", 2, at.MAX_WIND_POINTS
-    )
+    wind_points: int = quantity(11, "", "wind points from the ground end to the kite end", 2, at.MAX_WIND_POINTS)
     origin: tuple = field(default=(0.0, 0.0, 0.0), metadata={"read": vector_in("m", 1e6)})
     __post_init__ = check
 
