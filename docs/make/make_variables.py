@@ -52,8 +52,8 @@ Float64) unless the VR column says {integer} or Boolean. [Groups](#groups-and-pr
 
 ## Local variables
 
-Local variables can be read and plotted, but not connected. K is the build option `--shape-points`, {points} by default. With `--wind-points` the
-shape is an output.
+Local variables can be read and plotted, but not connected. K is the build option `--shape-points`, {points} by default.
+With `--wind-points` the shape is an output.
 
 {local}
 
@@ -63,9 +63,9 @@ Set parameters before the end of initialization.
 
 {parameters}
 
-Additional rules apply. With `wind_profile` 3 or 4 `surface_roughness` must be less than `wind_reference_height`. `initial_length` must be at
-least 0.01 m per segment, and with force control between `shortest_length` and `longest_length`. The build option `--segments` sets
-the start value of `segments`.
+With `wind_profile` 3 or 4 `surface_roughness` must be less than `wind_reference_height`. `initial_length` must be at least
+0.01 m per segment, and with force control between `shortest_length` and `longest_length`. The build option `--segments`
+sets the start value of `segments`.
 
 In FMI 3 the time variable has the VR {time}, in `TetherDynamicFree.fmu` {free_time}.
 

@@ -108,7 +108,7 @@ class Circle(Flight):
 
 @dataclass(frozen=True)
 class FigureOfEight(Flight):
-    """The kite flies horizontal figures of eight, downwind: azimuth a sin u, elevation e + f a sin 2u; 2 pi in u is a lap."""
+    """The kite flies horizontal figures of eight downwind: azimuth a sin u, elevation e + f a sin 2u, 2 pi in u per lap."""
 
     distance: float = metres(500.0, "distance of the kite from the ground station")
     elevation: float = radians(np.radians(30.0), "elevation of the centre")
