@@ -116,7 +116,8 @@ def _add_variables(parser):
     option = parser.add_argument
     parser.add_choice("--preset", tuple(PRESETS), help="variables for a kind of scene (default: all variables)")
     for key in LISTS:
-        about = f"{key} of the FMU by names, groups ({', '.join(GROUPS)}) or patterns; {NONE} for none (default: all)"
+        groups = f"groups ({', '.join(GROUPS)})" if key == "inputs" else "groups"
+        about = f"{key} of the FMU by names, {groups} or patterns; {NONE} for none (default: all)"
         option(f"--{key}", type=names, metavar="NAME,...", help=about)
     about = "start value of an input or a parameter; may be repeated; constant if the FMU omits the variable; "
     about += "a diameter scales stiffness and damping that are not set"
