@@ -16,10 +16,10 @@ WORDS = {  # page#section: what a reader may type
     "measurements/benchmarks": ("speed", "performance"),
     "measurements/measured_flights": ("experiment",),
     "measurements/validation": ("verification", "accuracy"),
+    "models/scope": ("scope", "limitations", "bending", "torsion", "water", "model exchange", "seabed"),
     "models/theory#elastic-catenary": ("sag",),
     "models/theory#one-segment": ("lumped mass", "spring-damper"),
     "reference/api": ("Python",),
-    "reference/api#materials": ("Dyneema", "steel wire", "rope"),
     "reference/api#turbulence": ("turbulence", "gusts"),
     "reference/changes": ("semantic versioning", "compatibility", "deprecation", "promises", "new in this version"),
     "reference/commands": ("command line", "terminal", "options"),
@@ -34,7 +34,7 @@ WORDS = {  # page#section: what a reader may type
     "use/example_fmus": ("pumping cycle", "controller"),
     "use/faq": ("questions", "FAQ"),
     "use/gallery": ("pictures", "examples"),
-    "use/ground": ("friction", "seabed", "landing"),
+    "use/ground": ("friction", "landing"),
     "use/how_much_tether": ("fidelity", "tolerance", "number of segments"),
     "use/scene_files": ("scene", "TOML"),
     "use/importing": ("host", "native", "co-simulation tool"),
@@ -56,6 +56,7 @@ WORDS = {  # page#section: what a reader may type
     "use/systems#lines-over-sheaves": ("sheave", "pulley", "hook block", "reeving", "fairlead", "block and tackle"),
     "use/troubleshooting": ("error", "warning", "message"),
     "use/tutorial": ("Tethers.jl lessons", "mass on a spring"),
+    "use/your_rope": ("rope", "data sheet", "Dyneema", "steel wire", "rope data"),
     "use/your_log": ("replay", "flight log", "CSV"),
 }
 PLACES = {place: place.partition("#")[::2] for place in WORDS}  # page#section -> (page, section)

@@ -11,7 +11,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from tetherfmu.results import StepRefused
+from tetherfmu.records.problems import StepRefused
 from tetherfmu.study.advice.tradeoff import REFERENCE_ERROR
 from tetherfmu.study.measuring.errors import converged
 from tetherfmu.study.measuring.tables import circumstances, markdown, percent

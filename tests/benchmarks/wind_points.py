@@ -18,7 +18,7 @@ from timeit import repeat
 import numpy as np
 import pandas as pd
 
-from tetherfmu import models
+from tetherfmu.python import models
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.inputs import by_name
 from tetherfmu.runtime.instance import address

@@ -7,7 +7,7 @@ import sys
 import tomllib
 from pathlib import Path
 
-from tetherfmu.input_files import check_once
+from tetherfmu.files.toml_files import check_once
 from tetherfmu.runtime.naming import meant_or_all
 from tetherfmu.runtime.quantities import Quantity
 
@@ -61,7 +61,7 @@ class Parser(argparse.ArgumentParser):
 
     def add_settings(self):
         """Add the option --set of a command that reads a scene."""
-        about = "a value in the place of that of the scene, such as tether.diameter='5 mm'; may be repeated"
+        about = "replace a value of the scene, such as tether.diameter='5 mm'; may be repeated"
         option, more = "--set", {"dest": "settings", "metavar": "NAME=VALUE", "help": about}
         self.add_argument(option, type=setting, action="append", default=[], **more)
 
