@@ -285,6 +285,12 @@ def test_pages_have_the_same_command():
     assert "first flight" in (ROOT / "docs" / "index.md").read_text(encoding="utf-8")
 
 
+@pytest.mark.parametrize("text", [README, *map(page, ("start", "importing", "faq"))])
+def test_pages_recommend_the_same_build(text):
+    said = "In a Python host such as FMPy use `tetherfmu build`. For every other host use `tetherfmu build --native`"
+    assert said in " ".join(text.split())
+
+
 def test_first_flight_prints_what_the_readme_shows(fmu_folder, tmp_path):
     """All but its speed; the circle is the flight that pulls with some 50 N."""
     shutil.copytree(fmu_folder, tmp_path / "dist")

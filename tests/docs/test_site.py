@@ -16,12 +16,12 @@ from urllib.request import urlopen
 
 import numpy as np
 import pytest
-from tetherfmu.runtime.variables import variables
 
 import chromium
 from make_commands import parser_of
 from tetherfmu.console.subcommands import SUBCOMMANDS
 from tetherfmu.runtime.variants import EVERY_VARIANT
+from tetherfmu.wiring.variables import variables
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.append(str(ROOT / "examples"))
