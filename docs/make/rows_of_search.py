@@ -71,6 +71,8 @@ def names_of(page, section, row):
             name = f"{before}.{name}" if before else name
         before = name.rpartition(".")[0] if "[" not in name else name.partition("[")[0].rpartition(".")[0]
         full.append(name)
+    if page == SYSTEMS:  # a section of a file, or any name, is no name of its own
+        full = [name for name in full if "." in name and not name.endswith(".NAME")]
     return [f"{section}.{name}" for name in full] if page == EXAMPLES and section not in KINDS else full
 
 
