@@ -41,12 +41,12 @@ def draw_ground_end(axes):
     angle = np.linspace(0.0, np.radians(40.0), 30)
     axes.plot(0.5 * np.cos(angle), 0.5 * np.sin(angle), color=BLACK, linewidth=0.8)
     write(axes, 0.54, 0.14, "ground_elevation > 0")
-    write(axes, 0.48, -0.14, "ground_tension > 0: the tether pulls")
+    write(axes, 0.36, -0.14, "ground_tension > 0: the tether pulls")
     arrow(axes, 1.05 * DIRECTION + (0.06, -0.07), 0.3 * DIRECTION, MOTION, "", (0.0, 0.0))
     write(axes, 0.94, 0.53, "reel_out_speed > 0:", MOTION)
     write(axes, 0.94, 0.42, "the tether gets longer", MOTION)
-    write(axes, 0.48, -0.32, "here ground_force[1] > 0", FORCE)
-    write(axes, 0.48, -0.43, "and ground_force[3] > 0", FORCE)
+    write(axes, 0.36, -0.32, "here ground_force[1] > 0", FORCE)
+    write(axes, 0.36, -0.43, "and ground_force[3] > 0", FORCE)
 
 
 def draw_kite_end(axes):
@@ -72,7 +72,7 @@ def draw_kite_end(axes):
 
 def draw(path):
     """Both panels, one below the other: narrow enough to be read on a phone."""
-    figure, (ground, kite) = plt.subplots(2, 1, figsize=(5.6, 8.0), layout="constrained")
+    figure, (ground, kite) = plt.subplots(2, 1, figsize=(5.2, 7.6), layout="constrained")
     draw_ground_end(ground)
     draw_kite_end(kite)
     save(figure, path)
