@@ -65,30 +65,35 @@ INPUT_TABLE = (
     ),
     Input("wind_velocity", "m/s", "wind at wind_reference_height", "wind.velocity", ZERO),
     Input(
-        "kite_load", "N", "external force on the kite: aerodynamics, control; not its weight", "kite.load", ZERO, FREE_KITE
+        "kite_load",
+        "N",
+        "external force on the kite: aerodynamics, control; excludes its weight",
+        "kite.load",
+        ZERO,
+        FREE_KITE,
     ),
     Input(
         "winch_force",
         "N",
-        "force with which the winch pulls at the tether (winch_control = force; from the first step on); positive reels in",
+        "pulling force of the winch (winch_control = force; from the first step on); positive reels in",
         "winch.force",
     ),
     Input(
         "winch_length",
         "m",
-        "unstretched length to be paid out (winch_control = length); 0 until it is set: initial_length",
+        "set point of the unstretched length (winch_control = length); 0 until it is set: initial_length",
         "winch.length",
     ),
     Input(
         "release",
         "",
-        "the tether lets go at its kite end, at the beginning of the first step with true, for good (dynamic tethers only)",
+        "the tether permanently lets go of the kite at the start of the first step with true (dynamic tethers only)",
         kind="Boolean",
         own_group="breaking",
     ),
 )
 # with the build option --wind-points: at each point its wind; behind the inputs of the table in the array
-_OF_POINTS = "points on the tether at equal unstretched length, ground first: wind there; in between it is linear"
+_OF_POINTS = "points on the tether at equal unstretched spacing, ground first: wind, linear in between"
 WIND_AT = Input("wind_at", "m/s", _OF_POINTS, "wind.at", ZERO)
 # inputs and parameters that then have no effect
 WITHOUT_EFFECT = ("wind_velocity", "wind_profile", "wind_reference_height", "wind_exponent", "surface_roughness")

@@ -87,12 +87,12 @@ class Outputs(NamedTuple):
     ground_force: Array = force("force of the tether on the ground station", shape=VECTOR, terminal="ground.force")
     kite_force: Array = force("force of the tether on the kite", shape=VECTOR, terminal="kite.force")
     ground_tension: float = force(
-        "tension of the first segment; with winch_control = force where the tether leaves the winch"
+        "tension of the first segment; with winch_control = force the tension where the tether leaves the winch"
     )
     kite_tension: float = force("tension of the last segment")
     max_tension: float = force("largest tension of all segments")
     tether_length: float = output(
-        "m", "present unstretched length", FORM, NOT_NEGATIVE, terminal="winch.tether_length", group="winch"
+        "m", "current unstretched length", FORM, NOT_NEGATIVE, terminal="winch.tether_length", group="winch"
     )
     ground_elevation: float = output(
         "rad", "elevation at which the tether leaves the ground end", FORM, (-pi / 2.0, pi / 2.0), DEGREES
@@ -104,17 +104,17 @@ class Outputs(NamedTuple):
         (-pi, pi),
         DEGREES,
     )
-    slack_segments: int = output("", "number of segments that are shorter than unstretched", FORM, (0, MAX_SEGMENTS))
+    slack_segments: int = output("", "number of segments shorter than their unstretched length", FORM, (0, MAX_SEGMENTS))
     kite_end_mass: float = coupling("kg", "tether mass lumped at the kite end")
-    kite_stiffness: float = coupling("N/m", "axial stiffness of the tether at the kite end, all segments counted as taut")
+    kite_stiffness: float = coupling("N/m", "axial stiffness of the tether at the kite end, with all segments taut")
     kite_damping: float = coupling(
-        "N.s/m", "axial damping of the tether at the kite end, all segments counted as taut", (*FORM, "axial_damping")
+        "N.s/m", "axial damping of the tether at the kite end, with all segments taut", (*FORM, "axial_damping")
     )
     winch_speed: float = output(
-        "m/s", "present reel-out speed, whatever controls the winch", REELING, terminal="winch.speed", group="winch"
+        "m/s", "current reel-out speed, whatever controls the winch", REELING, terminal="winch.speed", group="winch"
     )
     grounded_length: float = output(
-        "m", "unstretched length that touches the ground, 0 without ground_contact", FORM, NOT_NEGATIVE, group="ground"
+        "m", "unstretched length in contact with the ground, 0 without ground_contact", FORM, NOT_NEGATIVE, group="ground"
     )
     wave_time: float = coupling("s", "travel time of a transverse wave over the tether", FORCE)
     sag: float = output("m", "largest distance of the tether from its chord", FORM, NOT_NEGATIVE)
@@ -133,8 +133,8 @@ class Outputs(NamedTuple):
     kite_position: Array = motion("m", "position of the kite attachment point", "position")
     kite_velocity: Array = motion("m/s", "velocity of the kite attachment point", "velocity")
     solver_iteration_limit: int = counter(
-        "the most iterations that the last communication step could take with its fixed steps (before the first: one fixed "
-        "step); 0 with adaptive steps, which have no such bound"
+        "bound on the iterations of the last communication step with its fixed steps (before the first: of one fixed "
+        "step); 0 with adaptive steps, which have no bound"
     )
     fallback_steps: int = counter("fixed steps since the start that fell back to backward Euler")
     peak_tension: float = force(
@@ -143,7 +143,7 @@ class Outputs(NamedTuple):
     broken: bool = output(
         "", "whether the tether has broken or has been released (dynamic tethers only)", (), group="breaking"
     )
-    break_time: float = output("s", "when the first of the two was, since the start; -1: not yet", (), group="breaking")
+    break_time: float = output("s", "time of the break or release since the start; -1: not yet", (), group="breaking")
 
 
 def _declared(record):

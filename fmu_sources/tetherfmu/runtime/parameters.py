@@ -97,28 +97,32 @@ class Tether:
     """
 
     segments: int = quantity(20, "", "number of segments", 1, MAX_SEGMENTS)
-    initial_length: float = quantity(505.0, "m", "unstretched length at the start", MIN_SEGMENT_LENGTH, 1e5)
+    initial_length: float = quantity(505.0, "m", "initial unstretched length", MIN_SEGMENT_LENGTH, 1e5)
     diameter: float = quantity(0.004, "m", "diameter", 1e-6, 10.0, display=("mm", 1000.0), usual=IN_METRES)
     density: float = quantity(724.0, "kg/m3", "density of the tether material", 1e-3, 1e7, usual=IN_KG_PER_M3)
     axial_stiffness: float = quantity(
-        614600.0, "N", "stiffness E A: force per strain; an FMU does not scale it with diameter", 1e-3, 1e12
+        614600.0, "N", "axial stiffness E A: force per strain; an FMU does not scale it with diameter", 1e-3, 1e12
     )
     axial_damping: float = quantity(
-        473.0, "N.s", "damping constant times length: force per strain rate; scaled as axial_stiffness", 0.0, 1e9
+        473.0,
+        "N.s",
+        "damping constant times length: force per strain rate; an FMU does not scale it with diameter",
+        0.0,
+        1e9,
     )
     slack_stiffness_ratio: float = quantity(
-        0.01, "", "stiffness of a slack segment relative to a taut one; 0: it carries nothing", 0.0, 1.0
+        0.01, "", "stiffness of a slack segment relative to a taut one; 0: slack segments carry no force", 0.0, 1.0
     )
     slack_damping_ratio: float = quantity(
-        1.0, "", "damping of a slack segment relative to a taut one; 0 where slack_stiffness_ratio is", 0.0, 1.0
+        1.0, "", "damping of a slack segment relative to a taut one; 0 if slack_stiffness_ratio is 0", 0.0, 1.0
     )
     damping_law: int = choice(
-        "rate that the damping force is proportional to",
-        strain_rate="rate of the strain (physical)",
+        "rate to which the damping force is proportional",
+        strain_rate="strain rate (physical)",
         stretch_rate="rate of the stretched length (as in Tethers.jl, for comparison)",
     )
     drag_coefficient: float = quantity(0.958, "", "drag coefficient of a cylinder in cross flow", 0.0, 100.0)
-    breaking_force: float = quantity(0.0, "N", "tension at which a segment breaks; 0: it never does", 0.0, 1e12)
+    breaking_force: float = quantity(0.0, "N", "tension at which a segment breaks; 0: the tether never breaks", 0.0, 1e12)
     instead: ClassVar = {"mass_per_length": Quantity("kg/m", "mass per unstretched length, instead of the density", 0.0)}
 
     def __post_init__(self):
@@ -171,15 +175,15 @@ class Environment:
     )
     gravity: float = quantity(9.81, "m/s2", "gravity along -z", 0.0, 1000.0)
     wind_profile: int = choice(
-        "increase of the wind with the height z",
+        "wind profile over the height z",
         uniform="the same wind at all heights",
         power_law="(z/h)^alpha",
         logarithmic="ln(z/z0)/ln(h/z0)",
         explog="logarithmic + (logarithmic - power_law)",
     )
     wind_reference_height: float = quantity(6.0, "m", "height h at which wind_velocity is given", 1e-3, 1e5)
-    wind_exponent: float = quantity(0.08163, "", "exponent alpha of the power law of the wind", 0.0, 2.0)
-    surface_roughness: float = quantity(0.0002, "m", "roughness z0 of the logarithmic law of the wind", 1e-9, 100.0)
+    wind_exponent: float = quantity(0.08163, "", "exponent alpha of the power-law wind profile", 0.0, 2.0)
+    surface_roughness: float = quantity(0.0002, "m", "roughness z0 of the logarithmic wind profile", 1e-9, 100.0)
 
     def __post_init__(self):
         check(self)
@@ -198,37 +202,37 @@ class Solver:
     """
 
     relative_tolerance: float = quantity(
-        0.0, "", "solver tolerance; 0: 1e-4, or the importer's tolerance where that is tighter", 0.0, LOOSEST_TOLERANCE
+        0.0, "", "solver tolerance; 0: 1e-4, or the importer's tolerance if it is tighter", 0.0, LOOSEST_TOLERANCE
     )
     fixed_step: float = quantity(
         0.0,
         "s",
-        "internal step of the solver; 0: adaptive; else fixed, so that its work is bounded (real time)",
+        "internal solver step; 0: adaptive; otherwise fixed, with bounded work (real time)",
         0.0,
         1e3,
         usual=IN_SECONDS,
     )
     fixed_step_method: int = choice(
-        "method of the steps with fixed_step",
+        "method of fixed steps",
         second_order="order 2",
         backward_euler="order 1, damps like an additional axial_damping of E A fixed_step",
     )
     initial_shape: int = choice(
-        "shape at the start",
+        "initial shape",
         2,
-        static_equilibrium="at rest, whatever the ends do",
-        quasi_steady="moving with its ends, so no start-up jump (with ends at rest that of static_equilibrium)",
+        static_equilibrium="at rest, even if the ends move",
+        quasi_steady="moving with its ends, without a start-up jump (equals static_equilibrium if the ends rest)",
         straight="straight line between the ends",
     )
     end_velocities: int = choice(
-        "where the velocities of the ends come from",
-        given="given as inputs",
+        "source of the end velocities",
+        given="from the inputs",
         derived="derived from the positions over the last step (the velocity inputs are ignored)",
     )
     input_continuation: int = choice(
-        "how reel_out_speed, winch_force and kite_load go on within a step",
-        linear="extrapolated linearly from their last two values",
-        held="held as they are",
+        "extrapolation of reel_out_speed, winch_force and kite_load within a step",
+        linear="linear, from the last two values",
+        held="held constant",
     )
 
     def __post_init__(self):
@@ -247,19 +251,19 @@ class Winch:
     winch_control: int = choice(
         "quantity that controls the winch: speed, force or length",
         speed="it pays out at reel_out_speed",
-        force="it pulls with winch_force, and its drum turns as the tension decides",
+        force="it pulls with winch_force, and the tension turns its drum",
         length="it pays out or reels in to winch_length",
     )
     winch_start: int = choice(
-        "force control: unstretched length at the start",
+        "force control: initial unstretched length",
         given="initial_length",
-        equilibrium="the one at which the winch is in balance with winch_force (initial_length is where the search begins)",
+        equilibrium="the length that balances winch_force (the search starts at initial_length)",
     )
     winch_mass: float = quantity(
         0.0,
         "kg",
-        "force control: inertia of drum and motor as seen at the rope, J/r2; 0: without damping and friction the tension at "
-        "the winch is winch_force at every instant",
+        "force control: inertia of drum and motor at the rope, J/r2; 0: without damping and friction the tension at the "
+        "winch is winch_force at every instant",
         0.0,
         1e9,
     )
@@ -268,12 +272,12 @@ class Winch:
     shortest_length: float = quantity(
         0.0,
         "m",
-        "force control: unstretched length at which the drum stops; 0: where segments would be shorter than 1 cm",
+        "force control: shortest unstretched length, where the drum stops; 0: 1 cm per segment",
         0.0,
         1e6,
     )
     longest_length: float = quantity(
-        0.0, "m", "force control: unstretched length at which the drum stops; 0: no limit", 0.0, 1e6
+        0.0, "m", "force control: longest unstretched length, where the drum stops; 0: no limit", 0.0, 1e6
     )
 
     def __post_init__(self):
@@ -301,13 +305,13 @@ class Ground:
 
     ground_contact: int = choice(
         "ground under the tether",
-        none="no ground, the tether hangs wherever its weight takes it",
-        flat="a plane at ground_height, which carries the tether and a free kite",
+        none="no ground: the tether hangs freely",
+        flat="a plane at ground_height supports the tether and a free kite",
     )
     ground_height: float = quantity(0.0, "m", "z of the ground", -1e5, 1e5)
     ground_friction: float = quantity(0.5, "", "friction coefficient of the tether on the ground", 0.0, 10.0)
     ground_sink: float = quantity(
-        0.002, "m", "how deep the tether sinks into the ground under its own weight; sets its stiffness", 1e-6, 1.0
+        0.002, "m", "penetration depth of the tether under its own weight; sets the ground stiffness", 1e-6, 1.0
     )
 
     def __post_init__(self):
@@ -327,8 +331,8 @@ class FreeKite:
     kite_start: int = choice(
         "start of the kite",
         given="at initial_kite_position with initial_kite_velocity",
-        equilibrium="at rest where the tether, its weight and kite_load are in equilibrium (initial_kite_position "
-        "is where the search begins)",
+        equilibrium="at rest where the tether, its weight and kite_load are in equilibrium (the search starts at "
+        "initial_kite_position)",
     )
 
     def __post_init__(self):

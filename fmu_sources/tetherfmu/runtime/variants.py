@@ -29,12 +29,12 @@ class Variant:
 
 _IGNORED_WITHOUT_WAVES = {
     **dict.fromkeys(("axial_damping", "slack_damping_ratio", "damping_law"), "this tether has no waves"),
-    "breaking_force": "this tether cannot break: it has no inertia that would move what is left",
+    "breaking_force": "this tether cannot break: it has no inertia",
     "initial_shape": "this tether is in equilibrium from the start",
 }
 _IGNORED_WITHOUT_NODES = {
     **_IGNORED_WITHOUT_WAVES,
-    "slack_stiffness_ratio": "no part of this tether is in compression",
+    "slack_stiffness_ratio": "this tether is never compressed",
     "segments": "this tether has no nodes",
 }
 _IGNORED_BY_A_STRAIGHT_LINE = {
@@ -44,17 +44,17 @@ _IGNORED_BY_A_STRAIGHT_LINE = {
 _IGNORED_BY_A_CATENARY = {**_IGNORED_WITHOUT_NODES, "ground_sink": "the ground is rigid under this tether"}
 _NO_WAVES = {
     "kite_damping": "axial damping of the tether at the kite end: 0, this tether has none",
-    "solver_steps": "internal steps of the drum of a winch that is controlled by force, since the start; else 0",
+    "solver_steps": "internal steps of a force-controlled drum since the start; otherwise 0",
     "solver_rejections": "rejected internal steps of such a drum since the start",
-    "solver_iteration_limit": "the most iterations that fixed steps could take: 0, this tether has no waves",
-    "fallback_steps": "fixed steps since the start that a method of lower order took over: 0, this tether has no waves",
+    "solver_iteration_limit": "bound on the iterations of fixed steps: 0, this tether has no waves",
+    "fallback_steps": "fixed steps since the start that fell back to backward Euler: 0, this tether has no waves",
 }
 _ONE_LINE = {
     **_NO_WAVES,
     "ground_tension": "tension at the ground end",
     "kite_tension": "tension at the kite end",
-    "max_tension": "larger one of the tensions at the ends",
-    "peak_tension": "largest one of the tensions at the ends since the last communication point",
+    "max_tension": "larger end tension",
+    "peak_tension": "largest end tension since the last communication point",
     "slack_segments": "1 if the kite is closer than the unstretched length, else 0",
     "kite_end_mass": "tether mass lumped at the kite end: 0, the mass of this tether is not lumped",
 }
