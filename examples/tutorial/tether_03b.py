@@ -1,7 +1,7 @@
 """How much more exact is the spring that cannot push if the solver stops where it becomes slack or taut?
 
 The solver integrates smooth motion up to the event, where stretch = 0, and starts anew with the other law. TetherDynamic
-locates no events with this damper: each of its steps keeps the law of its start, and a step too far over the kink is taken back.
+locates no events with this damper: its steps keep the law of their start, and a step too far over the kink is taken back.
 """
 
 import numpy as np

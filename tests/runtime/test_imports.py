@@ -1,4 +1,4 @@
-"""What an FMU ships, `runtime`, `wiring` and `fmi`, imports the standard library only; its base slave imports PythonFMU as well."""
+"""What an FMU ships, `runtime`, `wiring` and `fmi`, imports the standard library only, its base slave PythonFMU as well."""
 
 import ast
 import sys
