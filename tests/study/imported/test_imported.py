@@ -55,6 +55,56 @@ def test_a_modulus_stands_for_the_stiffness(tmp_path):
     assert files.load(path).tether.axial_stiffness == pytest.approx(5.5e10 * np.pi / 4.0 * 0.003**2)
 
 
+def test_keys_of_kiteutils_11(tmp_path, capsys):
+    """Stiffness and damping by their new names beside a modulus; of the lengths the first one, the others being 0."""
+    length = ("l_tether: 200.0", "l_tethers: [200.0, 0.0, 0.0]")
+    modern = ("damping: 250.0         # [Ns]\n    c_spring: 350000.0", "axial_damping: 260.0\n    axial_stiffness: 7e5")
+    path, _ = imported(
+        SETTINGS, tmp_path, length=length, modern=modern, modulus=("rho_tether", "e_tether: 5.5e10\n    rho_tether")
+    )
+    tether = files.load(path).tether
+    assert (tether.initial_length, tether.axial_stiffness, tether.axial_damping) == (200.0, 7e5, 260.0)
+    shown = capsys.readouterr().out
+    assert "tether.e_tether" in shown
+    assert "taken by default: environment.gravity = 9.81\n" in shown
+
+
+def test_wind_is_that_of_the_vector_where_the_file_says_so(tmp_path):
+    """Downwind is x: `wind_vec` blows to the north-east and up; `upwind_elevation` is that of where the wind comes from."""
+    vector = ("v_wind: 9.0", "v_wind: 9.0\n    wind_vec: [3.0, 4.0, 0.5]\n    use_wind_vec: true")
+    path, _ = imported(SETTINGS, tmp_path, vector=vector)
+    assert files.load(path).wind(np.zeros(1)).tolist() == [[5.0, 0.0, 0.5]]
+    path.unlink()
+    path, _ = imported(SETTINGS, tmp_path, vector=("v_wind: 9.0", "v_wind: 9.0\n    upwind_elevation: 30.0"))
+    np.testing.assert_allclose(files.load(path).wind(np.zeros(1)), [[9.0 * sqrt(0.75), 0.0, -4.5]], rtol=1e-12)
+
+
+def test_three_lengths_are_three_lines(tmp_path, capsys):
+    """At rest their weight is carried by both ends; each line has its own diameter, and the stiffness of the file."""
+    lines = ("l_tether: 200.0", "l_tethers: [201.0, 202.0, 202.0]")
+    diameters = ("d_tether:  3.0", "power_tether_diameter: 2\n    steering_tether_diameter: 1")
+    path, status = imported(SETTINGS, tmp_path, lines=lines, diameters=diameters)
+    assert status == 0
+    system = TetherSystem.from_file(path)
+    assert [line.tether.diameter for line in system.lines] == [0.002, 0.001, 0.001]
+    assert {line.tether.axial_stiffness for line in system.lines} == {350000.0}
+    start = system.initialize()
+    weight = 9.81 * 724.0 * np.pi / 4.0 * (0.002**2 * 201.0 + 2 * 0.001**2 * 202.0)
+    np.testing.assert_allclose(sum(each.force for each in start.points.values()), (0.0, 0.0, -weight), atol=1e-5 * weight)
+    assert "wind_velocity = [9.0, 0.0, 0.0]" in capsys.readouterr().out
+
+
+def test_the_drum_of_a_winch_is_said(tmp_path, capsys):
+    """J (n/r)^2 at the rope: 0.2 kg m2 behind a gear of 6 at a drum of 0.15 m is 320 kg."""
+    keys = (
+        "winch:\n    inertia_total: 0.2\n    gear_ratio: 6.0\n    drum_radius: 0.15\n    f_coulomb: 122.0\n    c_vf: 30.6\n"
+    )
+    path, _ = imported(SETTINGS, tmp_path, winch=("environment:\n", f"{keys}environment:\n"))
+    said = "the winch of the file, mass = 320, friction = 122, damping = 30.6: [winch] takes it beside force"
+    assert said in capsys.readouterr().out
+    assert said in path.read_text(encoding="utf-8")
+
+
 def test_what_is_missing_is_said(tmp_path, capsys):
     imported(SETTINGS, tmp_path, drag=("cd_tether: 1.0", "other: 1.0"), law=("profile_law: 2", "rule: 2"))
     missing = "gravity = 9.81, environment.wind_profile = 1\n"
@@ -123,10 +173,28 @@ WRONG = {  # what stands in an example, what is there instead, what is said
     "several": (
         SETTINGS,
         "l_tether: 200.0",
-        "l_tethers: [200, 199]",
-        "row 6: initial.l_tethers is [200, 199]: several tethers",
+        "l_tethers: [200, 0, 199]",
+        "row 6: initial.l_tethers: initial_length is 0.0; it must be at least",
     ),
-    "length": (SETTINGS, "l_tether:", "no_length:", "initial.l_tether, the length of the tether, is missing"),
+    "two names": (
+        SETTINGS,
+        "c_spring: 350000.0",
+        "c_spring: 350000.0\n    axial_stiffness: 700000.0",
+        "row 15: tether.c_spring is 350000.0, and tether.axial_stiffness in row 16 is 700000.0; they are names of one",
+    ),
+    "twice": (
+        SETTINGS,
+        "cd_tether: 1.0",
+        "cd_tether: 1.0\n    cd_tether: 1.1",
+        "row 14: tether.cd_tether is in row 13, too",
+    ),
+    "flag": (
+        SETTINGS,
+        "v_wind: 9.0",
+        "use_wind_vec: maybe",
+        "row 18: environment.use_wind_vec is 'maybe'; it must be true or",
+    ),
+    "length": (SETTINGS, "l_tether:", "no_length:", "initial.l_tethers (l_tether), the length of the tether, is missing"),
     "program": (SETTINGS, "\ntether:", "\nrope:", "is neither a file of settings of KiteUtils.jl"),
     "body": (MOORED, "4    Coupled", "4    Body1  ", "row 14: Attachment is 'Body1'; it must be Fixed, Coupled or Free"),
     "place": (MOORED, "4    Coupled     0 ", "4    Coupled     x ", "row 14: X is 'x'; it must be a finite number"),

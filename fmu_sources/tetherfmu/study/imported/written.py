@@ -14,6 +14,7 @@ class Imported(NamedTuple):
     tables: dict  # as TOML has them: dict of names of tables, "" for what is before them, to dicts
     left_out: list  # what of the file has no place there, in words
     defaults: list  # what the file does not say, with the value that is taken
+    notes: list = []  # noqa: RUF012 (never changed); what else a user should know, in words
 
 
 def row(number):
@@ -35,6 +36,7 @@ def number(name, text):
 def said(made):
     """What a user should know of it, sentences."""
     yield from (f"left out: {each}" for each in made.left_out)
+    yield from made.notes
     if made.defaults:
         yield f"not in the file, so taken by default: {', '.join(made.defaults)}"
 
