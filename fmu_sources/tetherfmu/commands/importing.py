@@ -1,4 +1,4 @@
-"""Import files of other programs: settings of KiteUtils.jl become a scene, a line file of MoorDyn v2 or CableDyn a system."""
+"""Import files of other programs: settings of KiteUtils.jl become a scene, line files of MoorDyn or CableDyn a system."""
 
 from importlib import import_module
 from pathlib import Path

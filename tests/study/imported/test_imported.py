@@ -225,7 +225,7 @@ def test_points_start_where_the_file_says_without_relaxation(tmp_path):
         np.pi * sqrt(100.5 / 9.81), rel=0.02
     )  # the line has a fifth of the mass
     (tmp_path / "deck.toml").unlink()
-    system = of_deck(tmp_path, f"{POINTS}{HANGING}{LINES}1 chain 1 2 100.5 4 -\n", "60 TmaxIC\n0 kBot")
+    system = of_deck(tmp_path, f"{POINTS}{HANGING}{LINES}1, chain, 1, 2, 100.5, 4, -\n", "60, TmaxIC\n0 kBot")
     np.testing.assert_allclose(system.initialize().points["p2"].position[:2], 0.0, atol=1e-6)
 
 

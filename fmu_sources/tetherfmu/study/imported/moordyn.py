@@ -340,7 +340,7 @@ def sections(text):
     found, others, section, rows = {name: [] for name in filter(None, SECTIONS.values())}, {}, None, None
     for count, line in enumerate(text.splitlines(), start=1):
         title = TITLE.match(line)
-        words = re.split(r"[!#%]|(?:^|\s)--(?!-)", line)[0].split()
+        words = [each.rstrip(",") for each in re.split(r"[!#%]|(?:^|\s)--(?!-)", line)[0].split()]  # commas as of Fortran
         if title:
             name = title[1].upper()
             section = next((SECTIONS[each] for each in SECTIONS if name.startswith(each)), None)

@@ -19,8 +19,8 @@ def imported(path):
         made = kiteutils.imported(text)
     else:
         raise ValueError(
-            "is neither a file of settings of KiteUtils.jl, with a section tether, nor one of MoorDyn v2 or CableDyn, with a "
-            "section LINE TYPES"
+            "is neither a file of settings of KiteUtils.jl, with a section tether, nor one of MoorDyn v2 or CableDyn, "
+            "with a section LINE TYPES"
         )
     written = toml(made, path.name)
     table = tomllib.loads(written)
