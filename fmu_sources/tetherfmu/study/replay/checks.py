@@ -9,6 +9,7 @@ from tetherfmu.runtime.parameters import Tether
 from tetherfmu.runtime.plausibility import LARGEST_STRETCH, NEARBY
 from tetherfmu.runtime.quantities import doubts_of
 
+from . import delays
 from .log import UNCHECKED
 from .readings import FASTEST, POSITION, VELOCITY, WIND, between
 
@@ -43,6 +44,10 @@ def check(log):
     """
     position = log.of(POSITION) - np.array(log.map.station.outlet)
     done, undone = [], []
+    found = delays.found(log, position)
+    delays.judge(log, found)
+    log = delays.with_one_clock(log, found)  # so that a delay is not taken for a wrong sign or unit
+    position = log.of(POSITION) - np.array(log.map.station.outlet)
     for name, compare in COMPARISONS.items():
         found = compare(log, position)
         done += [name] if found else []
