@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from .readings import VELOCITY, WIND, between
+from .readings import POSITION, VELOCITY, WIND, between
 
 RANGE = 10.0  # s, the largest delay that is sought
 STEP, SMOOTHED = 0.1, 1.0  # s, of the grid, at least; over which signals are averaged
@@ -164,8 +164,9 @@ def judge(log, delays):
     for each in filter(lambda each: each.is_clear, delays):
         late, early = each.late.column, each.early.column
         sign = " with the opposite sign" if each.correlation < 0.0 else ""
-        named = late if late in vars(log.map.delay) else None
-        way = f"delay.{named} = {each.seconds:.2g} s" if named else f"delay.{early} = {-each.seconds:.2g} s"
+        known = vars(log.map.delay)
+        name, seconds = (late, each.seconds) if late in known else (early, -each.seconds)
+        way = f"delay.{name} = {known[name] + seconds:.2g} s"
         log.report.doubt(
             f"{late} is {each.seconds:.2g} s later in the log than {early}: {in_words(each)}{sign} have a correlation of "
             f"{abs(each.correlation):.2f}, without a delay of {abs(each.before):.2f}; set {way}, or fit it (--fit delay)"
@@ -192,10 +193,27 @@ def with_one_clock(log, delays):
         for one, other, sign in ((*pair, 1.0), (*pair[::-1], -1.0)):
             if one in moved and other not in moved:
                 moved[other] = moved[one] - sign * each.seconds * each.is_clear
-    names = {name: moved.get(name.partition("[")[0], 0.0) for name in log.table.columns.drop("time")}
-    if not any(names[name] for name in names):
-        return log
+    return moved_by(log, moved)
+
+
+def moved_by(log, late):
+    """The same log with readings where they belong; late : by how much later they stand, dict of name to [s]."""
     time, table = log.time, log.table.copy()
-    for name in (each for each in names if names[each] and pd.api.types.is_numeric_dtype(table[each])):
-        table[name] = np.interp(time + names[name], time, table[name].to_numpy(), np.nan, np.nan)
+    for name in table.columns.drop("time"):
+        if (seconds := late.get(name.partition("[")[0], 0.0)) and pd.api.types.is_numeric_dtype(table[name]):
+            table[name] = np.interp(time + seconds, time, table[name].to_numpy(), np.nan, np.nan)
     return replace(log, table=table)
+
+
+def of_position(log):
+    """By how much later the position stands in a log than the winch [s], by correlation; 0 if that is not clear."""
+    log = moved_by(log, vars(log.map.delay))
+    for each in found(log, log.of(POSITION) - np.array(log.map.station.outlet)):
+        names = each.late.column, each.early.column
+        if (
+            each.is_clear
+            and {*names} & {"reel_out_speed", "tether_length"}
+            and not {*names} <= {"reel_out_speed", "tether_length"}
+        ):
+            return each.seconds if names[0].startswith("kite") else -each.seconds
+    return 0.0
