@@ -35,7 +35,7 @@ SUBCOMMANDS = {
         "tetherfmu sweep circle --vary 'tether.diameter=3 mm..6 mm:4' --vary wind.speed=6,9,12",
     ),
     "import": Subcommand(
-        "make a scene of settings of KiteUtils.jl, or a system of a file of MoorDyn",
+        "make a scene of settings of KiteUtils.jl, or a system of a file of MoorDyn or CableDyn",
         "tetherfmu import examples/systems/moored.txt --out moored.toml",
         "tetherfmu.commands.importing",
     ),

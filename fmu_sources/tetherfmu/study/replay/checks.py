@@ -47,9 +47,9 @@ def check(log):
     log = delays.moved_by(log, vars(log.map.delay))
     position = log.of(POSITION) - np.array(log.map.station.outlet)
     done, undone = [], []
-    found = delays.found(log, position)
-    delays.judge(log, found)
-    log = delays.with_one_clock(log, found)  # so that a delay is not taken for a wrong sign or unit
+    clocks = delays.found(log, position)
+    delays.judge(log, clocks)
+    log = delays.with_one_clock(log, clocks)  # so that a delay is not taken for a wrong sign or unit
     position = log.of(POSITION) - np.array(log.map.station.outlet)
     for name, compare in COMPARISONS.items():
         found = compare(log, position)
@@ -59,7 +59,8 @@ def check(log):
     if below > 50.0:
         log.report.doubt(f"kite_position is below the outlet of the winch in {below:.0f} % of the rows: is up right?")
     judge_what_is_not_said(log)
-    log.report.say(f"consistent: {', '.join(done) or 'nothing to compare'}")
+    with_delays = " with these delays removed" if any(each.is_clear for each in clocks) else ""
+    log.report.say(f"consistent{with_delays}: {', '.join(done) or 'nothing to compare'}")
     if undone:
         log.report.doubt(f"{UNCHECKED}: {'; '.join(f'{name} ({why_unchecked(log, name)})' for name in undone)}")
 

@@ -160,7 +160,7 @@ def correlation(a, b, shift):
 
 
 def judge(log, delays):
-    """Doubt the clear ones, say the others."""
+    """Say all of them, doubt the clear ones."""
     for each in filter(lambda each: each.is_clear, delays):
         late, early = each.late.column, each.early.column
         sign = " with the opposite sign" if each.correlation < 0.0 else ""
@@ -171,13 +171,9 @@ def judge(log, delays):
             f"{late} is {each.seconds:.2g} s later in the log than {early}: {in_words(each)}{sign} have a correlation of "
             f"{abs(each.correlation):.2f}, without a delay of {abs(each.before):.2f}; set {way}, or fit it (--fit delay)"
         )
-    same = [
-        f"{each.late.column} and {each.early.column}, {each.seconds:.2f} ± {each.half:.2f} s"
-        for each in delays
-        if not each.is_clear
-    ]
-    if same:
-        log.report.say(f"delays by correlation: {'; '.join(same)}")
+    listed = [f"{each.late.column} and {each.early.column}, {each.seconds:.2f} ± {each.half:.2f} s" for each in delays]
+    if listed:
+        log.report.say(f"delays by correlation: {'; '.join(listed)}")
 
 
 def in_words(delay):
