@@ -103,7 +103,7 @@ class Net:
         places, damping = self.places.copy(), 1e-3 * np.median(self.stiff)
         unknown = (3 * self.moving[:, None] + np.arange(3)).ravel()
         energy, slopes, segments = self.state(places)
-        for _ in range(5000):
+        for _ in range(1500):
             residual = slopes.ravel()[unknown]
             if len(unknown) == 0 or np.abs(residual).max() < 1e-9 * max(self.weights.sum(), segments[0].max()):
                 return places, slopes

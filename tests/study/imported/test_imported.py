@@ -229,18 +229,21 @@ def test_points_start_where_the_file_says_without_relaxation(tmp_path):
     np.testing.assert_allclose(system.initialize().points["p2"].position[:2], 0.0, atol=1e-6)
 
 
-def test_sections_of_a_line_hang_one_below_the_other(tmp_path):
+def test_sections_of_a_line_hang_one_below_the_other(tmp_path, capsys):
     """CableDyn: from end A; each segment is stretched by what hangs below its middle."""
     tables = f"{POINTS}1 Fixed 0 0 0\n2 Connect 0 0 -9 500\n------ LINES ------\nID NodeA NodeB Outputs\n1 1 2 -\n"
     rope = "------ LINE TYPES ------\nName Diam\n(-) (m)\nrope 0.05 2.0 1e6 -0.5 0 9 9 9 9 1.2 0.1 1 0\n"
     sections = "------ SECTIONS ------\nLineID LineType Length NumSegs\n1 chain 20.0 10\n1 rope 30.0 10\n"
-    system = of_deck(tmp_path, tables + rope + sections, "dynamic_solver 1e-8 30 - both\n-- a comment\n")
+    system = of_deck(
+        tmp_path, tables + rope + sections, "dynamic_solver 1e-8 30 - both\nuniform 0.5 0.0 current - m/s\n-- a comment\n"
+    )
     start = system.initialize()
     below = 500.0 + 2.0 * 30.0
     stretch = 9.81 * ((below + 200.0 * 10.0) * 20.0 / 4e8 + (500.0 + 2.0 * 15.0) * 30.0 / 1e6)
     np.testing.assert_allclose(start.points["p2"].position, (0.0, 0.0, -50.0 - stretch), rtol=1e-6, atol=1e-5)
     np.testing.assert_allclose(start.points["p1"].force, (0.0, 0.0, -9.81 * (below + 200.0 * 20.0)), rtol=1e-6, atol=1e-3)
     assert [line.tether.drag_coefficient for line in system.lines] == [1.1, 1.2]  # by place, in a row with shear, too
+    assert "left out: options dynamic_solver, current\n" in capsys.readouterr().out
 
 
 def test_a_failure_by_tension_is_where_a_line_breaks(tmp_path, capsys):

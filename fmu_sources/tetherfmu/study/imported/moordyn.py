@@ -363,11 +363,16 @@ def columns(words, needed, why=""):
 
 
 def option_of(count, words):
-    """Name of an option, in small letters, and pair (row, value); the name comes second, or before a number."""
+    """Name of an option, in small letters, and pair (row, value).
+
+    The name comes second; where words and numbers are its value, as in CableDyn, it is the last word before the dash.
+    """
     with row(count):
         columns(words, ("value", "option"))
-    name, value = (words[0], words[1]) if is_number(words[1]) and not is_number(words[0]) else (words[1], words[0])
-    return name.lower(), (count, value)
+    if is_number(words[1]) and not is_number(words[0]):
+        before = words[: words.index("-")] if "-" in words else words
+        return [each for each in before if not is_number(each)][-1].lower(), (count, words[0])
+    return words[1].lower(), (count, words[0])
 
 
 def is_number(text):
