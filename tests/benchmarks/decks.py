@@ -141,7 +141,7 @@ def main():
     warnings.simplefilter("ignore")
     root = Path(sys.argv[1])
     out = csv.writer(sys.stdout, lineterminator="\n")
-    out.writerow(("path", "lines", "force %", "place %", "not read"))
+    out.writerow(("path", "lines", "force %", "place %", "not read, or not compared"))
     for path in sorted(each for each in root.rglob("*") if each.suffix in (".txt", ".dat") and each.is_file()):
         if not moordyn.HAS_IT.search(path.read_text(encoding="utf-8", errors="replace")):
             continue
@@ -158,8 +158,8 @@ def main():
             try:
                 found = [f"{each:.4f}" for each in differences(table, made)]
             except RuntimeError as problem:
-                found = ["", problem]
-        out.writerow((name, len(table["lines"]), *found, ""))
+                found = ["", "", problem]
+        out.writerow((name, len(table["lines"]), *found, "")[:5])
         sys.stdout.flush()
 
 

@@ -122,7 +122,7 @@ def test_what_is_left_out_is_said(tmp_path, capsys):
     shown = capsys.readouterr().out
     assert again == 0
     assert "left out: row 13: point 3: volume 0.3 m3, which carries 3.605 N\n" in shown
-    assert "left out: options dtm\n" in shown
+    assert "left out: options dtm (row 22)\n" in shown
     assert "left out: row 6: line type rope: buoyancy, 0.169 % of its weight\n" in shown  # 1.225 pi/4 0.004^2 / 0.0091
 
 
@@ -243,7 +243,7 @@ def test_sections_of_a_line_hang_one_below_the_other(tmp_path, capsys):
     np.testing.assert_allclose(start.points["p2"].position, (0.0, 0.0, -50.0 - stretch), rtol=1e-6, atol=1e-5)
     np.testing.assert_allclose(start.points["p1"].force, (0.0, 0.0, -9.81 * (below + 200.0 * 20.0)), rtol=1e-6, atol=1e-3)
     assert [line.tether.drag_coefficient for line in system.lines] == [1.1, 1.2]  # by place, in a row with shear, too
-    assert "left out: options dynamic_solver, current\n" in capsys.readouterr().out
+    assert "left out: options dynamic_solver (row 27), current (row 28)\n" in capsys.readouterr().out
 
 
 def test_a_failure_by_tension_is_where_a_line_breaks(tmp_path, capsys):

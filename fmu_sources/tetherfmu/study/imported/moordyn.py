@@ -51,6 +51,7 @@ GRAVITY, WATER, STIFF_BOTTOM, ITS_STIFF_BOTTOM = (
 # names of an option
 OF_GRAVITY, OF_WATER, OF_BOTTOM, OF_DAMPING = ("g", "gravity"), ("wtrdnsty", "rhow", "rho"), ("kbot", "kb"), ("cbot", "cb")
 OF_FRICTION, OF_START = ("frictioncoefficient", "frictionmu"), ("tmaxic", "ictmax")
+OF_UNEVEN = ("seafloorfile", "seafloor_file", "bathymetryfile", "bathymetry_file")
 OF_NOTHING = ("none", "-", "0")  # values of options that are off
 MOST_DAMPING = dict(quantities(Tether))["axial_damping"].maximum
 SINKS = dict(quantities(Ground))["ground_sink"]
@@ -308,6 +309,8 @@ class Deck:
         sink = min(max(min(sinks), SINKS.minimum), SINKS.maximum)
         tables["ground"] = {"contact": "flat", "height": -depth, "friction": friction, "sink": sink}
         self.left_out.append("damping of the bottom")
+        if files_of_bottom := [name for name in OF_UNEVEN if name in self.options]:
+            self.leave(self.options[files_of_bottom[0]][0], f"the bottom of {files_of_bottom[0]}: the ground is flat here")
         return tables
 
     def leave_out(self):
@@ -326,7 +329,7 @@ class Deck:
             self.left_out += [f"row {count}: {name}, {' '.join(words[:3])}" for count, words in self.found[name]]
         self.left_out += [f"section {title}{rows_of(rows)}" for title, rows in self.others.items()]
         self.used.update(("wtrdpth", *OF_BOTTOM, *OF_DAMPING, *OF_FRICTION, *OF_START))  # `surroundings` reads them
-        others = [name for name in self.options if name not in self.used]
+        others = [f"{name} (row {count})" for name, (count, _) in self.options.items() if name not in self.used]
         if others:
             self.left_out.append(f"options {', '.join(others)}")
 
