@@ -94,15 +94,30 @@ def test_three_lengths_are_three_lines(tmp_path, capsys):
     assert "wind_velocity = [9.0, 0.0, 0.0]" in capsys.readouterr().out
 
 
-def test_the_drum_of_a_winch_is_said(tmp_path, capsys):
+def test_the_drum_of_a_winch_waits_for_a_force(tmp_path, capsys):
     """J (n/r)^2 at the rope: 0.2 kg m2 behind a gear of 6 at a drum of 0.15 m is 320 kg."""
     keys = (
         "winch:\n    inertia_total: 0.2\n    gear_ratio: 6.0\n    drum_radius: 0.15\n    f_coulomb: 122.0\n    c_vf: 30.6\n"
     )
-    path, _ = imported(SETTINGS, tmp_path, winch=("environment:\n", f"{keys}environment:\n"))
-    said = "the winch of the file, mass = 320, friction = 122, damping = 30.6: [winch] takes it beside force"
+    winch = ("environment:\n", f"{keys}environment:\n")
+    path, _ = imported(SETTINGS, tmp_path, winch=winch)
+    assert (
+        "the winch of the file is a comment, [winch]: it needs a force, with which the winch pulls\n"
+        in capsys.readouterr().out
+    )
+    before, _, comment = path.read_text(encoding="utf-8").partition("# [winch]")
+    path.write_text(f"{before}[winch]{comment.replace('# ', '')}".replace('force = ""', 'force = "2 kN"'), encoding="utf-8")
+    scene = files.load(path)
+    assert scene.winch_force == 2000.0
+    assert (scene.winch.winch_mass, scene.winch.winch_friction, scene.winch.winch_damping) == (
+        pytest.approx(320.0),
+        122.0,
+        30.6,
+    )
+    path.unlink()
+    imported(SETTINGS, tmp_path, winch=winch, lines=("l_tether: 200.0", "l_tethers: [200, 201, 201]"))
+    said = "the winch of the file, winch_mass = 320, winch_friction = 122, winch_damping = 30.6: a line takes it beside"
     assert said in capsys.readouterr().out
-    assert said in path.read_text(encoding="utf-8")
 
 
 def test_what_is_missing_is_said(tmp_path, capsys):

@@ -147,11 +147,14 @@ def imported(text):
     ):
         defaults += [f"{section}.{name} = {getattr(record, name):g}" for name in names if name not in given]
     left_out, notes = [about, *filter(None, [", ".join(settings.left_out())])], []
-    if drum:
-        names = [f"{name.removeprefix('winch_') if kind == 'scene' else name} = {value:.6g}" for name, value in drum.items()]
-        needs = "[winch] takes it beside force" if kind == "scene" else 'a line takes it beside winch_control = "force"'
-        notes.append(f"the winch of the file, {', '.join(names)}: {needs}")
-    return Imported(kind, tables, left_out, defaults, notes)
+    spare = []
+    if drum and kind == "scene":
+        spare.append(("winch", {"force": ""} | {name.removeprefix("winch_"): value for name, value in drum.items()}))
+        notes.append("the winch of the file is a comment, [winch]: it needs a force, with which the winch pulls")
+    elif drum:
+        names = ", ".join(f"{name} = {value:.6g}" for name, value in drum.items())
+        notes.append(f'the winch of the file, {names}: a line takes it beside winch_control = "force"')
+    return Imported(kind, tables, left_out, defaults, notes, spare)
 
 
 def lengths_of(settings):

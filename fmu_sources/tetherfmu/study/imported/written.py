@@ -14,7 +14,8 @@ class Imported(NamedTuple):
     tables: dict  # as TOML has them: dict of names of tables, "" for what is before them, to dicts
     left_out: list  # what of the file has no place there, in words
     defaults: list  # what the file does not say, with the value that is taken
-    notes: list = []  # noqa: RUF012 (never changed); what else a user should know, in words
+    notes: tuple = ()  # what else a user should know, in words
+    spare: tuple = ()  # pairs (name, table): written as comments, for they need more than the file says
 
 
 def row(number):
@@ -47,4 +48,6 @@ def toml(made, origin):
     for name, table in made.tables.items():
         lines += ["", f"[{name}]"] if name else []
         lines += [f"{key} = {json.dumps(value, ensure_ascii=False)}" for key, value in table.items()]
+    for name, table in made.spare:
+        lines += ["", f"# [{name}]", *(f"# {key} = {json.dumps(value, ensure_ascii=False)}" for key, value in table.items())]
     return "\n".join([*lines, ""])
