@@ -49,10 +49,12 @@ def test_profile_laws_have_other_numbers(law, profile, tmp_path):
     assert files.load(path).environment.wind_profile == profile
 
 
-def test_a_modulus_stands_for_the_stiffness(tmp_path):
+def test_a_modulus_stands_for_the_stiffness(tmp_path, capsys):
     """As in newer settings, where unit_stiffness is 0: E A."""
     path, _ = imported(SETTINGS, tmp_path, stiffness=("c_spring: 350000.0", "unit_stiffness: 0.0\n    e_tether: 5.5e10"))
     assert files.load(path).tether.axial_stiffness == pytest.approx(5.5e10 * np.pi / 4.0 * 0.003**2)
+    said = "tether.unit_stiffness is 0: the stiffness is e_tether times the area, 388772 N\n"
+    assert said in capsys.readouterr().out
 
 
 def test_keys_of_kiteutils_11(tmp_path, capsys):

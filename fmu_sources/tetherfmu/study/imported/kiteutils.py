@@ -147,6 +147,10 @@ def imported(text):
     ):
         defaults += [f"{section}.{name} = {getattr(record, name):g}" for name in names if name not in given]
     left_out, notes = [about, *filter(None, [", ".join(settings.left_out())])], []
+    if not settings.first(*STIFFNESS) and "axial_stiffness" in said:
+        zero = settings.all(*STIFFNESS)
+        why = f"{zero[0]} is 0" if zero else "the file has no axial_stiffness"
+        notes.append(f"{why}: the stiffness is e_tether times the area, {said['axial_stiffness']:.6g} N")
     spare = []
     if drum and kind == "scene":
         spare.append(("winch", {"force": ""} | {name.removeprefix("winch_"): value for name, value in drum.items()}))
@@ -161,11 +165,8 @@ def lengths_of(settings):
     """Lengths of the tethers [m]: where all but the first are 0, as for models of one tether, the first alone."""
     found = settings.all(*LENGTHS)
     if found is None:
-        where = (
-            "; SymbolicAWEModels.jl has it in the file kite.struc_geometry_path"
-            if "kite.struc_geometry_path" in (settings.pairs)
-            else ""
-        )
+        elsewhere = "kite.struc_geometry_path" in settings.pairs
+        where = "; SymbolicAWEModels.jl has it in the file kite.struc_geometry_path" if elsewhere else ""
         raise ValueError(f"initial.l_tethers (l_tether), the length of the tether, is missing{where}")
     key, count, lengths = found
     with row(count):
@@ -246,9 +247,9 @@ def air(settings):
 def profile(law, settings):
     """`wind_profile` of a `profile_law`; ValueError for those that programs number in two ways, and unknown ones."""
     if law not in LAWS:
-        count, text = settings.pairs["environment.profile_law"]
+        key, count, _ = settings.all("profile_law")
         raise ValueError(
-            f"row {count}: environment.profile_law is {text}; it must be 0 (constant), 1 (EXP), 2 (LOG) or 3 (EXPLOG): "
+            f"row {count}: {key} is {settings.pairs[key][1]}; it must be 0 (constant), 1 (EXP), 2 (LOG) or 3 (EXPLOG): "
             "what 4 to 6 are depends on the version of AtmosphericModels.jl"
         )
     return LAWS[law]
