@@ -3,7 +3,7 @@
 import numpy as np
 
 from mechanics import line_density
-from tetherfmu.models import TetherCatenary
+from tetherfmu.python.models import TetherCatenary
 from tetherfmu.runtime.parameters import Tether
 
 GRAVITY = 9.81

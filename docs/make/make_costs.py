@@ -15,12 +15,12 @@ from tetherfmu.console.ending import command
 from tetherfmu.console.options import Parser
 from tetherfmu.console.progress import now
 from tetherfmu.export.archive import build
-from tetherfmu.results import StepRefused
+from tetherfmu.records.problems import StepRefused
 from tetherfmu.runtime.parameters import DEFAULT_TOLERANCE
 from tetherfmu.runtime.variants import BY_NAME, VARIANTS
 from tetherfmu.study.measuring import runs
 from tetherfmu.study.measuring.runs import COLUMNS, FIXED, HOST, TABLE, regressors
-from tetherfmu.study.scenes.start import tether_at_start
+from tetherfmu.study.measuring.start import tether_at_start
 
 SEGMENTS, STEPS, REPEATS = (2, 8, 20, 40), (0.1, 0.02, 0.005), 9
 SCENES, HOST_STEPS = 4, 3000

@@ -7,7 +7,7 @@ from make_variables import limits, table
 from tetherfmu.export import documents
 from tetherfmu.export.documents import folded, meaning
 from tetherfmu.libraries.examples import example
-from tetherfmu.runtime.variables import INPUT, OUTPUT, PARAMETER, variables
+from tetherfmu.wiring.variables import INPUT, OUTPUT, PARAMETER, variables
 
 example_fmus = example("shared.example_fmus")
 

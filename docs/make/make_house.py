@@ -16,13 +16,9 @@ PACKAGE = ROOT / "fmu_sources" / "tetherfmu"
 FIGURE = ROOT / "docs" / "figures" / "house.svg"
 FLOOR = 1.15  # height of a floor [inch]
 APART = ("check", "console")  # rooms at the right
-SHIPPED = ("fmi", "runtime")  # rooms that every FMU has
+SHIPPED = ("fmi", "wiring", "runtime")  # rooms that every FMU has
 ROOMS_OF_FILES = {  # modules that stand beside the folders
     "commands": ("__main__", "commands"),
-    "Python API": (
-        *("models", "tether_model", "given_inputs", "running", "compiled_flight", "arguments", "lean"),
-        *("energy", "input_files", "materials", "paths", "results", "states"),
-    ),
     "kernels.entry_points": ("kernels.entry_points",),
     "kernels": ("kernels.arrays", "kernels.compilation"),
 }
@@ -109,7 +105,7 @@ def box(floor, rooms, k):
     """Left, bottom, width of the box of a room; `check` and `console` stand apart, and nothing is in the way of an arrow."""
     if rooms[k] in APART:
         return 0.86, -floor - 0.3, 0.14
-    if rooms[k] == "runtime":
+    if len(rooms) == 1 and rooms[k] in ("wiring", "runtime"):
         return 0.0, -floor - 0.3, 1.0
     shared = [room for room in rooms if room not in APART]
     sizes = [75 + len(contents(room)) for room in shared]

@@ -5,12 +5,12 @@ from pathlib import Path
 import pandas as pd
 
 from advice.page import TEMPLATES
-from tetherfmu.input_files import spellings
+from tetherfmu.files.flights import KINDS
+from tetherfmu.files.scene_files import NOT_OF_A_SCENE, OUTPUTS, RECORDS, Scene
+from tetherfmu.files.toml_files import spellings
+from tetherfmu.files.winds import Box
 from tetherfmu.runtime.quantities import quantities
 from tetherfmu.study.measuring.tables import page as filled
-from tetherfmu.study.scenes.files import NOT_OF_A_SCENE, OUTPUTS, RECORDS, Scene
-from tetherfmu.study.scenes.flights import KINDS
-from tetherfmu.study.scenes.winds import Box
 
 DOCS = Path(__file__).resolve().parents[1]
 PAGE, KEYS = DOCS / "use" / "scene_files.md", DOCS / "data" / "scene_keys.csv"

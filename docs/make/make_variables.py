@@ -5,13 +5,13 @@ from pathlib import Path
 from tetherfmu.export.documents import folded, meaning, start
 from tetherfmu.export.native.arrays import arrays
 from tetherfmu.export.native.host_header import TYPES
+from tetherfmu.files.lean import PRESETS, Lean
 from tetherfmu.fmi.resources import DEFAULT_OPTIONS
-from tetherfmu.fmi.selection import GROUPS, in_order
-from tetherfmu.fmi.wiring import of_tether
-from tetherfmu.lean import PRESETS, Lean
 from tetherfmu.runtime.inputs import WIND_AT
-from tetherfmu.runtime.variables import INPUT, LOCAL, OUTPUT, PARAMETER, variables
 from tetherfmu.runtime.variants import TABLE, class_name
+from tetherfmu.wiring.fmu import of_tether
+from tetherfmu.wiring.selection import GROUPS, in_order
+from tetherfmu.wiring.variables import INPUT, LOCAL, OUTPUT, PARAMETER, variables
 
 PAGE = Path(__file__).resolve().parents[1] / "reference" / "variables.md"
 POINTS = DEFAULT_OPTIONS["shape_points"]

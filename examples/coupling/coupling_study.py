@@ -13,7 +13,7 @@ from coupling.ways_of_coupling import DRIVEN, WAYS, Leg, Mass, Scene, fly, force
 from first_flight.fly_your_kite import load as lift_and_drag
 from tetherfmu import TetherDynamic
 from tetherfmu.console.progress import now
-from tetherfmu.results import PlausibilityWarning, StepRefused
+from tetherfmu.records.problems import PlausibilityWarning, StepRefused
 from tetherfmu.runtime.parameters import Environment, Tether
 
 WIND, MASS, DURATION = np.array([8.0, 0.0, 0.0]), 10.0, 4.0  # m/s, kg, s

@@ -25,9 +25,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tetherfmu.console.ending import WrongUse, command
+from tetherfmu.console.ending import command
 from tetherfmu.console.options import Parser, file, folder, number
 from tetherfmu.console.progress import now
+from tetherfmu.files.toml_files import WrongUse
 from tetherfmu.runtime.plausibility import LARGEST_STRETCH
 from tetherfmu.runtime.variants import VARIANTS, class_name, variant_of
 

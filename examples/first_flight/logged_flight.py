@@ -22,8 +22,9 @@ from pathlib import Path
 
 import numpy as np
 
-from tetherfmu.console.ending import WrongUse, command
+from tetherfmu.console.ending import command
 from tetherfmu.console.options import Parser
+from tetherfmu.files.toml_files import WrongUse
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.inputs import by_name
 from tetherfmu.runtime.parameters import Tether, Winch
@@ -67,8 +68,8 @@ def scene_of(path, length=None, wind=None, duration=None, step=0.02):
     length [m] : of the tether, unstretched, where the file has none.  wind [m/s] : where the file has none, three numbers.
     duration [s] : None for all of the flight.  WrongUse says in one line what is missing, or given twice.
     """
-    from tetherfmu.study.scenes.files import Scene, Wind  # needs the extra `study`
-    from tetherfmu.study.scenes.series import Series
+    from tetherfmu.files.scene_files import Scene, Wind  # needs the extra `study`
+    from tetherfmu.files.series import Series
 
     try:
         flight = Series(Path(path))

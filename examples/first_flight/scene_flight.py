@@ -13,8 +13,9 @@ from pathlib import Path
 
 import numpy as np
 
-from tetherfmu.console.ending import WrongUse, command
+from tetherfmu.console.ending import command
 from tetherfmu.console.options import Parser, setting
+from tetherfmu.files.toml_files import WrongUse
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.parameters import DEFAULT_TOLERANCE, Tether
 from tetherfmu.runtime.variants import DYNAMIC_FREE, class_name, variant_of
@@ -61,7 +62,7 @@ def scene_of(path, settings=(), step=None):
 
     settings : pairs of names and values in the place of those of the file.
     """
-    from tetherfmu.study.scenes.files import load  # needs the extra `study`
+    from tetherfmu.files.scene_files import load  # needs the extra `study`
 
     scene = load(path, settings)
     step = step or scene.wanted.communication_step or STEP

@@ -16,10 +16,11 @@ import numpy as np
 
 from tetherfmu import TetherSystem
 from tetherfmu.console.colours import BLACK, coloured
-from tetherfmu.console.ending import WrongUse, command
+from tetherfmu.console.ending import command
 from tetherfmu.console.options import Parser, folder, number, setting
 from tetherfmu.console.progress import now
-from tetherfmu.results import PlausibilityWarning, StepRefused
+from tetherfmu.files.toml_files import WrongUse
+from tetherfmu.records.problems import PlausibilityWarning, StepRefused
 from tetherfmu.runtime import layout as at
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # the folder of the rooms
@@ -43,7 +44,7 @@ def read(path, settings=()):
 
     settings : pairs of keys of the file, or of the flight, and values in their place.
     """
-    from tetherfmu.study.scenes.systems import load  # needs the extra `study`, as `fly`
+    from tetherfmu.study.measuring.system_flights import load  # needs the extra `study`, as `fly`
 
     flight = load(path, settings)
     found = flight.found
@@ -60,7 +61,7 @@ def fly(flight, system, wind=None, duration=None, step=None):
     wind [m/s] : at the reference height.  duration, step [s] : of the flight and of a communication step.  None : those of
     the `SystemFlight`, which has loads, too. Rows are those of `Flight`, the first at the start.
     """
-    from tetherfmu.study.scenes.systems import straight_on
+    from tetherfmu.study.measuring.system_flights import straight_on
 
     duration, step = duration or flight.duration, step or flight.wanted.communication_step
     count = round(duration / step)

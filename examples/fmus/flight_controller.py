@@ -19,7 +19,7 @@ from dataclasses import dataclass
 from math import atan2, cos, hypot, pi, radians, sin, sqrt
 
 from tetherfmu.runtime.quantities import DEGREES, check, quantity
-from tetherfmu.runtime.variables import INPUT, OUTPUT
+from tetherfmu.wiring.variables import INPUT, OUTPUT
 
 from .aerodynamics import angle_of, cross, dot, norm, unit
 from .kite_on_path import frame

@@ -5,7 +5,7 @@ from math import ceil
 
 from tetherfmu.runtime.parameters import Environment
 from tetherfmu.runtime.quantities import check, quantity
-from tetherfmu.runtime.variables import INPUT, OUTPUT, PARAMETER
+from tetherfmu.wiring.variables import INPUT, OUTPUT, PARAMETER
 
 from .aerodynamics import Wing, angle_of, apparent_wind, first_heading, load, norm, turn_rate, turned, unit
 from .model_slave import ModelSlave, Refused, names, vector

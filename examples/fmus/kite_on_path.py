@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from math import cos, pi, radians, sin
 
 from tetherfmu.runtime.quantities import DEGREES, check, quantity
-from tetherfmu.runtime.variables import OUTPUT
+from tetherfmu.wiring.variables import OUTPUT
 
 from .model_slave import ModelSlave, vector
 

@@ -21,7 +21,7 @@ from tetherfmu.runtime import layout, saved_state, status
 from tetherfmu.runtime.limits import SHORTEST_LAST_STEP
 from tetherfmu.runtime.quantities import Quantity, check, checked, quantity
 from tetherfmu.runtime.saved_state import STEPPING, SavedState
-from tetherfmu.runtime.variables import Variable, parameters_of
+from tetherfmu.wiring.variables import Variable, parameters_of
 
 LINEAR, HELD, INTERPOLATED = 1, 2, 3
 

@@ -1,7 +1,7 @@
 """PythonFMU slave: a soft kite without mass, for `TetherDynamicFree`, which has the mass."""
 
 from tetherfmu.runtime.parameters import Environment
-from tetherfmu.runtime.variables import INPUT, OUTPUT
+from tetherfmu.wiring.variables import INPUT, OUTPUT
 
 from .aerodynamics import Wing, angle_of, apparent_wind, first_heading, load, norm, turn_rate, turned, unit
 from .model_slave import ModelSlave, names, scalar, vector

@@ -22,9 +22,9 @@ from math import pi
 import numpy as np
 
 from tetherfmu.runtime.quantities import DEGREES, Quantity, check, quantity
-from tetherfmu.runtime.variables import INPUT, OUTPUT, PARAMETER, Variable
 from tetherfmu.wind.frozen_turbulence import MeanWind, Reading, turbulence
 from tetherfmu.wind.wind_boxes import WrongBox
+from tetherfmu.wiring.variables import INPUT, OUTPUT, PARAMETER, Variable
 
 from .file_slave import FileSlave
 from .model_slave import Refused, names, scalar, vector

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from math import copysign, expm1, sqrt
 
 from tetherfmu.runtime.quantities import check, quantity
-from tetherfmu.runtime.variables import INPUT, OUTPUT
+from tetherfmu.wiring.variables import INPUT, OUTPUT
 
 from .model_slave import ModelSlave, Refused, scalar
 

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from math import atan2, hypot, sqrt
 
 from tetherfmu.runtime.quantities import check, quantity
-from tetherfmu.runtime.variables import INPUT, OUTPUT
+from tetherfmu.wiring.variables import INPUT, OUTPUT
 
 from .flight_controller import FADING, MOTION, TENSION, Flight
 from .model_slave import ModelSlave, names, scalar

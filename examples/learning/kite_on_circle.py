@@ -19,10 +19,10 @@ from fmus.kite_on_path import frame
 from tetherfmu.libraries import ready
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.instance import Instance
-from tetherfmu.runtime.packing import pack_records
 from tetherfmu.runtime.parameters import Environment, Solver, Tether
-from tetherfmu.runtime.variables import line_of_tether
 from tetherfmu.runtime.variants import library_of
+from tetherfmu.wiring.packing import pack_records
+from tetherfmu.wiring.variables import line_of_tether
 
 LENGTH, SEGMENTS, MASS, STRETCHED, SPEED = 200.0, 5, 19.6, 200.8, 20.0  # m, -, kg; at the start: distance [m], [m/s]
 WIND, STEP = (9.0, 0.0, 0.0), 0.02  # m/s, s

@@ -15,9 +15,10 @@ from fmpy.fmi2 import FMU2Slave
 from shared import cache
 from shared.scalars_of_fmi3 import ScalarsOfFmi3, scalars
 from tetherfmu.check.inspection import MADE_BY_PYTHONFMU, crashing_characters
-from tetherfmu.console.ending import WrongUse, one_line
+from tetherfmu.console.ending import one_line
 from tetherfmu.console.options import file
-from tetherfmu.lean import scaled
+from tetherfmu.files.lean import scaled
+from tetherfmu.files.toml_files import WrongUse
 from tetherfmu.libraries.children import ctrl_c_waits
 from tetherfmu.runtime.parameters import Tether
 from tetherfmu.runtime.quantities import quantities

@@ -3,10 +3,10 @@
 import argparse
 from contextlib import suppress
 
-from tetherfmu.input_files import value_of
+from tetherfmu.files.toml_files import value_of
 from tetherfmu.runtime.naming import meant_or_all
 from tetherfmu.runtime.quantities import quantities
-from tetherfmu.runtime.variables import RECORDS
+from tetherfmu.wiring.variables import RECORDS
 
 RECORD_OF = {name: record for record in RECORDS for name, _ in quantities(record)}  # of each parameter
 

@@ -22,10 +22,10 @@ from tetherfmu.export import archive
 from tetherfmu.export.build_options import BuildOptions, Purpose
 from tetherfmu.export.documents import OSP_FOLDER
 from tetherfmu.export.texts import xml_text
+from tetherfmu.files.lean import Lean
 from tetherfmu.fmi.model_description import base_units, number_text
-from tetherfmu.lean import Lean
 from tetherfmu.runtime import __version__
-from tetherfmu.runtime.variables import variables
+from tetherfmu.wiring.variables import variables
 from wind import turbulence_systems as turbulent
 
 NAMESPACE = "http://ssp-standard.org/SSP1/SystemStructure"

@@ -7,8 +7,9 @@ import shutil
 from importlib import import_module
 from pathlib import Path
 
-from tetherfmu.console.ending import WrongUse, command
+from tetherfmu.console.ending import command
 from tetherfmu.console.options import Parser, folder
+from tetherfmu.files.toml_files import WrongUse
 from tetherfmu.runtime.naming import meant_or_all
 
 LESSONS = Path(__file__).resolve().parent

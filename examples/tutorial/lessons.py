@@ -15,9 +15,10 @@ import numpy as np
 
 from tetherfmu import PlausibilityWarning
 from tetherfmu.console.colours import BLACK, COLOUR, GROUND, SKY_BLUE
-from tetherfmu.console.ending import WrongUse, command
+from tetherfmu.console.ending import command
 from tetherfmu.console.options import Parser
 from tetherfmu.console.progress import now
+from tetherfmu.files.toml_files import WrongUse
 
 
 @command

@@ -28,7 +28,7 @@ import numpy as np
 from tetherfmu import TetherDynamic
 from tetherfmu.console.ending import command
 from tetherfmu.console.options import Parser
-from tetherfmu.paths import inputs_along
+from tetherfmu.records.paths import inputs_along
 from tetherfmu.runtime.parameters import Environment, Tether
 from tetherfmu.wind.frozen_turbulence import FrozenTurbulence, MeanWind
 from tetherfmu.wind.wind_boxes import of_space

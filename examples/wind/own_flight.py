@@ -14,8 +14,9 @@ from pathlib import Path
 import numpy as np
 
 from tetherfmu import FrozenTurbulence, MeanWind, MovingEnd, TetherDynamic, inputs_along, kite_at, open_box
-from tetherfmu.console.ending import WrongUse, command
+from tetherfmu.console.ending import command
 from tetherfmu.console.options import Parser, file
+from tetherfmu.files.toml_files import WrongUse
 from tetherfmu.wind.wind_boxes import WrongBox
 
 BOX = Path(__file__).with_name("small_box.npz")

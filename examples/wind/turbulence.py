@@ -21,9 +21,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tetherfmu.console.ending import WrongUse, command
+from tetherfmu.console.ending import command
 from tetherfmu.console.options import Parser, file, number
 from tetherfmu.console.progress import now
+from tetherfmu.files.toml_files import WrongUse
 from tetherfmu.wind.wind_boxes import WrongBox, open_box
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # the folder of the rooms

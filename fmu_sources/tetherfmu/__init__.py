@@ -9,15 +9,16 @@ from .runtime import __version__
 from .runtime.variants import EVERY_VARIANT, class_name
 
 _HOMES = {
-    "models": tuple(map(class_name, EVERY_VARIANT)),
-    "results": ("Flown", "Outputs", "PlausibilityWarning", "Refusal", "StepRefused"),
-    "paths": ("MovingEnd", "inputs_along", "kite_at"),
-    "systems.tether_system": ("TetherSystem",),
-    "systems.records": ("Line", "Point"),
-    "systems.shared_winches": ("SharedWinch",),
-    "materials": ("MATERIALS", "tether_of"),
+    "python.models": tuple(map(class_name, EVERY_VARIANT)),
+    "python.results": ("Flown", "Outputs", "Refusal"),
+    "records.paths": ("MovingEnd", "inputs_along", "kite_at"),
+    "python.system": ("TetherSystem",),
+    "records.lines": ("Line", "Point"),
+    "records.problems": ("PlausibilityWarning", "StepRefused"),
+    "records.winches": ("SharedWinch",),
+    "records.materials": ("MATERIALS", "tether_of"),
     "runtime.parameters": ("Tether", "Environment", "Solver", "Winch", "Ground"),
-    "energy": ("Energy", "EnergyAudit"),
+    "python.energy": ("Energy", "EnergyAudit"),
     "wind.frozen_turbulence": ("FrozenTurbulence", "MeanWind"),
     "wind.wind_boxes": ("open_box",),
 }

@@ -3,8 +3,9 @@
 import sys
 from importlib import import_module
 
-from .console.ending import WrongUse, command
+from .console.ending import command
 from .console.subcommands import SUBCOMMANDS
+from .files.toml_files import WrongUse
 from .runtime import __version__
 from .runtime.naming import meant_or_all
 

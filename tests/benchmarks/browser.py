@@ -19,11 +19,11 @@ sys.path[:0] = [str(Path(__file__).resolve().parents[1])]
 
 import chromium  # noqa: E402
 from tetherfmu.__main__ import main as tetherfmu  # noqa: E402
+from tetherfmu.files import scene_files as files  # noqa: E402
 from tetherfmu.libraries.examples import EXAMPLES  # noqa: E402
-from tetherfmu.models import TetherModel  # noqa: E402
+from tetherfmu.python.models import TetherModel  # noqa: E402
 from tetherfmu.runtime.parameters import Solver  # noqa: E402
 from tetherfmu.runtime.variants import VARIANTS  # noqa: E402
-from tetherfmu.study.scenes import files  # noqa: E402
 
 STEPS, STEP, ROUNDS, WIDTH = 1000, 0.02, 40, 1400
 IN_THE_PAGE = """

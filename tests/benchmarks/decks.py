@@ -23,7 +23,7 @@ from scipy.sparse import coo_matrix, diags
 from scipy.sparse.linalg import spsolve
 
 from tetherfmu import TetherSystem
-from tetherfmu.study.imported import moordyn, reading
+from tetherfmu.files.imported import moordyn, reading
 
 SMALL = 1e-3  # of the largest force: differences of smaller ones are relative to it
 

@@ -18,9 +18,9 @@ from pathlib import Path
 
 import numpy as np
 
+from tetherfmu.files.flights import Circle
 from tetherfmu.runtime import layout as at
-from tetherfmu.study.scenes.flights import Circle
-from tetherfmu.study.scenes.start import MODELS
+from tetherfmu.study.measuring.start import MODELS
 
 sys.path[:0] = [str(Path(__file__).resolve().parents[2] / "docs" / "make")]
 

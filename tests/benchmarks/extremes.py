@@ -87,7 +87,7 @@ def sessions():
     from test_kite_anywhere import PATHS, WIND, dynamic_flight
     from test_reel_to_minimum import in_and_out
 
-    from tetherfmu.models import TetherDynamic
+    from tetherfmu.python.models import TetherDynamic
 
     model, result = hit(1.4, (0.0, 80.0, 0.0))
     equilibrium = TetherDynamic(tether(1.4)).initialize(KITE, wind_velocity=(0.0, 80.0, 0.0))

@@ -25,7 +25,7 @@ from matplotlib.figure import Figure
 from tolerance import KINDS, REFERENCE, SEGMENTS, STEP, UNWARNED, catch_warnings, difference
 
 from tetherfmu.console.colours import BLUE, ORANGE, VERMILLION
-from tetherfmu.results import StepRefused
+from tetherfmu.records.problems import StepRefused
 from tetherfmu.runtime import layout as at
 from tetherfmu.study.measuring.tables import circumstances, markdown
 

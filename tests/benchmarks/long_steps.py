@@ -13,9 +13,9 @@ from pathlib import Path
 
 import numpy as np
 
+from tetherfmu.files.scene_files import load
 from tetherfmu.runtime.parameters import Ground
-from tetherfmu.study.scenes.files import load
-from tetherfmu.study.scenes.start import tether_at_start
+from tetherfmu.study.measuring.start import tether_at_start
 
 FOLDER = Path(__file__).parents[2] / "examples" / "scenes"
 SCENES = [replace(load(FOLDER / f"{name}.toml"), ground=Ground(ground_height=-100.0)) for name in ("reel", "landing")]

@@ -17,10 +17,10 @@ import numpy as np
 from tetherfmu.libraries.ready import kernels
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.instance import Instance, address
-from tetherfmu.runtime.packing import pack_records
 from tetherfmu.runtime.parameters import Environment, Solver, Tether
-from tetherfmu.runtime.variables import line_of_tether
 from tetherfmu.study.measuring.tables import circumstances
+from tetherfmu.wiring.packing import pack_records
+from tetherfmu.wiring.variables import line_of_tether
 
 WIND = (8.0, 0.0, 0.0)
 

@@ -22,10 +22,11 @@ from fmpy import extract
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from runtime.host import Host, reals_of
-from tetherfmu import TetherSystem, compiled_flight
+from tetherfmu import TetherSystem
 from tetherfmu.export import systems
+from tetherfmu.python import compiled_flight
+from tetherfmu.python import system as tether_system
 from tetherfmu.study.measuring.tables import circumstances, markdown
-from tetherfmu.systems import tether_system
 
 EXAMPLES = Path(__file__).parents[2] / "examples" / "systems"
 STEP, STEPS, SPEED = 0.02, 100, 0.4  # [s], communication steps, at which the hoist hauls in [m/s]

@@ -19,11 +19,12 @@ from time import process_time
 import numpy as np
 import pandas as pd
 
-from tetherfmu import Line, Point, Solver, Tether, TetherDynamic, TetherSystem, Winch, compiled_flight
+from tetherfmu import Line, Point, Solver, Tether, TetherDynamic, TetherSystem, Winch
+from tetherfmu.python import compiled_flight
+from tetherfmu.python import system as tether_system
 from tetherfmu.runtime.inputs import by_name
 from tetherfmu.runtime.layout import INPUTS
 from tetherfmu.study.measuring.tables import circumstances, markdown
-from tetherfmu.systems import tether_system
 
 STEP, STEPS, WIND = 0.02, 200, (8.0, 1.0, 0.0)
 DRUM = Winch(winch_control="force", winch_mass=50.0, winch_damping=20.0)

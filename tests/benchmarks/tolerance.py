@@ -17,7 +17,7 @@ import numpy as np
 import pandas as pd
 
 from tetherfmu import MovingEnd, TetherDynamic, TetherDynamicFree, inputs_along, tether_of
-from tetherfmu.results import StepRefused
+from tetherfmu.records.problems import StepRefused
 from tetherfmu.runtime.inputs import by_name
 from tetherfmu.study.measuring.runs import UNWARNED, catch_warnings
 from tetherfmu.study.measuring.tables import circumstances, markdown

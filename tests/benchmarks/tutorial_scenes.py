@@ -37,9 +37,9 @@ from benchmark.races import interleaved, seconds_at  # noqa: E402
 from benchmark.reference import right_hand_side  # noqa: E402
 from scenes import nodes, read  # noqa: E402
 from tetherfmu import PlausibilityWarning, TetherDynamic, inputs_along  # noqa: E402
+from tetherfmu.files.scene_files import Wind  # noqa: E402
 from tetherfmu.runtime.parameters import DEFAULT_TOLERANCE, Environment, Tether  # noqa: E402
 from tetherfmu.study.measuring.tables import circumstances, markdown  # noqa: E402
-from tetherfmu.study.scenes.files import Wind  # noqa: E402
 
 DURATION, FINE, COARSE = 10.0, lessons.STEP, 0.1  # s
 LADDER, EXACT = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9), 1e-10  # tolerances of CVODES and of the reference

@@ -9,9 +9,9 @@ from fmpy.validation import validate_fmu
 from build_fmus import main
 from isolation import in_own_process
 from study.scenes_of_tests import SCENE, written
+from tetherfmu.files.scene_files import load
 from tetherfmu.study.advice.advise import advise
 from tetherfmu.study.measuring.runs import run
-from tetherfmu.study.scenes.files import load
 
 WINCH = ("reel_out_speed", "winch_force", "winch_length")
 

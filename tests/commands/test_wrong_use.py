@@ -12,8 +12,9 @@ import pytest
 from foreign import foreign
 from tetherfmu import __version__
 from tetherfmu.__main__ import main as tetherfmu
-from tetherfmu.console.ending import WrongUse, remedy
+from tetherfmu.console.ending import remedy
 from tetherfmu.console.subcommands import SUBCOMMANDS
+from tetherfmu.files.toml_files import WrongUse
 from tetherfmu.study.measuring.fmus import fmus_in
 from tetherfmu.study.measuring.store import KEPT, keeping
 

@@ -15,11 +15,11 @@ import chromium
 from tetherfmu import StepRefused, Tether, TetherDynamic
 from tetherfmu.__main__ import main as tetherfmu
 from tetherfmu.commands import build
+from tetherfmu.files import scene_files as files
 from tetherfmu.libraries.examples import EXAMPLES, example
-from tetherfmu.models import TetherModel
+from tetherfmu.python.models import TetherModel
 from tetherfmu.runtime.parameters import Solver
 from tetherfmu.runtime.variants import VARIANTS
-from tetherfmu.study.scenes import files
 
 DESK, STEP = 1400, 0.02  # width of the window [px], communication step of the page [s]
 SCENES = ("circle", "figure_of_eight", "reel", "landing", "launch", "parked", "towing", "logged")

@@ -75,8 +75,10 @@ def test_a_page_is_rendered_as_it_is_written(site, page):
     assert not re.search(r"(?<!\w)[\u2013\u2014][a-z]", text)  # dashes
     path = (ROOT / "docs" / page).with_suffix(".md")
     source = path.read_text(encoding="utf-8")
-    for other in re.findall(r"^```\{include\} (\S+)$", source, re.MULTILINE):
-        source += (path.parent / other).read_text(encoding="utf-8")
+    include = r'^```\{include\} (\S+)(?:\n:start-after: "(.+)"\n:end-before: "(.+)")?$'
+    for other, first, last in re.findall(include, source, re.MULTILINE):
+        text = (path.parent / other).read_text(encoding="utf-8")
+        source += text.partition(first)[2].partition(last)[0] if first else text
     prose = re.sub(r"^(```|~~~).*?^\1$", "", source, flags=re.MULTILINE | re.DOTALL)
     written = len(re.findall(r"^#{1,6} ", prose, re.MULTILINE))
     assert len(re.findall(r"<h[1-6]\b", main)) >= written > 0

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
+from tetherfmu.files.system_files import TableOfPoint
 from tetherfmu.runtime.parameters import Solver, Winch
 from tetherfmu.runtime.quantities import quantities
-from tetherfmu.systems.files import TableOfPoint
 
 DOCS = Path(__file__).parents[2] / "docs"
 PAGE, KEYS = ((DOCS / folder / "systems.md").read_text(encoding="utf-8") for folder in ("use", "reference"))

@@ -3,7 +3,7 @@
 import scipy.integrate
 
 from tetherfmu import TetherSystem
-from tetherfmu.tether_model import TetherModel
+from tetherfmu.python.tether import TetherModel
 
 SPENT = {"evaluations": 0, "steps": 0}
 

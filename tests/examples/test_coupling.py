@@ -25,7 +25,7 @@ from coupling.axial_chain import STEPS, AxialChain  # noqa: E402
 from coupling.monolithic import exact  # noqa: E402
 from coupling.ways_of_coupling import DRIVEN, WAYS, Leg, Scene, fly, force_error, inputs_towards, started  # noqa: E402
 from tetherfmu import TetherDynamic, TetherDynamicFree  # noqa: E402
-from tetherfmu.results import StepRefused  # noqa: E402
+from tetherfmu.records.problems import StepRefused  # noqa: E402
 from tetherfmu.runtime.parameters import Environment, Tether  # noqa: E402
 
 KITES = ("constant force", "lift and drag")
@@ -203,7 +203,7 @@ def test_ways_are_all_in_the_figure():
     assert len(set(COLOURS.values())) == len(WAYS)
 
 
-@pytest.mark.filterwarnings("ignore::tetherfmu.results.PlausibilityWarning")  # what grows is part of the question
+@pytest.mark.filterwarnings("ignore::tetherfmu.python.results.PlausibilityWarning")  # what grows is part of the question
 @pytest.mark.parametrize("continuation", delayed_load.CONTINUATIONS)
 @pytest.mark.parametrize("kite", delayed_load.KITES)
 @pytest.mark.parametrize(("part", "grows"), [(0.9, False), (1.1, True)])

@@ -65,7 +65,7 @@ import json, sys
 import numpy as np
 from first_flight import logged_flight
 from tetherfmu.runtime.variants import class_name
-from tetherfmu.study.scenes.start import tether_at_start
+from tetherfmu.study.measuring.start import tether_at_start
 
 folder, log, length, wind, settings, variants = map(json.loads, sys.argv[1:])
 scene = logged_flight.scene_of(log, length, wind)

@@ -8,8 +8,8 @@ from running import EXAMPLES, assert_is_drawn, run_code
 
 from ended import status_of
 from tetherfmu.__main__ import main as tetherfmu
+from tetherfmu.files.named import named_systems
 from tetherfmu.libraries.examples import example
-from tetherfmu.study.scenes.named import named_systems
 
 SAME = """
 import sys

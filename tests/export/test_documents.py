@@ -16,7 +16,7 @@ from tetherfmu.export.archive import SLAVES, build
 from tetherfmu.export.build_options import BuildOptions
 from tetherfmu.export.documents import folded
 from tetherfmu.runtime.kernel_library import this_platform
-from tetherfmu.runtime.variables import variables
+from tetherfmu.wiring.variables import variables
 
 every_fmu = pytest.mark.parametrize("name", list(SLAVES))
 

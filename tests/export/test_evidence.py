@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from fmpy import read_model_description
 
-from tetherfmu import models
 from tetherfmu.export import evidence
 from tetherfmu.export.archive import SLAVES
+from tetherfmu.python import models
 from tetherfmu.runtime.parameters import DEFAULT_TOLERANCE, Tether
 from tetherfmu.runtime.variants import BY_NAME
 

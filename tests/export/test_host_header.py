@@ -13,7 +13,7 @@ from tetherfmu.export.archive import SLAVES
 from tetherfmu.export.build_options import BuildOptions, Purpose
 from tetherfmu.export.native import fmus as native
 from tetherfmu.export.native.host_header import PREFIX, c_name
-from tetherfmu.lean import Lean
+from tetherfmu.files.lean import Lean
 
 every_header = pytest.mark.parametrize(("fmi", "name"), [(fmi, name) for fmi in (2, 3) for name in SLAVES])
 

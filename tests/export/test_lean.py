@@ -8,16 +8,16 @@ from fmpy import read_model_description
 
 from isolation import in_shared_process
 from runtime.host import Host, blob_of, restore
-from tetherfmu import lean
 from tetherfmu.check.__main__ import main as check
 from tetherfmu.commands import build as command
 from tetherfmu.export import archive, systems
 from tetherfmu.export.build_options import BuildOptions
 from tetherfmu.export.native import fmus as native
 from tetherfmu.export.native.host_header import PREFIX
-from tetherfmu.fmi.system_variables import table_of
-from tetherfmu.lean import PRESETS, Lean
-from tetherfmu.runtime.variables import variables
+from tetherfmu.files import lean
+from tetherfmu.files.lean import PRESETS, Lean
+from tetherfmu.wiring.system_variables import table_of
+from tetherfmu.wiring.variables import variables
 
 FLAVOURS = {"pythonfmu": archive.build, "native": native.build, "fmi3": lambda *given: native.build(*given, fmi=3)}
 WINDY = Lean(("motion", "reel_out_speed"), ("forces",), (), (("wind_velocity", (8.0, 1.0, 0.0)), ("diameter", "5 mm")))

@@ -7,7 +7,7 @@ import pytest
 from isolation import in_shared_process
 from runtime.host import STEP, Host
 from tetherfmu import TetherSystem
-from tetherfmu.systems import files
+from tetherfmu.files import system_files as files
 
 from .flavours import build_all, every_flavour
 

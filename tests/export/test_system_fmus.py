@@ -17,14 +17,14 @@ from tetherfmu import TetherSystem
 from tetherfmu.check.__main__ import main as check
 from tetherfmu.commands.build import main
 from tetherfmu.export import systems
-from tetherfmu.fmi import system_variables
-from tetherfmu.fmi.system_variables import ENDS, GIVEN
-from tetherfmu.fmi.wiring import lines_of
+from tetherfmu.files import system_files as files
 from tetherfmu.runtime import plausibility, status
 from tetherfmu.runtime.instance import OF_ALL_LINES, renamed
 from tetherfmu.runtime.limits import WORST_WORK
 from tetherfmu.runtime.outputs import COUNTERS
-from tetherfmu.systems import files
+from tetherfmu.wiring import system_variables
+from tetherfmu.wiring.fmu import lines_of
+from tetherfmu.wiring.system_variables import ENDS, GIVEN
 
 FILES = Path(__file__).parents[2] / "examples" / "systems"
 STEPS = 30

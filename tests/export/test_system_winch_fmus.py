@@ -5,8 +5,8 @@ import pytest
 from isolation import in_shared_process
 from runtime.host import Host
 from tetherfmu import Solver, TetherSystem
+from tetherfmu.files import system_files as files
 from tetherfmu.runtime.limits import WORST_WORK_WITH_DRUM
-from tetherfmu.systems import files
 from y_of_lines import y_of_lines
 
 from .flavours import assert_checks_pass, build_all, every_flavour

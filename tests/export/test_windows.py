@@ -14,11 +14,11 @@ from tetherfmu.libraries import ready
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.instance import Instance
 from tetherfmu.runtime.kernel_library import file_name
-from tetherfmu.runtime.packing import pack_records
 from tetherfmu.runtime.parameters import Environment, Solver
 from tetherfmu.runtime.plan_layout import plan_size
-from tetherfmu.runtime.variables import line_of_tether
 from tetherfmu.runtime.variants import VARIANTS
+from tetherfmu.wiring.packing import pack_records
+from tetherfmu.wiring.variables import line_of_tether
 
 STEPS, STEP, POINTS = 100, 0.02, 5
 # the mathematical libraries differ in the last bit of log1p, asinh, ...; a step of the solver does not amplify that

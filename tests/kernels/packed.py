@@ -3,8 +3,8 @@
 import numpy as np
 
 from tetherfmu.libraries.ready import kernels
-from tetherfmu.runtime.packing import pack_records
 from tetherfmu.runtime.parameters import Environment, Solver
+from tetherfmu.wiring.packing import pack_records
 
 
 def packed(tether, environment=Environment(), solver=Solver(), free_ends=(False, False)):  # noqa: B008

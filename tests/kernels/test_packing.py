@@ -11,10 +11,10 @@ import pytest
 from tetherfmu.kernels import packing
 from tetherfmu.libraries.ready import kernels
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime.packing import pack, pack_records
 from tetherfmu.runtime.parameters import QUANTITIES_OF_TETHER, Environment, Solver, Tether, numbers_of
-from tetherfmu.runtime.variables import PARAMETERS
 from tetherfmu.runtime.variants import BY_NAME, VARIANTS
+from tetherfmu.wiring.packing import pack, pack_records
+from tetherfmu.wiring.variables import PARAMETERS
 
 DEFAULTS = [each.start for each in PARAMETERS]
 NUMBER = {each.name: number for number, each in enumerate(PARAMETERS)}

@@ -17,8 +17,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tetherfmu import StepRefused, models
+from tetherfmu import StepRefused
 from tetherfmu.libraries import ready
+from tetherfmu.python import models
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.kernel_library import Kernels
 from tetherfmu.runtime.variants import EVERY_VARIANT, class_name, library_of

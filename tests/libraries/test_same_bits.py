@@ -16,11 +16,11 @@ import pytest
 from kernels import make_code_late  # noqa: F401 (done by the import: numba is faster)
 from native.programs import WARNINGS, available
 from scenes import CIRCLE_TETHER, REVOLUTION, circle
-from tetherfmu import models
 from tetherfmu.libraries import just_in_time, ready
 from tetherfmu.libraries.ahead_of_time import CODE
 from tetherfmu.libraries.llvm_modules import optimize
 from tetherfmu.libraries.sources import HAS_AVX
+from tetherfmu.python import models
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.kernel_library import PROTOTYPES, Kernels, file_name, load, this_platform, verbs
 from tetherfmu.runtime.parameters import Solver

@@ -11,8 +11,8 @@ import pytest
 from in_webassembly import Engine
 from libraries.test_same_bits import circle_inputs
 from scenes import CIRCLE_TETHER, circle
-from tetherfmu import models
 from tetherfmu.libraries.webassembly import IMPORTS, browser_file
+from tetherfmu.python import models
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.outputs import PLACES
 from tetherfmu.runtime.variants import BY_NAME, VARIANTS, class_name

@@ -14,7 +14,7 @@ import pytest
 from tetherfmu.export.archive import write_archive
 from tetherfmu.libraries.sources import PACKAGE
 from tetherfmu.libraries.whole_files import LEFT_BEHIND, clear, whole
-from tetherfmu.results import Flown
+from tetherfmu.python.results import Flown
 from tetherfmu.study.measuring.errors import Reference
 from tetherfmu.study.measuring.runs import Config, Run
 from tetherfmu.study.measuring.store import Store

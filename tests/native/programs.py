@@ -5,13 +5,13 @@ import subprocess
 
 from tetherfmu.export.native.fmus import HEADERS
 from tetherfmu.export.native.tables import header
-from tetherfmu.fmi.wiring import of_tether
 from tetherfmu.libraries import ready
 from tetherfmu.libraries.ahead_of_time import object_name
 from tetherfmu.libraries.native_shell import SHELL, unit
 from tetherfmu.runtime.kernel_library import this_platform
-from tetherfmu.runtime.variables import table_of
 from tetherfmu.runtime.variants import library_of
+from tetherfmu.wiring.fmu import of_tether
+from tetherfmu.wiring.variables import table_of
 
 SANITIZED = ("-g", "-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
 WARNINGS = ("-Wall", "-Wextra", "-Werror", "-Wno-unused-parameter", "-Wno-cast-function-type")

@@ -4,7 +4,7 @@ import subprocess
 from pathlib import Path
 
 from native import programs
-from tetherfmu.runtime.variables import references, table_of
+from tetherfmu.wiring.variables import references, table_of
 
 HOST = Path(__file__).with_name("real_time_host.c")
 WRAPPED = "-Wl," + ",".join(f"--wrap={name}" for name in ("malloc", "calloc", "realloc", "free"))

@@ -6,7 +6,7 @@ import pytest
 from isolation import in_shared_process
 from runtime.host import Host, blob_of, description_of, extract_all, restore
 from tetherfmu import Line, Point, Tether, TetherDynamic, TetherDynamicFree, TetherSystem
-from tetherfmu.systems.files import load
+from tetherfmu.files.system_files import load
 
 STEP, STEPS = 0.02, 25
 FLAVOURS = {"pythonfmu": (), "native": ("--native",), "fmi3": ("--native", "--fmi", "3")}

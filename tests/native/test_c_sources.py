@@ -22,7 +22,7 @@ from tetherfmu.export.build_options import BuildOptions
 from tetherfmu.export.native import fmus as native
 from tetherfmu.export.native import sources as native_sources
 from tetherfmu.export.native.tables import most_room
-from tetherfmu.lean import Lean
+from tetherfmu.files.lean import Lean
 
 pytestmark = pytest.mark.skipif(not importer.available(), reason="there is no gcc")
 NAME = "TetherStraight"

@@ -13,8 +13,8 @@ from fmpy.validation import validate_fmu
 from export.test_host_header import c_name, numbers_of
 from isolation import in_shared_process
 from runtime.host import Host, blob_of, extract_all, restore
-from tetherfmu.systems import files
-from tetherfmu.systems.tether_system import TetherSystem
+from tetherfmu.files import system_files as files
+from tetherfmu.python.system import TetherSystem
 
 POINTS, STEP, STEPS = 3, 0.02, 15
 FLAVOURS = {"pythonfmu": (), "native": ("--native", "--header"), "fmi3": ("--native", "--fmi", "3", "--header")}

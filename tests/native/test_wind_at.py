@@ -11,11 +11,11 @@ from fmpy.validation import validate_fmu
 from isolation import in_shared_process
 from runtime.host import Host, blob_of, description_of, extract_all, restore
 from scenes import circle, kite_at_start, kite_inputs
-from tetherfmu import models
 from tetherfmu.export import osp
+from tetherfmu.python import models
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.inputs import WITHOUT_EFFECT
-from tetherfmu.runtime.variables import variables
+from tetherfmu.wiring.variables import variables
 
 POINTS, STEP, STEPS = 3, 0.02, 20
 NAMES = ("TetherStraight", "TetherDynamicFree")

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from mechanics import drag, line_density
-from tetherfmu.models import TetherDynamic
+from tetherfmu.python.models import TetherDynamic
 from tetherfmu.runtime.parameters import Environment, Tether
 
 KITE = np.array([300.0, 50.0, 400.0])

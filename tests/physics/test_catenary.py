@@ -12,7 +12,7 @@ import pytest
 from scipy.optimize import brentq
 
 from mechanics import line_density
-from tetherfmu.models import TetherCatenary, TetherQuasiSteady
+from tetherfmu.python.models import TetherCatenary, TetherQuasiSteady
 from tetherfmu.runtime.parameters import Tether
 
 KITE, LENGTH = (100.0, 100.0, 800.0), 853.0240324867758

@@ -12,7 +12,7 @@ import pytest
 
 from mechanics import line_density
 from scenes import CIRCLE_TETHER, REVOLUTION, fly_circle, nodes, read
-from tetherfmu.models import TetherDynamic
+from tetherfmu.python.models import TetherDynamic
 from tetherfmu.runtime.parameters import Solver
 
 STEP = 0.02

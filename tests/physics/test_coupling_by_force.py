@@ -2,7 +2,7 @@
 
 import pytest
 
-from tetherfmu.models import TetherDynamic
+from tetherfmu.python.models import TetherDynamic
 from tetherfmu.runtime.parameters import Environment, Tether
 
 

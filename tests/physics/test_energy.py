@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from mechanics import energy, node_masses
-from tetherfmu.models import TetherDynamic
+from tetherfmu.python.models import TetherDynamic
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.parameters import Solver, Tether
 

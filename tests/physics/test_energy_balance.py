@@ -14,11 +14,11 @@ import pytest
 from kernels.interleaved import node_forces
 from mechanics import energy as energy_of_chain
 from mechanics import line_density
-from tetherfmu import given_inputs
-from tetherfmu.energy import EnergyAudit
 from tetherfmu.kernels.equations import assembly, segment
 from tetherfmu.kernels.equations.properties import chain_at
-from tetherfmu.models import TetherCatenary, TetherDynamic, TetherQuasiSteady
+from tetherfmu.python import given_inputs
+from tetherfmu.python.energy import EnergyAudit
+from tetherfmu.python.models import TetherCatenary, TetherDynamic, TetherQuasiSteady
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.parameters import Environment, Solver, Tether
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from mechanics import energy, node_masses
-from tetherfmu.models import TetherDynamic
+from tetherfmu.python.models import TetherDynamic
 from tetherfmu.runtime.parameters import Environment, Solver, Tether
 
 TOLERANCE = 1e-4  # of the solver, its default

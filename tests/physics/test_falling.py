@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from mechanics import line_density
-from tetherfmu.models import TetherDynamic
+from tetherfmu.python.models import TetherDynamic
 from tetherfmu.runtime.parameters import Environment, Solver, Tether
 
 FREE = {"free_ends": (True, True)}

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from tetherfmu import Environment, Ground, PlausibilityWarning, Solver, Tether, TetherDynamic, Winch
-from tetherfmu.models import TetherDynamicFree
+from tetherfmu.python.models import TetherDynamicFree
 
 STEP, SINK, NODES = 0.02, 0.002, 11
 EXACT = {"relative_tolerance": 1e-8}

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from manual import table
-from tetherfmu.models import TetherQuasiSteady
+from tetherfmu.python.models import TetherQuasiSteady
 from tetherfmu.runtime.parameters import Tether
 
 FOLDS = table("folds")

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from mechanics import elastic_catenary, line_density
-from tetherfmu.models import TetherDynamic
+from tetherfmu.python.models import TetherDynamic
 from tetherfmu.runtime.parameters import Tether
 
 KITE = np.array([100.0, 100.0, 800.0])

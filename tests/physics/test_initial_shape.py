@@ -10,7 +10,7 @@ import pytest
 
 from mechanics import node_masses
 from scenes import CIRCLE_TETHER, circle
-from tetherfmu.models import TetherDynamic
+from tetherfmu.python.models import TetherDynamic
 from tetherfmu.runtime.parameters import Environment, Solver, Tether
 
 KITE = np.array([60.0, 20.0, 70.0])

@@ -21,7 +21,7 @@ from tetherfmu import (
     TetherStraight,
     TetherSystem,
 )
-from tetherfmu.results import StepRefused
+from tetherfmu.records.problems import StepRefused
 from tetherfmu.runtime.parameters import Environment, Solver, Tether
 
 VARIANTS = [TetherDynamic, TetherQuasiSteady, TetherCatenary, TetherStraight]

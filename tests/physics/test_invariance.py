@@ -6,7 +6,7 @@ A kite pulls an arc of 1 s in wind; then the same scene is transformed. Forces a
 import numpy as np
 import pytest
 
-from tetherfmu.models import TetherDynamic
+from tetherfmu.python.models import TetherDynamic
 from tetherfmu.runtime.parameters import Environment, Solver, Tether
 
 STEP, COUNT = 0.02, 50

@@ -10,8 +10,8 @@ import pytest
 
 from advice.random_scenes import random_scenes
 from benchmark.scenes import circle_scene, figure_of_eight_scene
+from tetherfmu.files.scene_files import load
 from tetherfmu.study.measuring.runs import Config, run
-from tetherfmu.study.scenes.files import load
 
 FILES = sorted((Path(__file__).parents[2] / "examples" / "scenes").glob("*.toml"))
 SCENES = [*map(load, FILES), circle_scene(10), figure_of_eight_scene(10), *random_scenes(16, seed=77)]

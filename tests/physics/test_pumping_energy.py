@@ -4,8 +4,8 @@ import pytest
 
 from example_fmus.example_slaves import Model, example_fmus
 from tetherfmu import TetherDynamicFree
-from tetherfmu.energy import POWERS, EnergyAudit
 from tetherfmu.libraries.examples import example
+from tetherfmu.python.energy import POWERS, EnergyAudit
 
 STEP = 0.01
 CONTROL = ("steering", "depower")

@@ -13,7 +13,7 @@ import pytest
 
 from balance import VARIANTS, residual, weight
 from mechanics import drag
-from tetherfmu import models
+from tetherfmu.python import models
 from tetherfmu.runtime.parameters import Environment, Solver, Tether
 
 KITE = np.array([240.0, -180.0, 400.0])  # 500 m away

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from scenes import nodes, read
-from tetherfmu.models import TetherDynamic
+from tetherfmu.python.models import TetherDynamic
 from tetherfmu.runtime.parameters import Solver, Tether
 
 N = 5

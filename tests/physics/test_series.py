@@ -9,7 +9,7 @@ mass m on light legs:   T1 e1 + T2 e2 = m g e_z; legs of 3 m and 4 m over a span
 import numpy as np
 import pytest
 
-from tetherfmu.models import TetherDynamic
+from tetherfmu.python.models import TetherDynamic
 from tetherfmu.runtime.parameters import Environment, Solver, Tether
 
 STEP = 0.02

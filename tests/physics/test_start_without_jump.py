@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from scenes import CIRCLE_TETHER, REVOLUTION, fly_circle
-from tetherfmu.models import TetherDynamic, TetherQuasiSteady
+from tetherfmu.python.models import TetherDynamic, TetherQuasiSteady
 from tetherfmu.runtime.parameters import Solver
 
 STEPS = 6283  # of a turn, 20 ms

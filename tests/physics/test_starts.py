@@ -7,12 +7,12 @@ in balance pulls with its force and does not turn; ends at rest have one equilib
 import numpy as np
 import pytest
 
-from tetherfmu import models
-from tetherfmu.models import TetherDynamic, TetherDynamicFree, TetherQuasiSteady
-from tetherfmu.results import PlausibilityWarning, StepRefused
+from tetherfmu.python import models
+from tetherfmu.python.models import TetherDynamic, TetherDynamicFree, TetherQuasiSteady
+from tetherfmu.python.system import TetherSystem
+from tetherfmu.records.lines import Line, Point
+from tetherfmu.records.problems import PlausibilityWarning, StepRefused
 from tetherfmu.runtime.parameters import Ground, Solver, Tether, Winch
-from tetherfmu.systems.records import Line, Point
-from tetherfmu.systems.tether_system import TetherSystem
 
 DRIVEN = ("TetherStraight", "TetherCatenary", "TetherQuasiSteady", "TetherDynamic")
 STEP = 0.02

@@ -14,7 +14,7 @@ import pytest
 
 from audited import VOID
 from mechanics import line_density
-from tetherfmu.models import TetherCatenary, TetherDynamic, TetherQuasiSteady, TetherStraight
+from tetherfmu.python.models import TetherCatenary, TetherDynamic, TetherQuasiSteady, TetherStraight
 from tetherfmu.runtime.parameters import Environment, Tether
 
 CHAINS = [TetherDynamic, TetherQuasiSteady]

@@ -17,7 +17,7 @@ import pytest
 from numpy.polynomial.legendre import leggauss
 
 from mechanics import line_density
-from tetherfmu.models import TetherCatenary
+from tetherfmu.python.models import TetherCatenary
 from tetherfmu.runtime.parameters import Tether
 
 pytestmark = pytest.mark.filterwarnings("ignore:a segment is stretched")  # far beyond what ropes bear

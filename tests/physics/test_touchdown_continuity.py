@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from tetherfmu import PlausibilityWarning
-from tetherfmu.models import TetherCatenary, TetherStraight
+from tetherfmu.python.models import TetherCatenary, TetherStraight
 from tetherfmu.runtime.parameters import Tether
 from touchdowns import ROPE, between, forces, held, over_ground, random_scene
 

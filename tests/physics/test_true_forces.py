@@ -10,8 +10,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from tetherfmu import Environment, Solver, Tether, TetherCatenary, TetherDynamic, TetherQuasiSteady, TetherStraight, Winch
-from tetherfmu.materials import tether_of
-from tetherfmu.models import TetherDynamicFree
+from tetherfmu.python.models import TetherDynamicFree
+from tetherfmu.records.materials import tether_of
 
 GRAVITY, LENGTH, DURATION = 9.81, 100.0, 2.0
 HELD = {"input_continuation": "held"}

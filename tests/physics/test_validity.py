@@ -5,7 +5,7 @@ import pytest
 
 from manual import table
 from scenes import fly_circle
-from tetherfmu.models import TetherCatenary, TetherDynamic, TetherQuasiSteady
+from tetherfmu.python.models import TetherCatenary, TetherDynamic, TetherQuasiSteady
 from tetherfmu.runtime.parameters import Solver, Tether
 
 VALIDITY = table("validity")

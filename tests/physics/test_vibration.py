@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from mechanics import displaced, line_density
-from tetherfmu.models import TetherDynamic
+from tetherfmu.python.models import TetherDynamic
 from tetherfmu.runtime.parameters import Environment, Solver, Tether
 
 PERIODS = 5.25

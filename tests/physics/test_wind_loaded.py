@@ -14,7 +14,7 @@ import pytest
 
 from balance import segments
 from scenes import read
-from tetherfmu import models
+from tetherfmu.python import models
 from tetherfmu.runtime.parameters import Environment, Tether
 
 TABLE = read("wind_loaded.csv")

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tetherfmu import TetherDynamic, inputs_along
-from tetherfmu.results import SCALARS
+from tetherfmu.python.results import SCALARS
 
 STEP, COUNT = 0.02, 20
 

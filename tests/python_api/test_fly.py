@@ -5,7 +5,8 @@ import pytest
 
 from balance import VARIANTS
 from scenes import CIRCLE_TETHER, circle
-from tetherfmu import Outputs, StepRefused, TetherDynamic, inputs_along, models
+from tetherfmu import Outputs, StepRefused, TetherDynamic, inputs_along
+from tetherfmu.python import models
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.inputs import by_name
 from tetherfmu.runtime.parameters import Environment
@@ -237,7 +238,7 @@ def test_rows_before_a_refused_step_are_kept(variant, every, outputs):
 @pytest.mark.parametrize("span", [1000, 4, 1])
 @pytest.mark.parametrize("gaps", [(0,), (9, 10, 15), (3, 22), tuple(range(STEPS))])
 def test_a_skipped_step_is_left_out(variant, every, span, gaps, monkeypatch):
-    monkeypatch.setattr("tetherfmu.compiled_flight.SPAN", span)
+    monkeypatch.setattr("tetherfmu.python.compiled_flight.SPAN", span)
     inputs = with_gaps(*gaps)
     model, twin = started(variant), started(variant)
     expected = skipped(twin, inputs)

@@ -6,9 +6,9 @@ import pytest
 
 from tetherfmu import Environment, Ground, Line, Point, Solver, Tether, TetherSystem
 from tetherfmu.export.systems import structure_from
-from tetherfmu.fmi.system_variables import table_of
-from tetherfmu.fmi.wiring import of_system
-from tetherfmu.systems.files import SystemFile
+from tetherfmu.files.system_files import SystemFile
+from tetherfmu.wiring.fmu import of_system
+from tetherfmu.wiring.system_variables import table_of
 
 FEW, TIMES = 12, 4
 ROPE = Tether(initial_length=10.0, segments=1)

@@ -24,7 +24,7 @@ from tetherfmu import (
 )
 from tetherfmu.runtime.naming import ELSEWHERE, meant
 from tetherfmu.runtime.quantities import quantities
-from tetherfmu.runtime.variables import RECORDS
+from tetherfmu.wiring.variables import RECORDS
 
 WRONG = {
     "Tether(length=)": (lambda: Tether(length=505.0), "Tether has no argument 'length'; did you mean initial_length?"),

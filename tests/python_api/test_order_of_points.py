@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from tetherfmu import Line
-from tetherfmu.systems.ordering import ordered
+from tetherfmu.records.ordering import ordered
 
 
 def chain(count):

@@ -9,8 +9,9 @@ import pytest
 from fmpy import read_model_description
 
 from balance import VARIANTS
-from tetherfmu import StepRefused, models
+from tetherfmu import StepRefused
 from tetherfmu.export.archive import SLAVES
+from tetherfmu.python import models
 from tetherfmu.runtime.parameters import Environment, Solver, Tether, Winch
 from tetherfmu.runtime.variants import BY_NAME
 

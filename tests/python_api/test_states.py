@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from balance import VARIANTS
-from tetherfmu import Environment, StepRefused, Tether, TetherDynamic, TetherDynamicFree, models
+from tetherfmu import Environment, StepRefused, Tether, TetherDynamic, TetherDynamicFree
+from tetherfmu.python import models
 from tetherfmu.runtime import layout as at
 
 WIND, KITE = (8.0, 1.0, 0.0), (300.0, 0.0, 401.0)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from tetherfmu import Environment, Ground, Line, Point, Solver, TetherSystem, Winch, tether_of
-from tetherfmu.systems import files
+from tetherfmu.files import system_files as files
 
 EXAMPLES = sorted((Path(__file__).parents[2] / "examples" / "systems").glob("*.toml"))
 SYSTEM = """

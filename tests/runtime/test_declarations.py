@@ -10,8 +10,8 @@ from tetherfmu.console.colours import PALETTE
 from tetherfmu.runtime import enumerations, inputs, layout, outputs, status
 from tetherfmu.runtime.parameters import Environment
 from tetherfmu.runtime.quantities import quantities
-from tetherfmu.runtime.variables import PARAMETER, PARAMETERS, variables
 from tetherfmu.runtime.variants import TABLE
+from tetherfmu.wiring.variables import PARAMETER, PARAMETERS, variables
 
 every_variant = pytest.mark.parametrize("variant", TABLE, ids=lambda variant: variant.name)
 

@@ -7,10 +7,10 @@ import pytest
 from tetherfmu.libraries.ready import kernels
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.instance import Instance, address
-from tetherfmu.runtime.packing import pack, pack_records
 from tetherfmu.runtime.parameters import Environment, Solver, Tether, numbers_of
-from tetherfmu.runtime.variables import line_of_tether
 from tetherfmu.runtime.variants import VARIANTS
+from tetherfmu.wiring.packing import pack, pack_records
+from tetherfmu.wiring.variables import line_of_tether
 
 POINTS, ROOM, STEP = 5, 3, 0.02
 KITE = (300.0, 0.0, 400.0)

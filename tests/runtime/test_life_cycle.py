@@ -6,8 +6,8 @@ import pytest
 from isolation import in_shared_process
 from runtime.host import Host, every_flavour, of_every_flavour
 from scenes import REVOLUTION, circle, kite_at_start, kite_inputs
-from tetherfmu import models
-from tetherfmu.models import TetherDynamic
+from tetherfmu.python import models
+from tetherfmu.python.models import TetherDynamic
 from tetherfmu.runtime.parameters import Solver, Tether
 
 WIND = (0.1, 0.0, 0.0)

@@ -13,8 +13,8 @@ from tetherfmu.export.archive import SLAVES
 from tetherfmu.export.build_options import BuildOptions
 from tetherfmu.fmi.model_description import base_units
 from tetherfmu.runtime.kernel_library import this_platform
-from tetherfmu.runtime.variables import variables
 from tetherfmu.runtime.variants import EVERY_VARIANT
+from tetherfmu.wiring.variables import variables
 
 VECTORS = {"input": ["ground_position", "ground_velocity", "wind_velocity"], "output": ["ground_force", "kite_force"]}
 DRIVEN = {"input": ["kite_position", "kite_velocity"], "output": []}

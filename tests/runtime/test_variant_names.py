@@ -4,9 +4,9 @@ import re
 
 import pytest
 
-from tetherfmu import models
 from tetherfmu.commands.build import parse
 from tetherfmu.export.archive import SLAVES
+from tetherfmu.python import models
 from tetherfmu.runtime.variants import EVERY_VARIANT, VARIANTS, class_name, variant_of
 
 every_variant = pytest.mark.parametrize("variant", EVERY_VARIANT)

@@ -16,13 +16,13 @@ import pytest
 
 from tetherfmu.__main__ import main as tetherfmu
 from tetherfmu.commands.web import server_of
+from tetherfmu.files import scene_files as files
 from tetherfmu.libraries.examples import EXAMPLES
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime.variables import CALCULATED, INPUT, PARAMETER, variables
 from tetherfmu.runtime.variants import TABLE, class_name
-from tetherfmu.study.scenes import files
 from tetherfmu.web import page
 from tetherfmu.web.declarations import declarations
+from tetherfmu.wiring.variables import CALCULATED, INPUT, PARAMETER, variables
 
 KNOWN = json.loads(json.dumps(declarations(), allow_nan=False))  # as the browser reads them
 IN_BOTH = [*variables("dynamic_free", 2), *variables("dynamic", 2)]  # a free kite end moves as the driven one is led

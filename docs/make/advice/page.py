@@ -6,7 +6,8 @@ from time import process_time
 
 import pandas as pd
 
-from tetherfmu.results import StepRefused
+from tetherfmu.files.scene_files import load
+from tetherfmu.records.problems import StepRefused
 from tetherfmu.study.advice.advise import BUDGET, FAST_BUDGET, advise
 from tetherfmu.study.advice.reasons import TABLE
 from tetherfmu.study.advice.tradeoff import LEVELS, REFERENCE_ERROR, cheapest, measure, study
@@ -14,7 +15,6 @@ from tetherfmu.study.measuring.errors import judging, worst
 from tetherfmu.study.measuring.executors import executor_of, progress_bar
 from tetherfmu.study.measuring.store import POINTS, Store, keeping
 from tetherfmu.study.measuring.tables import factor, known, page, percent
-from tetherfmu.study.scenes.files import load
 
 from .figures import draw_chart, draw_scenes, draw_sweeps
 from .random_scenes import random_scenes

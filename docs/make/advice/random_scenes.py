@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from tetherfmu.study.scenes.files import read
-from tetherfmu.study.scenes.flights import KINDS
+from tetherfmu.files.flights import KINDS
+from tetherfmu.files.scene_files import read
 
 SEED = 6
 ALLOWED = (0.1, 0.03, 0.01, 0.003)

@@ -8,11 +8,11 @@ import pandas as pd
 from tetherfmu.libraries.ready import kernels
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.instance import Instance
-from tetherfmu.runtime.packing import pack_records
 from tetherfmu.runtime.parameters import Solver
-from tetherfmu.runtime.variables import line_of_tether
 from tetherfmu.runtime.variants import BY_NAME, VARIANTS
-from tetherfmu.study.scenes.start import tether_at_start
+from tetherfmu.study.measuring.start import tether_at_start
+from tetherfmu.wiring.packing import pack_records
+from tetherfmu.wiring.variables import line_of_tether
 
 from .races import interleaved
 from .scenes import STEP, circle_scene

@@ -8,8 +8,8 @@ from tetherfmu.kernels.equations import assembly
 from tetherfmu.kernels.equations.properties import chain_at
 from tetherfmu.kernels.linear_algebra.both_ends import deinterleave, interleave, interleaved_size
 from tetherfmu.libraries.ready import kernels
-from tetherfmu.runtime.packing import pack_records
 from tetherfmu.runtime.parameters import Solver
+from tetherfmu.wiring.packing import pack_records
 
 from .scenes import at_start
 

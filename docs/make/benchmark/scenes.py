@@ -8,12 +8,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tetherfmu.files.flights import Circle, FigureOfEight, Flight
+from tetherfmu.files.scene_files import Scene
+from tetherfmu.files.winds import Wind
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.parameters import Tether
-from tetherfmu.study.scenes.files import Scene
-from tetherfmu.study.scenes.flights import Circle, FigureOfEight, Flight
-from tetherfmu.study.scenes.start import tether_at_start
-from tetherfmu.study.scenes.winds import Wind
+from tetherfmu.study.measuring.start import tether_at_start
 
 STEP = 0.02  # communication step [s]
 REVOLUTION = 2.0 * np.pi / Circle().rate

@@ -44,15 +44,16 @@ import pandas as pd
 from numpy.linalg import norm
 from pebble import ProcessExpired
 
-from tetherfmu.models import TetherDynamicFree
-from tetherfmu.results import Outputs, StepRefused
+from tetherfmu.python.models import TetherDynamicFree
+from tetherfmu.python.results import Outputs
+from tetherfmu.records.problems import StepRefused
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import plausibility, status
 from tetherfmu.runtime.parameters import Environment, Tether
 from tetherfmu.study.measuring.executors import progress_bar
 from tetherfmu.study.measuring.runs import UNWARNED
+from tetherfmu.study.measuring.start import MODELS
 from tetherfmu.study.measuring.store import Store, digest, key
-from tetherfmu.study.scenes.start import MODELS
 
 from .isolated import isolated
 from .points import CALLS, FREE, MOST_REELED, MapPoint, ground_height, kite

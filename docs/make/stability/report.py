@@ -10,13 +10,13 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from tetherfmu.models import TetherDynamicFree
+from tetherfmu.python.models import TetherDynamicFree
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.parameters import Winch
 from tetherfmu.runtime.quantities import quantities
+from tetherfmu.study.measuring.start import MODELS
 from tetherfmu.study.measuring.store import keeping
 from tetherfmu.study.measuring.tables import markdown, page
-from tetherfmu.study.scenes.start import MODELS
 
 from .figure import DYNAMIC, FREE_KITE, QUANTITIES, REGIONS, STATIC, UNDAMPED, bands, draw
 from .flight import FORBIDDEN, HELD, LONGEST_CALL, VERDICTS, judge, judge_all, read

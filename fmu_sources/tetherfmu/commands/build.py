@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 from warnings import catch_warnings, simplefilter
 
-from tetherfmu.console.ending import FAILED, WrongUse, command, one_line
+from tetherfmu.console.ending import FAILED, command, one_line
 from tetherfmu.console.options import Parser, amount, folder, named_value, names, one_of
 from tetherfmu.console.progress import now
 from tetherfmu.export import archive
@@ -15,18 +15,19 @@ from tetherfmu.export.archive import SLAVES
 from tetherfmu.export.build_options import BuildOptions
 from tetherfmu.export.native import fmus as native
 from tetherfmu.export.native.host_header import PREFIX
-from tetherfmu.fmi.selection import GROUPS
-from tetherfmu.lean import LISTS, NONE, PRESETS, Lean
+from tetherfmu.files.lean import LISTS, NONE, PRESETS, Lean
+from tetherfmu.files.toml_files import WrongUse
 from tetherfmu.libraries import ready
 from tetherfmu.libraries.ahead_of_time import TARGETS
 from tetherfmu.libraries.examples import example
-from tetherfmu.materials import MATERIALS, tether_of
+from tetherfmu.records.materials import MATERIALS, tether_of
 from tetherfmu.runtime.kernel_library import PYTHONFMU, this_platform
 from tetherfmu.runtime.limits import MAX_WIND_POINTS
 from tetherfmu.runtime.naming import meant_or_all, prefixed
 from tetherfmu.runtime.parameters import Tether
 from tetherfmu.runtime.quantities import Quantity, quantities
 from tetherfmu.runtime.variants import class_name, library_of, variant_of
+from tetherfmu.wiring.selection import GROUPS
 
 MAX_SHAPE_POINTS = 1001
 FMI = "version of FMI, 3 with --native only (default: 2)"

@@ -5,7 +5,8 @@ The examples are those of a checkout, or those that a wheel carries.
 
 from pathlib import Path
 
-from tetherfmu.console.ending import WrongUse, command
+from tetherfmu.console.ending import command
+from tetherfmu.files.toml_files import WrongUse
 from tetherfmu.libraries.examples import example
 from tetherfmu.runtime.naming import prefixed
 
@@ -18,8 +19,8 @@ def is_scene(flight):
 
 def fly_scene(given, parser):
     """Fly the scene or the system that the options name; other options end the program with status 2."""
-    from tetherfmu.study.scenes.named import named_scenes, named_systems, path_of
-    from tetherfmu.study.scenes.systems import is_system
+    from tetherfmu.files.named import named_scenes, named_systems, path_of
+    from tetherfmu.study.measuring.system_flights import is_system
 
     scene, system = example("first_flight.scene_flight"), example("first_flight.system_flight")
     with prefixed("", WrongUse):
@@ -38,7 +39,7 @@ def main(arguments=None, prog="tetherfmu fly"):
     parser = logged.parser_of(prog, circle=True)
     given = parser.parse_args(arguments)
     if given.list:
-        from tetherfmu.study.scenes.named import listed
+        from tetherfmu.files.named import listed
 
         print(*listed(), sep="\n")
         return 0

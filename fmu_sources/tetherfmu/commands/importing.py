@@ -3,8 +3,9 @@
 from importlib import import_module
 from pathlib import Path
 
-from tetherfmu.console.ending import WrongUse, command, one_line
+from tetherfmu.console.ending import command, one_line
 from tetherfmu.console.options import Parser, file
+from tetherfmu.files.toml_files import WrongUse
 
 
 @command
@@ -20,7 +21,7 @@ def main(arguments=None, prog="tetherfmu import"):
     if out.exists():
         raise WrongUse(f"{out} is there already; choose another file with --out")
     try:
-        made, text, sentences = import_module("tetherfmu.study.imported.reading").imported(given.file)
+        made, text, sentences = import_module("tetherfmu.files.imported.reading").imported(given.file)
     except ValueError as problem:
         raise WrongUse(f"{given.file}: {one_line(problem)}") from None
     out.write_text(text, encoding="utf-8")

@@ -7,8 +7,9 @@ from http import HTTPStatus
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 
-from tetherfmu.console.ending import WrongUse, command
+from tetherfmu.console.ending import command
 from tetherfmu.console.options import Parser, folder, number
+from tetherfmu.files.toml_files import WrongUse
 from tetherfmu.libraries import webassembly
 from tetherfmu.web import page
 

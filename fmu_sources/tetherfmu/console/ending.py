@@ -11,13 +11,11 @@ import re
 import sys
 from functools import cache, wraps
 
+from tetherfmu.files.toml_files import WrongUse
+
 FAILED, WRONG_USE, STOPPED = 1, 2, 130
 DISK = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)  # errors of writing to a file that is open
 REQUIREMENT = re.compile(r"([\w-]+).*extra == ['\"](\w+)['\"]")
-
-
-class WrongUse(ValueError):
-    """What a user typed, or wrote into a file, cannot be used; the message says in one line why and what is allowed."""
 
 
 class WorkersLost(RuntimeError):

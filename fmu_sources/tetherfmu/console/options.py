@@ -7,7 +7,7 @@ import sys
 import tomllib
 from pathlib import Path
 
-from tetherfmu.input_files import check_once
+from tetherfmu.files.toml_files import check_once
 from tetherfmu.runtime.naming import meant_or_all
 from tetherfmu.runtime.quantities import Quantity
 

@@ -1,4 +1,4 @@
-"""Assemble FMUs: compiled kernels, the folders `runtime` and `fmi`, PythonFMU's wrapper, one archive.
+"""Assemble FMUs: compiled kernels, the folders `runtime`, `wiring` and `fmi`, PythonFMU's wrapper, one archive.
 
 Inside an FMU the slave script and the package have names with a hash of their content, so that FMUs of different versions
 live side by side in one process. Equal sources and options give equal bytes.
@@ -35,7 +35,7 @@ from .fmi.slave import TetherSlave
 class {name}(TetherSlave):
     variant, description = {variant!r}, {description!r}
 '''
-SHIPPED = ("runtime", "fmi")  # folders of the package that every FMU has
+SHIPPED = ("runtime", "wiring", "fmi")  # folders of the package that every FMU has
 # PythonFMU executes the script of an FMU anew for each instance and keeps what it defines: 6 kB if that is a class
 LAUNCHER = """from {package}.{module} import {name}
 from {package}.fmi.workarounds import hold

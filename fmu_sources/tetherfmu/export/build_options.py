@@ -2,11 +2,11 @@
 
 from dataclasses import dataclass, field
 
+from tetherfmu.files.lean import Lean
 from tetherfmu.fmi.resources import DEFAULT_OPTIONS
-from tetherfmu.lean import Lean
 from tetherfmu.runtime.kernel_library import this_platform
-from tetherfmu.runtime.variables import table_of
 from tetherfmu.runtime.variants import BY_NAME
+from tetherfmu.wiring.variables import table_of
 
 
 @dataclass(frozen=True)

@@ -4,14 +4,14 @@ import re
 from html import escape
 from importlib.metadata import PackageNotFoundError, distribution, metadata
 
-from tetherfmu import models
-from tetherfmu.fmi import selection
 from tetherfmu.fmi.model_description import start_text
 from tetherfmu.fmi.resources import DEFAULT_OPTIONS
 from tetherfmu.libraries.sources import PACKAGE
+from tetherfmu.python import models
 from tetherfmu.runtime import __version__
-from tetherfmu.runtime.variables import INPUT, LOCAL, OUTPUT, PARAMETER, table_of
 from tetherfmu.runtime.variants import BY_NAME
+from tetherfmu.wiring import selection
+from tetherfmu.wiring.variables import INPUT, LOCAL, OUTPUT, PARAMETER, table_of
 
 from . import evidence, lean_evidence, osp, related_files
 from .texts import ASSETS, asset, filled

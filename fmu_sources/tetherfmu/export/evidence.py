@@ -20,15 +20,15 @@ from math import cos, hypot, pi, sin
 from typing import NamedTuple
 from warnings import catch_warnings
 
-from tetherfmu.fmi.portions import portions_of
-from tetherfmu.results import PlausibilityWarning
+from tetherfmu.python.system import TetherSystem
+from tetherfmu.records.problems import PlausibilityWarning
+from tetherfmu.records.winches import holding
 from tetherfmu.runtime.enumerations import WINCH_BY_FORCE, WINCH_BY_LENGTH, WINCH_BY_SPEED
 from tetherfmu.runtime.inputs import KITE_AT_START, ZERO, components, wind_at_names
 from tetherfmu.runtime.parameters import DEFAULT_TOLERANCE, Environment, FreeKite, Solver, Winch
-from tetherfmu.runtime.variables import INPUT, OUTPUT, names_of, variables
 from tetherfmu.runtime.variants import BY_NAME, DYNAMIC
-from tetherfmu.systems.shared_winches import holding
-from tetherfmu.systems.tether_system import TetherSystem
+from tetherfmu.wiring.portions import portions_of
+from tetherfmu.wiring.variables import INPUT, OUTPUT, names_of, variables
 
 from .texts import filled
 
@@ -321,7 +321,7 @@ _TENSIONS = {"tension_from": "ground_tension", "tension_to": "kite_tension", "te
 
 
 def of_system(system, wind_points=0):
-    """The `EvidenceSet` of a system. system : `systems.files.SystemFile`.  wind_points : of each line."""
+    """The `EvidenceSet` of a system. system : `files.system_files.SystemFile`.  wind_points : of each line."""
     driven = [point.name for point in system.points if point.is_driven]
     lines = {line.name: len(portions_of(line)) * wind_points for line in system.lines}
 

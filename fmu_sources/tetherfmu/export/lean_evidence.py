@@ -6,7 +6,7 @@ It is left out where the scene would be another one, and where a run would not k
 from tetherfmu.runtime.inputs import KITE_AT_START, WIND_AT, components
 from tetherfmu.runtime.parameters import Tether
 from tetherfmu.runtime.quantities import quantities
-from tetherfmu.runtime.variables import INPUT, PARAMETER, names_of, variables
+from tetherfmu.wiring.variables import INPUT, PARAMETER, names_of, variables
 
 from . import evidence
 

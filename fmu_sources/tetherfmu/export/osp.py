@@ -5,7 +5,7 @@ libcosim reads NAME_OspModelDescription.xml beside the FMU or beside the system 
 
 from xml.etree.ElementTree import Element, SubElement
 
-from tetherfmu.fmi.system_variables import inputs_at
+from tetherfmu.wiring.system_variables import inputs_at
 
 from .texts import xml_text
 

@@ -4,11 +4,11 @@ import re
 from warnings import warn
 
 from tetherfmu.fmi.resources import DEFAULT_OPTIONS
-from tetherfmu.fmi.selection import own_name
 from tetherfmu.fmi.slave import TetherSlave
 from tetherfmu.libraries import ready
-from tetherfmu.results import PlausibilityWarning
-from tetherfmu.runtime.variables import INPUT
+from tetherfmu.records.problems import PlausibilityWarning
+from tetherfmu.wiring.selection import own_name
+from tetherfmu.wiring.variables import INPUT
 
 
 class Rehearsal(TetherSlave):

@@ -4,20 +4,20 @@ from dataclasses import asdict
 from html import escape
 from pathlib import Path
 
+from tetherfmu.files import system_files as files
 from tetherfmu.fmi.resources import DEFAULT_OPTIONS
-from tetherfmu.fmi.selection import shown, with_starts
-from tetherfmu.fmi.system_variables import Line, Point, Structure, table_of
-from tetherfmu.fmi.wiring import of_system
+from tetherfmu.python.system import TetherSystem
+from tetherfmu.records.lines import sheaves_of
+from tetherfmu.records.ordering import ordered
+from tetherfmu.records.winches import as_built, check_with_sheaves
 from tetherfmu.runtime.inputs import ZERO
 from tetherfmu.runtime.kernel_library import SYSTEM
 from tetherfmu.runtime.layout import START_AT_REST, START_GIVEN
 from tetherfmu.runtime.naming import prefixed
 from tetherfmu.runtime.quantities import quantities
-from tetherfmu.systems import files
-from tetherfmu.systems.ordering import ordered
-from tetherfmu.systems.shared_winches import as_built
-from tetherfmu.systems.sheaves import check_with_sheaves, sheaves_of
-from tetherfmu.systems.tether_system import TetherSystem
+from tetherfmu.wiring.fmu import of_system
+from tetherfmu.wiring.selection import shown, with_starts
+from tetherfmu.wiring.system_variables import Line, Point, Structure, table_of
 
 from . import evidence, lean_evidence, osp
 from .archive import SLAVES, packed_with_kernels, seal, write

@@ -15,7 +15,7 @@ from pythonfmu.enums import Fmi2Status
 from ..runtime import __version__, refusals
 from ..runtime.parameters import DEFAULT_TOLERANCE
 from ..runtime.saved_state import BEFORE, INITIALIZING, STEPPING, TERMINATED
-from ..runtime.variables import CALCULATED, INPUT
+from ..wiring.variables import CALCULATED, INPUT
 from .model_description import complete
 from .workarounds import free_interpreter_once, hold, leave_search_path
 

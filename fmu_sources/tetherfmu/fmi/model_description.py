@@ -7,7 +7,7 @@ from math import inf
 from xml.etree.ElementTree import Element, SubElement
 
 from ..runtime.outputs import OUTPUT
-from ..runtime.variables import CALCULATED, INPUT, PARAMETER
+from ..wiring.variables import CALCULATED, INPUT, PARAMETER
 
 UNITS = {  # quantity, exponents of the base units, nominal value of an input or output
     "m": ("Length", {"m": 1}, 100.0),

@@ -6,16 +6,16 @@ from pathlib import Path
 from ..runtime import layout, refusals, saved_state, status
 from ..runtime.instance import Instance, zeros
 from ..runtime.kernel_library import load
-from ..runtime.packing import pack_lines, put_holders, put_sheaves
 from ..runtime.parameters import DEFAULT_TOLERANCE
 from ..runtime.plan_layout import DRIVEN
 from ..runtime.quantities import NOT_WHOLE, checked, is_beyond
 from ..runtime.saved_state import STEPPING, SavedState
-from ..runtime.variables import PARAMETER, table_of
+from ..wiring.fmu import of_system, of_tether
+from ..wiring.packing import pack_lines, put_holders, put_sheaves
+from ..wiring.system_variables import structure_of
+from ..wiring.variables import PARAMETER, table_of
 from .base_slave import WARNING, BaseSlave
 from .resources import KERNELS_FOLDER, options_in
-from .system_variables import structure_of
-from .wiring import of_system, of_tether
 
 _KITE_END = slice(layout.KITE_POSITION, layout.KITE_VELOCITY + 3)  # inputs of the kernels, for a free kite its start
 

@@ -23,7 +23,7 @@ from tetherfmu.runtime.status import (
     STOPS_CROSSED,
     UNKNOWN_WIND_LAW,
 )
-from tetherfmu.runtime.variables import PARAMETERS, PARAMETERS_WITHOUT_KITE
+from tetherfmu.wiring.variables import PARAMETERS, PARAMETERS_WITHOUT_KITE
 
 from .compilation import kernel, power
 from .equations import air

@@ -47,7 +47,7 @@ class Input:
 
     @property
     def group(self):
-        """Group of variables, see `fmi/selection.py`: that of its terminal, of both ends "motion"."""
+        """Group of variables, see `wiring/selection.py`: that of its terminal, of both ends "motion"."""
         terminal = self.terminal.partition(".")[0]
         return self.own_group or ("motion" if terminal in ("kite", "ground") else terminal)
 

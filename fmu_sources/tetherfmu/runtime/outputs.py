@@ -32,7 +32,7 @@ class Output:
     shape: tuple  # SCALAR, VECTOR or POINTS
     terminal: str  # of FMI 3, as of `inputs.Input`
     is_local: bool  # in FMI: to be read, not to be connected
-    group: str  # of variables, see `fmi/selection.py`
+    group: str  # of variables, see `wiring/selection.py`
 
     def causality(self, wind_points=0):
         """LOCAL or OUTPUT. The wind at points (`inputs.WIND_AT`) is found where they are, so the shape is connected then."""

@@ -11,18 +11,18 @@ from math import inf
 from pathlib import Path
 
 from tetherfmu.console.colours import COLOUR, GROUND, REFERENCE
-from tetherfmu.input_files import TABLE_OF_GROUND, record, value_of
+from tetherfmu.files import scene_files as files
+from tetherfmu.files.flights import KINDS
+from tetherfmu.files.toml_files import TABLE_OF_GROUND, record, value_of
+from tetherfmu.files.winds import Wind
 from tetherfmu.libraries.examples import EXAMPLES, example
 from tetherfmu.runtime import __version__, inputs, outputs, parameters, plausibility, quantities, status
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import plan_layout as places
 from tetherfmu.runtime.parameters import SCALED, Tether
 from tetherfmu.runtime.quantities import Quantity
-from tetherfmu.runtime.variables import PARAMETERS, records_of
 from tetherfmu.runtime.variants import TABLE, class_name, library_of
-from tetherfmu.study.scenes import files
-from tetherfmu.study.scenes.flights import KINDS
-from tetherfmu.study.scenes.winds import Wind
+from tetherfmu.wiring.variables import PARAMETERS, records_of
 
 from . import own_flights
 

@@ -4,9 +4,9 @@ import pytest
 
 from benchmark.hosted import hosted
 from study.scenes_of_tests import written
+from tetherfmu.files.scene_files import load
 from tetherfmu.study.measuring.fmus import fmus_in
 from tetherfmu.study.measuring.runs import Config, fmu_of, run
-from tetherfmu.study.scenes.files import load
 
 
 @pytest.mark.parametrize("config", [Config("catenary", 0, 0.0, 0.02), Config("dynamic", 6, 1e-3, 0.02)])

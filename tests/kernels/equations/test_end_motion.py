@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from scenes import CIRCLE_TETHER, circle, fly_circle
-from tetherfmu.models import TetherDynamic
+from tetherfmu.python.models import TetherDynamic
 from tetherfmu.runtime.parameters import Solver, Tether
 
 RATE = 0.5

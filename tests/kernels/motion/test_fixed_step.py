@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from scenes import CIRCLE_TETHER, fly_circle
-from tetherfmu.models import TetherDynamic
+from tetherfmu.python.models import TetherDynamic
 from tetherfmu.runtime.parameters import Environment, Solver, Tether
 
 COMMUNICATION = 0.02

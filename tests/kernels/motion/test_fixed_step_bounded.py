@@ -10,7 +10,7 @@ import pytest
 from mechanics import energy
 from stability.flight import fly
 from stability.points import point
-from tetherfmu.models import TetherDynamic
+from tetherfmu.python.models import TetherDynamic
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.parameters import Solver, Tether
 

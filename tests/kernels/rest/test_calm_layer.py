@@ -13,7 +13,7 @@ from balance import residual, turning
 from mechanics import drags
 from tetherfmu import Environment, StepRefused, TetherQuasiSteady
 from tetherfmu.kernels.rest import compressed_segments, homotopy, newton, solve
-from tetherfmu.materials import tether_of
+from tetherfmu.records.materials import tether_of
 from tetherfmu.runtime.parameters import Tether
 
 STEP, START, STEPS = 0.1, 0.3, 60

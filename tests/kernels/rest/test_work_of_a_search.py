@@ -13,7 +13,7 @@ import pytest
 from stability import flight
 from stability.points import point
 from tetherfmu.kernels.rest.solve import BUDGET
-from tetherfmu.results import StepRefused
+from tetherfmu.records.problems import StepRefused
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import status
 from tetherfmu.study.measuring.runs import UNWARNED

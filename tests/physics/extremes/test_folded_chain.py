@@ -14,7 +14,7 @@ from scipy.integrate import trapezoid
 
 from audited import run
 from mechanics import node_masses
-from tetherfmu.models import TetherDynamic
+from tetherfmu.python.models import TetherDynamic
 from tetherfmu.runtime.parameters import Environment, Solver, Tether
 
 LENGTH, GRAVITY = 10.0, 9.81

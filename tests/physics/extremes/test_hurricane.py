@@ -12,7 +12,7 @@ import pytest
 
 from audited import held, run
 from mechanics import drag, line_density
-from tetherfmu.models import TetherCatenary, TetherDynamic, TetherQuasiSteady, TetherStraight
+from tetherfmu.python.models import TetherCatenary, TetherDynamic, TetherQuasiSteady, TetherStraight
 from tetherfmu.runtime.parameters import Environment, Tether
 
 KITE = np.array([60.0, 0.0, 60.0])

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from scenes import CIRCLE_TETHER, circle
-from tetherfmu.models import TetherDynamic
+from tetherfmu.python.models import TetherDynamic
 from tetherfmu.runtime.parameters import Solver
 
 STEPS_PER_REVOLUTION = 1000

@@ -11,7 +11,7 @@ import pytest
 
 from audited import run
 from mechanics import line_density
-from tetherfmu.models import TetherDynamic
+from tetherfmu.python.models import TetherDynamic
 from tetherfmu.runtime.parameters import Environment, Solver, Tether
 
 LENGTH, FALL, ASIDE = 50.0, 5.0, 1.0

@@ -15,7 +15,7 @@ import pytest
 from scipy.linalg import expm
 
 from mechanics import line_density
-from tetherfmu.models import TetherCatenary, TetherDynamic, TetherQuasiSteady, TetherStraight
+from tetherfmu.python.models import TetherCatenary, TetherDynamic, TetherQuasiSteady, TetherStraight
 from tetherfmu.runtime.parameters import Solver, Tether
 
 STEP, POSITION_NOISE, VELOCITY_NOISE = 0.02, 1e-3, 1e-2

@@ -11,7 +11,7 @@ import pytest
 
 from audited import VOID, held, run
 from mechanics import drag, line_density
-from tetherfmu.models import TetherDynamic, TetherQuasiSteady
+from tetherfmu.python.models import TetherDynamic, TetherQuasiSteady
 from tetherfmu.runtime.parameters import Environment, Solver, Tether
 
 LENGTH = 100.0

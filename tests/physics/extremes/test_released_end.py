@@ -13,7 +13,7 @@ from scipy.special import erf
 
 from audited import VOID, held, run
 from mechanics import line_density
-from tetherfmu.models import TetherDynamic
+from tetherfmu.python.models import TetherDynamic
 from tetherfmu.runtime.parameters import Solver, Tether
 
 LENGTH, STRAIN = 100.0, 0.005

@@ -22,7 +22,7 @@ import pytest
 
 from audited import VOID, run
 from mechanics import line_density
-from tetherfmu.models import TetherDynamic
+from tetherfmu.python.models import TetherDynamic
 from tetherfmu.runtime.parameters import Solver, Tether
 
 LENGTH, STRAIN = 100.0, 0.005

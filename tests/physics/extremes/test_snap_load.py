@@ -16,7 +16,7 @@ from scipy.special import erf
 
 from audited import VOID, run
 from mechanics import line_density
-from tetherfmu.models import TetherDynamic
+from tetherfmu.python.models import TetherDynamic
 from tetherfmu.runtime.parameters import Solver, Tether
 
 LENGTH, SPEED = 100.0, 5.0

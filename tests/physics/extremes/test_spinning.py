@@ -10,7 +10,7 @@ import pytest
 
 from audited import VOID, held, run
 from mechanics import line_density, node_masses
-from tetherfmu.models import TetherDynamic
+from tetherfmu.python.models import TetherDynamic
 from tetherfmu.runtime.parameters import Solver, Tether
 
 LENGTH, OMEGA = 100.0, 2.0

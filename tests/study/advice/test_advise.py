@@ -12,12 +12,12 @@ from advice.page import asking
 from advice.random_scenes import random_scenes
 from study.scenes_of_tests import SCENE, written
 from tetherfmu.__main__ import main
+from tetherfmu.files.scene_files import load
 from tetherfmu.runtime.parameters import Ground
 from tetherfmu.study.advice.advise import FAST_BUDGET, PART_OF_FINER, Search, advise, explain, finer_model
 from tetherfmu.study.advice.ground import hanging
 from tetherfmu.study.advice.tradeoff import measure
 from tetherfmu.study.measuring.errors import converged
-from tetherfmu.study.scenes.files import load
 
 NAMES = ("kite_force",)
 SCENES = Path(__file__).resolve().parents[3] / "examples" / "scenes"

@@ -6,7 +6,7 @@ import pytest
 from tetherfmu import TetherCatenary
 from tetherfmu.__main__ import main
 from tetherfmu.study.advice.systems import advise, errors, explain, run
-from tetherfmu.study.scenes.systems import load
+from tetherfmu.study.measuring.system_flights import load
 
 LINE = """
 [points.low]

@@ -6,11 +6,11 @@ import pytest
 
 from study.scenes_of_tests import SCENE, written
 from tetherfmu.__main__ import main
+from tetherfmu.files.scene_files import load
 from tetherfmu.runtime.limits import STAGES, WORST_WORK
 from tetherfmu.study.advice.advise import FAST_BUDGET, advise_in_words
 from tetherfmu.study.advice.fixed import Fixed, candidates, fly
 from tetherfmu.study.measuring.errors import converged
-from tetherfmu.study.scenes.files import load
 
 NAMES = ("kite_force",)
 

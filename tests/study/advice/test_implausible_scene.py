@@ -3,8 +3,8 @@
 from dataclasses import replace
 from pathlib import Path
 
+from tetherfmu.files.scene_files import load
 from tetherfmu.study.advice.advise import FAST_BUDGET, advise, explain
-from tetherfmu.study.scenes.files import load
 
 SCENE = load(Path(__file__).parents[3] / "examples" / "scenes" / "parked.toml")
 

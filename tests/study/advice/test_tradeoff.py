@@ -15,13 +15,13 @@ import pytest
 from ended import status_of
 from study.scenes_of_tests import written
 from tetherfmu.__main__ import main
+from tetherfmu.files.scene_files import load
 from tetherfmu.libraries.sources import PACKAGE
 from tetherfmu.study.advice.tradeoff import cheapest, front, ladder, study
 from tetherfmu.study.measuring import store
 from tetherfmu.study.measuring.executors import executor_of
 from tetherfmu.study.measuring.runs import Config
 from tetherfmu.study.measuring.store import Store, key
-from tetherfmu.study.scenes.files import load
 
 FEW = [Config("straight", 0, 0.0, 0.02), Config("quasi_steady", 4, 0.0, 0.02), Config("dynamic", 8, 1e-3, 0.02)]
 TIMEOUT = 900.0  # seconds, for what hangs

@@ -20,7 +20,7 @@ from tetherfmu.console.ending import WorkersLost
 from tetherfmu.study import sweep
 from tetherfmu.study.measuring.executors import executor_of
 from tetherfmu.study.sweeps import sweep as sweeps
-from tetherfmu.study.sweeps.flights import fly_all
+from tetherfmu.study.sweeps.statistics import fly_all
 
 distributed = pytest.importorskip("distributed")
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no signals of this kind")

@@ -5,10 +5,10 @@ import pytest
 
 from study.scenes_of_tests import SCENE, written
 from tetherfmu import Flown
+from tetherfmu.files.scene_files import OUTPUTS, load
 from tetherfmu.runtime import layout as at
 from tetherfmu.study.measuring.errors import errors, settled
 from tetherfmu.study.measuring.runs import SHAPE_POINTS
-from tetherfmu.study.scenes.files import OUTPUTS, load
 
 
 @pytest.fixture

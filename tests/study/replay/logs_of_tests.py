@@ -6,8 +6,8 @@ import numpy as np
 import pandas as pd
 
 from tetherfmu import MovingEnd, Tether, TetherDynamic, inputs_along
+from tetherfmu.files.csv_files import Table
 from tetherfmu.study.replay import columns, log
-from tetherfmu.study.scenes.csv_files import Table
 
 STEP, DURATION, SEGMENTS = 0.02, 120.0, 8  # s, s, -
 WIND = (8.0, 0.0, 0.0)

@@ -7,9 +7,9 @@ import pandas as pd
 import pytest
 
 from tests.study.replay.known_flight import FULL, enu, full, map_of, written
+from tetherfmu.files.series import COLUMNS
 from tetherfmu.runtime.inputs import INPUT_TABLE, components
 from tetherfmu.study.replay import columns, log, readings
-from tetherfmu.study.scenes.series import COLUMNS
 
 LEAST = 'kite_position = {x = "x", y = "y", z = "z"}\n'
 GEODETIC = '[kite_position]\nlatitude = "a"\nlongitude = "b"\naltitude = "c"\n'

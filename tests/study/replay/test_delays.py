@@ -7,10 +7,10 @@ import pytest
 
 from tests.study.replay.breaking import changed
 from tests.study.replay.known_flight import enu
+from tetherfmu.files.csv_files import Table
 from tetherfmu.libraries.examples import EXAMPLES
 from tetherfmu.study.replay import checks, delays, log
 from tetherfmu.study.replay.readings import POSITION
-from tetherfmu.study.scenes.csv_files import Table
 
 LOGGED = EXAMPLES / "flights" / "kitepower_20191008_0031.csv"
 KITE = ("kite_position", "kite_velocity")

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from study.replay import logs_of_tests
+from tetherfmu.files.csv_files import Table
 from tetherfmu.study.replay import fitting
 from tetherfmu.study.replay.flight import prepare
 from tetherfmu.study.replay.log import LogError
-from tetherfmu.study.scenes.csv_files import Table
 
 CASES = 40
 FEWEST = 34  # of them: 38 are expected, and 34 or more in 99 of 100 draws of 40 (binomial)

@@ -7,9 +7,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.study.replay.known_flight import seen_from_origin
+from tetherfmu.files.csv_files import Table
 from tetherfmu.study.replay import frames, log, readings
 from tetherfmu.study.replay.columns import read
-from tetherfmu.study.scenes.csv_files import Table
 
 ROUNDING = 1e-7  # m: 6e6 m from the centre, 16 digits, some operations
 ORIGINS = [

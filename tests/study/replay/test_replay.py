@@ -10,11 +10,11 @@ from ended import status_of
 from study.replay import logs_of_tests
 from tests.study.replay.known_flight import enu, written
 from tetherfmu.__main__ import main as tetherfmu
+from tetherfmu.files.csv_files import Table
 from tetherfmu.libraries.examples import EXAMPLES
 from tetherfmu.study.replay import comparison, fitting, log, runs
 from tetherfmu.study.replay.flight import prepare
 from tetherfmu.study.replay.replay import part_of_fit, replay
-from tetherfmu.study.scenes.csv_files import Table
 
 CYCLES = [EXAMPLES / "flights" / f"kitepower_20191008_{cycle}.csv" for cycle in ("0012", "0031", "0064")]
 MOST = {"kitepower_20191008_0012": 1.0, "kitepower_20191008_0031": 1.3, "kitepower_20191008_0064": 1.6}  # m

@@ -11,6 +11,7 @@ from matplotlib.image import imread
 
 from isolation import in_own_process
 from tetherfmu.__main__ import main as tetherfmu
+from tetherfmu.files.scene_files import load
 from tetherfmu.libraries.examples import EXAMPLES
 from tetherfmu.runtime import layout as at
 from tetherfmu.study.advice.advise import FAST_BUDGET, advise
@@ -18,7 +19,6 @@ from tetherfmu.study.measuring import runs as measuring
 from tetherfmu.study.replay import comparison, figures, log, page, runs, scene
 from tetherfmu.study.replay import replay as command
 from tetherfmu.study.replay.flight import prepare
-from tetherfmu.study.scenes.files import load
 
 LOG = EXAMPLES / "flights" / "kitepower_20191008_0012.csv"
 START, END, SEGMENTS = 20.0, 32.0, 5  # s

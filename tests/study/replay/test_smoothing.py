@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from tests.study.replay.known_flight import enu, flown, motions
-from tetherfmu.console.ending import WrongUse
+from tetherfmu.files.toml_files import WrongUse
 from tetherfmu.runtime.inputs import by_name
 from tetherfmu.study.replay.flight import STEP
 from tetherfmu.study.replay.smoothing import Noise, nodes_of, smooth

@@ -16,12 +16,12 @@ import pytest
 from ended import status_of
 from tetherfmu.__main__ import main
 from tetherfmu.console.ending import WorkersLost
+from tetherfmu.files.scene_files import load
 from tetherfmu.study import sweep
 from tetherfmu.study.measuring import executors
 from tetherfmu.study.measuring.runs import Config, run
-from tetherfmu.study.scenes.files import load
 from tetherfmu.study.sweeps import sweep as module
-from tetherfmu.study.sweeps.flights import Statistics, Task, fly_all, statistics_of
+from tetherfmu.study.sweeps.statistics import Statistics, Task, fly_all, statistics_of
 from tetherfmu.study.sweeps.sweep import MOST_PER_TASK, tasks_of
 
 SHORT = {"settings": [("duration", 0.6)], "segments": 4}

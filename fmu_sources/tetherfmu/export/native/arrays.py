@@ -15,7 +15,7 @@ class Array(NamedTuple):
 
 
 def arrays(wiring):
-    """Variables of FMI 3 of a `fmi.wiring.Wiring`, in the order of its table: list of `Array`."""
+    """Variables of FMI 3 of a `wiring.fmu.Wiring`, in the order of its table: list of `Array`."""
     found = {}
     for variable, reference in zip(wiring.shown, wiring.shown_at, strict=True):
         found.setdefault(variable.name.partition("[")[0], []).append((variable, reference))

@@ -3,13 +3,13 @@
 from xml.etree.ElementTree import Element, SubElement
 
 from tetherfmu.fmi.model_description import annotations, attributes, enumerations, items, units
-from tetherfmu.fmi.system_variables import GIVEN, GIVEN_TO_ALL, OF_A_LINE, TURNED
 from tetherfmu.runtime.inputs import BY_NAME as INPUTS
 from tetherfmu.runtime.inputs import WIND_AT, WITHOUT_EFFECT, inputs_of
 from tetherfmu.runtime.outputs import BY_NAME as OUTPUTS
 from tetherfmu.runtime.outputs import OUTPUT, OUTPUT_TABLE
 from tetherfmu.runtime.quantities import Quantity
-from tetherfmu.runtime.variables import INPUT, Variable
+from tetherfmu.wiring.system_variables import GIVEN, GIVEN_TO_ALL, OF_A_LINE, TURNED
+from tetherfmu.wiring.variables import INPUT, Variable
 
 from ..documents import meaning
 from ..texts import xml_text

@@ -11,12 +11,12 @@ from pathlib import Path
 from typing import NamedTuple
 
 from tetherfmu.fmi.resources import DEFAULT_OPTIONS
-from tetherfmu.fmi.wiring import Wiring, of_tether
 from tetherfmu.libraries import ready
 from tetherfmu.libraries.ahead_of_time import object_name
 from tetherfmu.libraries.native_shell import SHELL, native_library
 from tetherfmu.runtime.kernel_library import SUFFIXES
-from tetherfmu.runtime.variables import table_of
+from tetherfmu.wiring.fmu import Wiring, of_tether
+from tetherfmu.wiring.variables import table_of
 
 from ..archive import DESCRIPTION, SLAVES, guid_of, write
 from ..build_options import BuildOptions

@@ -7,7 +7,7 @@ import re
 from functools import partial
 
 from tetherfmu.runtime import __version__
-from tetherfmu.runtime.variables import INPUT, LOCAL, OUTPUT, PARAMETER
+from tetherfmu.wiring.variables import INPUT, LOCAL, OUTPUT, PARAMETER
 
 from ..documents import meaning
 from ..texts import filled
@@ -30,7 +30,7 @@ def c_name(name, prefix=PREFIX):
 def text(file, identifier, wiring, fmi, token, prefix):
     """Text of the header of a native FMU.
 
-    file : name of the FMU without ending.  identifier : model identifier.  wiring : `fmi.wiring.Wiring`.  fmi : 2 or 3.
+    file : name of the FMU without ending.  identifier : model identifier.  wiring : `wiring.fmu.Wiring`.  fmi : 2 or 3.
     token : guid of FMI 2, instantiation token of FMI 3.  prefix : what the names begin with.
     """
     listed, named = arrays(wiring), partial(c_name, prefix=prefix)

@@ -8,7 +8,7 @@ from itertools import accumulate
 
 from tetherfmu.runtime import inputs, layout, parameters, plan_layout, plausibility, refusals, saved_state, status
 from tetherfmu.runtime.instance import OF_ALL_LINES, Instance, address
-from tetherfmu.runtime.variables import PARAMETER
+from tetherfmu.wiring.variables import PARAMETER
 
 from .arrays import arrays
 
@@ -24,7 +24,7 @@ QUANTITIES = (  # that sentences on parameters may ask for
 
 
 def header(wiring, fmi, token):
-    """Text of `tables.h` for a `fmi.wiring.Wiring`.
+    """Text of `tables.h` for a `wiring.fmu.Wiring`.
 
     token : guid of FMI 2, instantiation token of FMI 3, which has arrays and the time.
     """

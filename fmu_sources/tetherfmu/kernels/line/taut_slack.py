@@ -20,6 +20,9 @@ from ..linear_algebra.vectors import add_scaled, dot, get, norm, put, sub
 
 TRANSITION = 0.05  # measured: 0.2 costs more rejections for the same error; with 0.01 an undamped tether may gain energy
 
+OVERSHOOT = 0.1  # part of the allowed error of a velocity that a damper may cause by being wrong beyond the transition
+ROUNDING = 1e-14  # of positions, relative: an overshoot that is smaller is not sought
+
 
 @kernel
 def lighter_free_node(s, conditions, w):
@@ -45,6 +48,15 @@ def excess_stiffness(s, chain, w):
 
 
 @kernel
+def excess_damping(s, chain, w):
+    """Damping of segment s that the step held minus that on the other side of the transition [N s/m]."""
+    rest = rest_length(chain, s)
+    _, held = segment.stiffness(chain, s, w.modes[s], rest)
+    _, present = segment.stiffness(chain, s, -w.modes[s], rest)
+    return held - present
+
+
+@kernel
 def wrong_impulse(s, chain, h, w):
     """Impulse [N s] that segment s may have got wrong in a step of h [s] in which it went over the transition; else 0.
 
@@ -65,6 +77,39 @@ def transition_error(conditions, chain, h, w):
         if impulse > 0.0:
             worst = max(worst, impulse / lighter_free_node(s, conditions, w))
     return worst
+
+
+@kernel
+def part_to_transition(conditions, before, after, h, x, v, speed, w):
+    """Part of a step of h [s] after which the first segment is just beyond the transition; inf if no step has to end there.
+
+    While a segment is beyond it, its damper is wrong by |c - c'| times its rate: in all by the impulse |c - c'| |l - l0|. A
+    step has to end where this changes the velocity of the lighter free node by more than OVERSHOOT of the allowed error,
+    `speed` [m/s]. l - l0 is taken as a parabola, and the step ends at half of the l - l0 that is allowed there.
+
+    before, after : `Chain` at the start and at the end of the step.  x, v : nodes at the start [m], [m/s].
+    """
+    least, far = inf, get(x, 0 if norm(get(x, 0)) > norm(get(x, after.n)) else after.n)
+    for s in range(after.n):
+        if went_over(s, after, w):
+            over = norm(sub(get(w.x, s + 1), get(w.x, s))) - rest_length(after, s)
+            excess, harmless = abs(excess_damping(s, after, w)), OVERSHOOT * speed * lighter_free_node(s, conditions, w)
+            if excess * abs(over) > harmless and abs(over) > ROUNDING * norm(far):
+                allowed = copysign(0.5 * max(harmless / excess, ROUNDING * norm(far)), over)
+                length, e = segment.geometry(sub(get(x, s + 1), get(x, s)))
+                rest = rest_length(before, s)
+                rate = h * (dot(e, sub(get(v, s + 1), get(v, s))) - rest * before.reeling / before.length)
+                first = length - rest - allowed
+                least = min(least, part_of_parabola(first, rate, over - allowed))
+    return least
+
+
+@kernel
+def part_of_parabola(first, rate, last):
+    """Zero in (0, 1) of a parabola that is `first` at 0, with the slope `rate` and `last`, of the other sign, at 1."""
+    bend = last - first - rate
+    part = copysign(sqrt(max(rate * rate - 4.0 * bend * first, 0.0)), last)
+    return -2.0 * first / (rate + part)
 
 
 @kernel

@@ -14,9 +14,10 @@ from ..compilation import kernel
 from ..equations.free_points import points_of
 from ..equations.lines import conditions_of, lines_of, motion_of, segments_of, state_of
 from ..equations.ropes import has_coordinates
-from ..line.drum_events import SMALLEST_PIECE
+from ..line.drum_events import LONGEST_PART, SHORTEST_PART, SMALLEST_PIECE
 from ..line.step_control import (
     SMALLEST_STEP,
+    allowed_errors,
     cut,
     error_of_step,
     even_step,
@@ -25,14 +26,14 @@ from ..line.step_control import (
     next_step,
     step_after_event,
 )
-from ..line.taut_slack import keep_energy_of_drum
+from ..line.taut_slack import keep_energy_of_drum, part_to_transition
 from ..linear_algebra.vectors import get
 from ..notes import note_peak
 from ..points import system_room as at_line
 from ..points import system_step
 from ..points.coordinates import is_any_running
 from ..points.sheave_room import is_running
-from ..points.system_drums import chain_in_step
+from ..points.system_drums import chain_at_start, chain_in_step
 from ..points.system_room import drum_at, has_drum, has_free_nodes, integrator_of, is_any_turning, moves, numbers_of, turns
 from ..points.system_step import apply_changes, collect_changes, whole_masses
 from .breaks import begin_breaks, break_lines, can_any_break, part_to_break
@@ -126,6 +127,24 @@ def accept(system, time, h, is_last):
 
 
 @kernel
+def part_to_slack(system, time, h, weight):
+    """Part of the step of h [s] from a time [s] after which a segment has just gone over its transition.
+
+    inf if no step has to end there, see `part_to_transition`.  weight : as of `part_to_break`.
+    """
+    least = inf
+    for k in range(lines_of(system)):
+        if moves(system, k) and has_free_nodes(system, k) and chain_in_step(system, k, time + h).slack_damping_ratio != 1.0:
+            w, (x, v), conditions = integrator_of(system, k), motion_of(system, k), conditions_of(system, k)
+            _, speed = allowed_errors(conditions, v)
+            before, after = chain_at_start(system, k, time), chain_in_step(system, k, time + h)
+            part = part_to_transition(conditions, before, after, h, x, v, speed, w)
+            if part < inf:
+                least = min(least, max(SHORTEST_PART, min(LONGEST_PART, weight * part)))
+    return least
+
+
+@kernel
 def work_of(system):
     """Number of segments of all lines."""
     count = 0
@@ -181,7 +200,7 @@ def integrate(system, duration):
             h = cut(h_now, error)
             memory[at.REJECTIONS] += 1.0
             continue
-        before_event = part_to_event(system, time, h_now, weight)
+        before_event = min(part_to_event(system, time, h_now, weight), part_to_slack(system, time, h_now, weight))
         if may_break:
             before_event = min(before_event, part_to_break(system, time, h_now, weight))
         if has_coordinates(system):  # the last one, as it takes lengths anew

@@ -16,7 +16,7 @@ from ..equations.winch import follows_force
 from ..flat_arrays import part
 from ..linear_algebra.vectors import NEUTRAL, dot, get, put, scale, sub, vector_at
 
-# fields of `tetherfmu.energy.Energy` in their order; then tensions of the segments [N], then velocities of the nodes [m/s]
+# fields of `python.energy.Energy` in their order; then tensions of the segments [N], then velocities of the nodes [m/s]
 KINETIC, ELASTIC, POTENTIAL, GROUND_POWER, KITE_POWER, WINCH, MATERIAL, WIND, DAMPING_LOSS, DRAG_LOSS = range(10)
 DRUM, DRUM_POWER, MOTOR_POWER, FRICTION_LOSS, CONTACT_LOSS, SLIDING_LOSS, BREAKING, ENERGIES = range(10, 18)
 

@@ -79,11 +79,13 @@ static void keep_derivative(Instance *instance, unsigned reference, double value
     instance->has_derivative[reference] = true;
 }
 
-/* Hand over what was given before the first step to the state of the start. */
-void give_derivatives(Instance *instance)
+/* End initialization. The state of the start takes the derivatives that were given before. */
+Status begin_steps(Instance *instance)
 {
+    if (exit_initialization(instance) != OK) return ERROR;
     for (unsigned i = 0; i < INPUTS; i++)
         if (instance->has_derivative[i]) put_in_lines(instance->arrays, i, instance->derivatives[i]);
+    return OK;
 }
 
 /* Keep first derivatives of inputs for the next step. All are set, or none. */

@@ -12,6 +12,6 @@ Status set_input_derivatives(
 Status directional_derivative(
     Instance *instance, const unsigned *unknowns, size_t count, const unsigned *knowns, size_t known_count,
     const double *seed, size_t seeds, double *sensitivity, size_t room);
-void give_derivatives(Instance *instance);
+Status begin_steps(Instance *instance);
 
 #endif

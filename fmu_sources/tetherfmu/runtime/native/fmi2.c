@@ -81,7 +81,7 @@ fmi2Status fmi2EnterInitializationMode(fmi2Component c)
 fmi2Status fmi2ExitInitializationMode(fmi2Component c)
 {
     Instance *instance = entered(c, __func__);
-    return instance ? exit_initialization(instance) : fmi2Error;
+    return instance ? begin_steps(instance) : fmi2Error;
 }
 
 fmi2Status fmi2Terminate(fmi2Component c)

@@ -99,7 +99,7 @@ fmi3Status fmi3EnterInitializationMode(
 fmi3Status fmi3ExitInitializationMode(fmi3Instance handle)
 {
     Instance *instance = entered(handle, __func__);
-    return instance ? exit_initialization(instance) : fmi3Error;
+    return instance ? begin_steps(instance) : fmi3Error;
 }
 
 fmi3Status fmi3Terminate(fmi3Instance handle)

@@ -5,7 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "derivatives.h"
 #include "finite.h"
 #include "room.h"
 
@@ -228,7 +227,6 @@ Status exit_initialization(Instance *instance)
     if (instance->phase != INITIALIZING) return refuse_phase(instance, CANNOT_BE_LEFT);
     if (start(instance, ERROR) != OK) return ERROR;
     instance->phase = STEPPING;
-    give_derivatives(instance);
     warn_of_units(instance);
     warn(instance);
     return OK;

@@ -8,11 +8,11 @@ from math import ceil, inf, sqrt
 from typing import NamedTuple
 
 from tetherfmu.console.progress import now
+from tetherfmu.files.scene_files import flown_from, load
 from tetherfmu.runtime.variants import TABLE
 from tetherfmu.study.measuring.errors import converged, worst
 from tetherfmu.study.measuring.runs import Config, fmu_of, least_cost
 from tetherfmu.study.measuring.tables import page
-from tetherfmu.study.scenes.files import flown_from, load
 
 from .fixed import advise_fixed, explain_fixed
 from .ground import hanging, is_of_ground, lying

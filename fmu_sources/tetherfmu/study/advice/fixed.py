@@ -11,12 +11,13 @@ from warnings import catch_warnings
 
 import numpy as np
 
-from tetherfmu.results import Flown, StepRefused
+from tetherfmu.python.results import Flown
+from tetherfmu.records.problems import StepRefused
 from tetherfmu.runtime.limits import STAGES
 from tetherfmu.study.measuring.errors import errors, worst
 from tetherfmu.study.measuring.runs import FIXED, SHAPE_POINTS, UNITS, UNWARNED, end_velocities, fmu_of, winch
+from tetherfmu.study.measuring.start import tether_at_start
 from tetherfmu.study.measuring.tables import page
-from tetherfmu.study.scenes.start import tether_at_start
 
 from .tradeoff import CLEARLY, SEGMENTS, STEPS
 

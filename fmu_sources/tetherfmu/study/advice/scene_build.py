@@ -4,13 +4,13 @@ from dataclasses import replace
 
 from tetherfmu.export.archive import SLAVES
 from tetherfmu.export.build_options import BuildOptions, Purpose
-from tetherfmu.fmi.system_variables import inputs_at
-from tetherfmu.lean import Lean
-from tetherfmu.runtime.variables import CALCULATED, variables
+from tetherfmu.files.lean import Lean
+from tetherfmu.files.scene_files import flown_from, load
 from tetherfmu.study.measuring.fmus import inputs_of
 from tetherfmu.study.measuring.runs import fmu_of, parameters_of
 from tetherfmu.study.measuring.tables import percent
-from tetherfmu.study.scenes.files import flown_from, load
+from tetherfmu.wiring.system_variables import inputs_at
+from tetherfmu.wiring.variables import CALCULATED, variables
 
 from .advise import advise_in_words
 from .scene_report import body

@@ -5,12 +5,12 @@ from pathlib import Path
 import pandas as pd
 from markdown import markdown
 
+from tetherfmu.files.scene_files import OUTPUTS, flown_from, load
 from tetherfmu.study.measuring.errors import worst
 from tetherfmu.study.measuring.executors import executor_of
 from tetherfmu.study.measuring.runs import Config
 from tetherfmu.study.measuring.store import POINTS, Store, keeping
 from tetherfmu.study.measuring.tables import page
-from tetherfmu.study.scenes.files import OUTPUTS, flown_from, load
 
 from .figures import draw, draw_wind
 from .tradeoff import LEVELS, cheapest, study

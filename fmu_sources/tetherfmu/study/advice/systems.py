@@ -17,16 +17,16 @@ import numpy as np
 import pandas as pd
 
 from tetherfmu.console.progress import now
-from tetherfmu.results import StepRefused
+from tetherfmu.files.named import named_scenes, named_systems, path_of
+from tetherfmu.files.scene_files import SceneError, flown_from
+from tetherfmu.records.problems import StepRefused
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.naming import prefixed
 from tetherfmu.runtime.parameters import DEFAULT_TOLERANCE
 from tetherfmu.study.measuring.errors import TOLERANCE, even_part, refined, rms, settled, size
 from tetherfmu.study.measuring.runs import FIXED, UNITS, Run
+from tetherfmu.study.measuring.system_flights import is_system, load
 from tetherfmu.study.measuring.tables import page
-from tetherfmu.study.scenes.files import SceneError, flown_from
-from tetherfmu.study.scenes.named import named_scenes, named_systems, path_of
-from tetherfmu.study.scenes.systems import is_system, load
 
 from . import advise as of_scenes
 from .tradeoff import TOLERANCES, Measured

@@ -7,13 +7,13 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from tetherfmu.results import StepRefused
+from tetherfmu.files.scene_files import OUTPUTS
+from tetherfmu.records.problems import StepRefused
 from tetherfmu.runtime.variants import BY_NAME
 from tetherfmu.study.measuring.errors import converged, errors, worst
 from tetherfmu.study.measuring.executors import progress_bar
 from tetherfmu.study.measuring.runs import ADVISED, HOST_COST, Config, cost, run
 from tetherfmu.study.measuring.store import key
-from tetherfmu.study.scenes.files import OUTPUTS
 
 SEGMENTS = (2, 3, 4, 6, 8, 11, 16, 22, 32, 45)
 TOLERANCES = (1e-2, 1e-3, 1e-4)

@@ -22,7 +22,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tetherfmu.results import Flown
+from tetherfmu.python.results import Flown
 from tetherfmu.runtime import layout as at
 
 from .runs import Config, Run, cost, run
@@ -59,7 +59,7 @@ def power_error(scene, flown, reference, first):
 
 
 def errors(scene, flown, reference):
-    """Errors [-] of a flight against a reference, both `Flown`; dict by the names of `scenes.files.OUTPUTS`."""
+    """Errors [-] of a flight against a reference, both `Flown`; dict by the names of `scene_files.OUTPUTS`."""
     first = settled(scene, reference.outputs[0, at.WAVE_TIME])
     peak, right = flown.peak[first:].max(), reference.peak[first:].max()
     distances, lengths = size(flown.shape - reference.shape)[first:], reference.outputs[first:, at.TETHER_LENGTH]
@@ -138,7 +138,7 @@ def even_part(every, longest):
 def converged(scene, target, names, first_segments=FIRST_SEGMENTS, longest_step=LONGEST_STEP, budget=inf):
     """`Reference` of a scene, refined until its `own_error` is at most `target` [-], or until the finest allowed.
 
-    names : outputs that count, of `scenes.files.OUTPUTS`.  first_segments, longest_step : to begin with, the step [s] about.
+    names : outputs that count, of `scene_files.OUTPUTS`.  first_segments, longest_step : to begin with, the step [s] about.
     budget : as of `refined`.
     """
 

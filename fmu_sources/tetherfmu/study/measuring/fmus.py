@@ -5,11 +5,11 @@ from zipfile import is_zipfile
 
 import pandas as pd
 
-from tetherfmu.console.ending import WrongUse
 from tetherfmu.export.archive import build
 from tetherfmu.export.build_options import BuildOptions
-from tetherfmu.runtime.variables import INPUT, variables, wind_at_names
+from tetherfmu.files.toml_files import WrongUse
 from tetherfmu.runtime.variants import DYNAMIC_FREE, VARIANTS, class_name
+from tetherfmu.wiring.variables import INPUT, variables, wind_at_names
 
 
 def fmus_in(folder, variants=VARIANTS, wind_points=0):

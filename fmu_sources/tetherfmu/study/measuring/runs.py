@@ -17,11 +17,13 @@ import numpy as np
 import pandas as pd
 
 from tetherfmu.fmi.resources import DEFAULT_OPTIONS
-from tetherfmu.results import Flown, PlausibilityWarning, StepRefused
+from tetherfmu.python.results import Flown
+from tetherfmu.records.problems import PlausibilityWarning, StepRefused
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.inputs import by_name
 from tetherfmu.runtime.variants import DYNAMIC_FREE, VARIANTS, class_name
-from tetherfmu.study.scenes.start import tether_at_start
+
+from .start import tether_at_start
 
 TABLE = Path(__file__).with_name("costs.csv")
 UNITS = pd.read_csv(TABLE, index_col="variant")  # unit costs [s]: a row of `COLUMNS` for each variant and one for the host

@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from tetherfmu.input_files import factors
+from tetherfmu.files.toml_files import factors
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.parameters import Tether
 from tetherfmu.runtime.plausibility import LARGEST_STRETCH, NEARBY

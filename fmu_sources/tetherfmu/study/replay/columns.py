@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from tetherfmu.input_files import GROUND, factors, ground_of, record, require, tables_of
+from tetherfmu.files import csv_files
+from tetherfmu.files.scene_files import NOT_OF_A_SCENE, RECORDS, SceneError
+from tetherfmu.files.toml_files import GROUND, factors, ground_of, record, require, tables_of
 from tetherfmu.runtime.naming import meant_or_all, prefixed
 from tetherfmu.runtime.parameters import SCALED, Environment, Ground, Tether, changed
 from tetherfmu.runtime.quantities import check, quantity
-from tetherfmu.study.scenes import csv_files
-from tetherfmu.study.scenes.files import NOT_OF_A_SCENE, RECORDS, SceneError
 
 MAPS = {path.stem: path for path in sorted(Path(__file__).parent.glob("*.toml"))}  # that this package has
 BY_YEAR = {2019: "kitepower_2019", 2023: "kitepower_2023", 2025: "kitepower_2025"}  # of the first row of a log

@@ -2,38 +2,22 @@
 
 import numpy as np
 
+from tetherfmu.files.csv_files import from_angles
 from tetherfmu.runtime.inputs import components
-from tetherfmu.study.scenes.csv_files import from_angles
 
 from .columns import FROM_ANGLES, GEODETIC_POINT, WIND_FROM, Source
 
-EARTH_RADIUS, FLATTENING = 6378137.0, 1.0 / 298.257223563  # of the ellipsoid WGS 84 [m, -]
-SQUARED = FLATTENING * (2.0 - FLATTENING)  # of its eccentricity
+EARTH_RADIUS = 6378137.0  # m, at the equator
 ROUNDS = 5  # in which an origin is improved; each takes off three digits of what is left
 SCATTER = 10.0  # m, median, by which positions in degrees and in metres may differ
 TURN = 2.0 * np.pi  # rad
 
 
-def from_centre(latitude, longitude, altitude):
-    """Points from the centre of the Earth [m], array (..., 3), x to the meridian 0, z to the north pole.
-
-    latitude, longitude [rad] and altitude [m] of the ellipsoid, arrays or numbers.
-    """
-    across = EARTH_RADIUS / np.sqrt(1.0 - SQUARED * np.sin(latitude) ** 2)  # radius of curvature of the parallel's normal
-    outwards = (across + altitude) * np.cos(latitude)
-    upwards = (across * (1.0 - SQUARED) + altitude) * np.sin(latitude)
-    return np.stack([outwards * np.cos(longitude), outwards * np.sin(longitude), upwards], axis=-1)
-
-
 def local(latitude, longitude, altitude, origin):
-    """East, north, up [m], array (rows, 3), of geodetic coordinates [deg, deg, m] seen from an origin, likewise."""
-    phi, lam = np.radians(origin[:2])
-    away = from_centre(np.radians(latitude), np.radians(longitude), np.asarray(altitude))
-    away = away - from_centre(phi, lam, np.float64(origin[2]))
-    east = [-np.sin(lam), np.cos(lam), 0.0]
-    north = [-np.sin(phi) * np.cos(lam), -np.sin(phi) * np.sin(lam), np.cos(phi)]
-    up = [np.cos(phi) * np.cos(lam), np.cos(phi) * np.sin(lam), np.sin(phi)]
-    return away @ np.array([east, north, up]).T
+    """East, north, up [m], array (rows, 3), of WGS 84 coordinates [deg, deg, m] seen from an origin, likewise."""
+    from pymap3d import geodetic2enu  # only logs with such coordinates need it
+
+    return np.stack(geodetic2enu(latitude, longitude, altitude, *origin), axis=-1)
 
 
 def origin_of(geodetic, metres):

@@ -6,10 +6,10 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from tetherfmu.input_files import contents_of
-from tetherfmu.study.scenes import csv_files
-from tetherfmu.study.scenes.csv_files import shown
-from tetherfmu.study.scenes.files import SceneError
+from tetherfmu.files import csv_files
+from tetherfmu.files.csv_files import shown
+from tetherfmu.files.scene_files import SceneError
+from tetherfmu.files.toml_files import contents_of
 
 from . import clock, columns, frames, readings
 

@@ -6,9 +6,10 @@ from pathlib import Path
 
 import pandas as pd
 
-from tetherfmu.console.ending import FAILED, WrongUse
+from tetherfmu.console.ending import FAILED
 from tetherfmu.console.options import folder
 from tetherfmu.console.progress import now
+from tetherfmu.files.toml_files import WrongUse
 from tetherfmu.study.measuring.tables import markdown
 
 from . import comparison, figures, fitting, log, page, runs, scene

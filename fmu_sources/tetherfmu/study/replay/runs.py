@@ -7,11 +7,11 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from tetherfmu.models import TetherQuasiSteady
-from tetherfmu.results import PlausibilityWarning, StepRefused
+from tetherfmu.python.models import TetherQuasiSteady
+from tetherfmu.records.problems import PlausibilityWarning, StepRefused
 from tetherfmu.runtime.inputs import by_name
 from tetherfmu.runtime.parameters import Tether
-from tetherfmu.study.scenes.start import MODELS
+from tetherfmu.study.measuring.start import MODELS
 
 from .flight import EVERY, LEADS, STEP
 from .log import LogError
@@ -33,7 +33,7 @@ class Flown(NamedTuple):
 
     Columns beside outputs of these names: `mean_tension`, of `ground_tension` over the steps since the row before [N];
     `air_force`, what forces at both ends and weight leave [N]: drag, of a tether that hangs in equilibrium in the air.
-    `shapes` : (rows, points, 3) [m].  `refusals` : `results.Refusal` of the steps that were refused.  `stopped` : time from
+    `shapes` : (rows, points, 3) [m].  `refusals` : `Refusal` of the steps that were refused.  `stopped` : time from
     which on nothing was tried any more [s], None if all of the flight was.
     """
 

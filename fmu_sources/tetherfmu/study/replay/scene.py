@@ -8,7 +8,7 @@ import numpy as np
 from tetherfmu.console.progress import now
 from tetherfmu.export import archive
 from tetherfmu.export.build_options import BuildOptions
-from tetherfmu.input_files import GROUND
+from tetherfmu.files.toml_files import GROUND
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.kernel_library import this_platform
 from tetherfmu.runtime.quantities import quantities

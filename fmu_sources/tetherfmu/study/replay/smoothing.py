@@ -6,7 +6,7 @@ import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 from scipy.linalg import LinAlgError, solveh_banded
 
-from tetherfmu.console.ending import WrongUse
+from tetherfmu.files.toml_files import WrongUse
 
 STATES = 3  # position, velocity, acceleration
 RESOLVED = 0.02, 0.1  # of the times in which shaking exceeds the noise of a position, of a velocity: rows closer are joined

@@ -9,14 +9,15 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from tetherfmu.console.colours import BLUE, VERMILLION
-from tetherfmu.console.ending import FAILED, WrongUse, remedy
+from tetherfmu.console.ending import FAILED, remedy
 from tetherfmu.console.progress import now
+from tetherfmu.files.scene_files import load
+from tetherfmu.files.toml_files import WrongUse
 from tetherfmu.study.advice.scene_report import html
 from tetherfmu.study.measuring.store import keeping
 from tetherfmu.study.measuring.tables import page
-from tetherfmu.study.scenes.files import load
 
-from .flights import BINS_PER_DECADE
+from .statistics import BINS_PER_DECADE
 from .sweep import config_of, sweep
 
 MOST_STEPS = 20  # different values that are joined by their medians

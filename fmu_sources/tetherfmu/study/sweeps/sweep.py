@@ -8,19 +8,19 @@ from pathlib import Path
 
 import pandas as pd
 
-from tetherfmu.console.ending import WorkersLost, WrongUse
-from tetherfmu.input_files import tables_of
+from tetherfmu.console.ending import WorkersLost
+from tetherfmu.files.named import path_of
+from tetherfmu.files.scene_files import load, read
+from tetherfmu.files.settings import with_settings
+from tetherfmu.files.toml_files import WrongUse, tables_of
 from tetherfmu.runtime.naming import check_names
 from tetherfmu.runtime.parameters import DEFAULT_TOLERANCE, Tether
 from tetherfmu.runtime.variants import VARIANTS
 from tetherfmu.study.measuring.executors import executor_of, progress_bar
 from tetherfmu.study.measuring.runs import Config, least_cost
 from tetherfmu.study.measuring.store import Store, key
-from tetherfmu.study.scenes.files import load, read
-from tetherfmu.study.scenes.named import path_of
-from tetherfmu.study.scenes.settings import with_settings
 
-from .flights import USUAL, Statistics, Task, fly_all
+from .statistics import USUAL, Statistics, Task, fly_all
 from .varied import all_varied, points
 
 FLIGHTS = "flights.jsonl"  # file of finished flights

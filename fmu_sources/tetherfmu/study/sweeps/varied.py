@@ -18,13 +18,13 @@ from warnings import catch_warnings
 
 import numpy as np
 
-from tetherfmu.input_files import in_si, keys_of
+from tetherfmu.files.flights import KINDS
+from tetherfmu.files.scene_files import NOT_OF_A_SCENE, RECORDS, Scene
+from tetherfmu.files.settings import ELEMENT, OF_THE_WIND, SEED, check_settings, key_meant
+from tetherfmu.files.toml_files import in_si, keys_of
+from tetherfmu.files.winds import Box
 from tetherfmu.runtime.naming import check_names, meant_or_all, prefixed
 from tetherfmu.runtime.quantities import can_be_given
-from tetherfmu.study.scenes.files import NOT_OF_A_SCENE, RECORDS, Scene
-from tetherfmu.study.scenes.flights import KINDS
-from tetherfmu.study.scenes.settings import ELEMENT, OF_THE_WIND, SEED, check_settings, key_meant
-from tetherfmu.study.scenes.winds import Box
 
 WRITTEN = re.compile(r"\s*([\w.\[\]]+)\s*([=~])\s*(.+?)\s*")
 RANGE = re.compile(r"(.+?)\.\.(.+?)(?::\s*(\d+))?")

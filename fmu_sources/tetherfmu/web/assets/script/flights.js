@@ -1,4 +1,4 @@
-// Where the ends of the tether are in a scene, as `study/scenes/flights.py`: formulas of time; velocities are their rates.
+// Where the ends of the tether are in a scene, as `files/flights.py`: formulas of time; velocities are their rates.
 
 import { clamp, polar } from "./vectors.js";
 

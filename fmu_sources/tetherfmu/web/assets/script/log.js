@@ -1,4 +1,4 @@
-// A flight from a CSV file, made smooth as `study/scenes/series.py` does: C2 splines of positions, monotonic others.
+// A flight from a CSV file, made smooth as `files/series.py` does: C2 splines of positions, monotonic others.
 
 import { Refused } from "./library.js";
 

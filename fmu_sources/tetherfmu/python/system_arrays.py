@@ -1,0 +1,127 @@
+"""The flat arrays of a system: an `Instance` made of records, and views of its arrays for numpy."""
+
+from itertools import accumulate
+from types import SimpleNamespace
+
+import numpy as np
+
+from tetherfmu.libraries import ready
+from tetherfmu.records.lines import sheave_numbers
+from tetherfmu.records.ordering import ordered
+from tetherfmu.records.winches import as_built, with_controls
+from tetherfmu.runtime import layout as at
+from tetherfmu.runtime import plan_layout as places
+from tetherfmu.runtime.inputs import PLACES
+from tetherfmu.runtime.instance import Instance
+from tetherfmu.runtime.kernel_library import SYSTEM
+from tetherfmu.runtime.parameters import Winch, numbers_of
+from tetherfmu.wiring.fmu import carried, holders_of, lines_of
+from tetherfmu.wiring.packing import pack_lines, put_holders, put_sheaves
+from tetherfmu.wiring.portions import all_portions
+from tetherfmu.wiring.system_variables import ENDS, Line
+
+from .turned_lines import Turned
+
+
+def instance_of(points, lines, environment, solver, ground, wind_points=0, winches=()):
+    """`Instance` of a system of records, set up; ValueError names the line if a quantity is not allowed."""
+    lines = with_controls(lines, winches)
+    free, band = ordered([point.name for point in points if not point.is_driven], lines)
+    planned = [
+        Line(line.name, line.start, line.end, {}, sum(each.segments for each in line.tethers) + 1, wind_points, line.through)
+        for line in lines
+    ]
+    structure = SimpleNamespace(lines=planned, free=tuple(free), winches=as_built(winches))
+    made = Instance(ready.kernels(SYSTEM), lines_of(structure), structure.free, band)
+    masses = {point.name: point.mass for point in points} | {None: 0.0}
+    portions = all_portions(lines)
+    packed = (
+        (
+            each.line.name,
+            numbers_of(each.line.tethers, environment, solver, each.line.winch if each.number == 0 else Winch(), ground),
+            len(each.line.tethers),
+            [name in free for name in (each.start, each.end)],
+            [masses[name] for name in own],
+        )
+        for each, own in zip(portions, carried(structure), strict=True)
+    )
+    counts, parameters = pack_lines(made.kernels, packed)
+    put_sheaves(counts, parameters, [sheave_numbers(each) for each in portions])
+    put_holders(counts, parameters, holders_of(structure))
+    made.set_up(counts, parameters)
+    return made
+
+
+class Arrays:
+    """Views of the arrays of an `Instance` of lines between points: `inputs` and `state`, as `plan_layout.py` has them.
+
+    lines : those of the instance: `wiring.portions.Portion`.
+    """
+
+    def __init__(self, instance, lines, wind_profile, winches):
+        self.instance, self.lines, self._profile = instance, lines, wind_profile
+        self.turned = Turned(winches, lines)
+        self.inputs = np.frombuffer(instance.values)[: instance.outputs_at]
+        sizes = (at.inputs_size(line.wind_points) for line in instance.lines)
+        self._bounds, self._ends = list(accumulate(sizes, initial=0)), {}
+        for k, line in enumerate(lines):
+            for end, point in zip(ENDS, (line.start, line.end), strict=True):
+                self._ends.setdefault(point, []).append((k, end))
+        self.state, self.plan = np.frombuffer(instance.state), np.frombuffer(instance.plan, dtype=np.int64)
+
+    def loads_in(self, inputs):
+        """View of the loads on free points (..., 3) in inputs (..., size)."""
+        free = self.instance.free
+        return inputs[..., inputs.shape[-1] - 3 * len(free) :].reshape(*inputs.shape[:-1], len(free), 3)
+
+    def inputs_in(self, k, inputs):
+        """View of the inputs of line k, its wind points too, in those of all (..., size)."""
+        return inputs[..., self._bounds[k] : self._bounds[k + 1]]
+
+    def topology(self):
+        """Copy of the plan without what the kernels write and which points the start has found, and ratios of winches."""
+        found = self.plan.copy()
+        found[places.STATUS_LINE] = 0
+        rows = found[places.PLAN_HEADER :].reshape(-1, places.LINE_NUMBERS)
+        rows[:, [places.START_IS_SOUGHT, places.END_IS_SOUGHT]] = 0
+        return np.concatenate([found, self.turned.ratios()])
+
+    def winds(self):
+        """Places in the parameters of all lines: pairs of that of the wind profile, and of the wind at nodes, a slice."""
+        for k, segments in enumerate(self.instance.counts):
+            first = self.plan[places.PLAN_HEADER + places.LINE_NUMBERS * k + places.PARAMETERS_AT]
+            winds = first + at.node_winds_at(segments)
+            yield first + at.WIND_PROFILE, slice(winds, winds + 3 * (segments + 1))
+
+    def put_profile(self):
+        """Let all lines have the wind profile of the environment again, but those with wind points."""
+        for (profile, _), line in zip(self.winds(), self.instance.lines, strict=True):
+            self.instance.parameters[profile] = at.AT_NODES if line.wind_points else self._profile
+
+    def without_winds(self, parameters):
+        """Copy of parameters of all lines without what is part of their states: the wind at nodes, and that it is there."""
+        found = np.array(parameters)
+        for profile, nodes in self.winds():
+            found[nodes] = 0.0
+            found[profile] = self._profile if found[profile] == at.AT_NODES else found[profile]
+        return found
+
+    def seek(self, names):
+        """Let the next start find the free points with these names, and no others."""
+        rows = self.plan[places.PLAN_HEADER :].reshape(-1, places.LINE_NUMBERS)
+        for row, line in zip(rows, self.lines, strict=True):
+            row[[places.START_IS_SOUGHT, places.END_IS_SOUGHT]] = line.start in names, line.end in names
+
+    def put_point_in(self, rows, name, what, vector):
+        """Set "position" [m] or "velocity" [m/s] of a point, (..., 3), among the inputs of its lines.
+
+        rows : views (..., INPUTS) of the inputs of all lines (modified).
+        """
+        for k, end in self._ends[name]:
+            place = PLACES[f"{end}_{what}"]
+            rows[k][..., place : place + 3] = vector
+
+    def outputs_by_line(self, outputs):
+        """Outputs of each portion by its name, from those of all (..., outputs)."""
+        ends = np.cumsum([line.outputs_size for line in self.instance.lines])
+        return dict(zip([line.name for line in self.lines], np.split(outputs, ends[:-1], axis=-1), strict=True))

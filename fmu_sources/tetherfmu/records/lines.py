@@ -1,0 +1,255 @@
+"""Points and lines of a system, also over sheaves: constant records, and whether they fit together."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.naming import LONGEST_NAME, meant_or_all, names_checked, shortened
+from tetherfmu.runtime.parameters import FreeKite, Tether, Winch
+from tetherfmu.runtime.quantities import Quantity
+from tetherfmu.runtime.sheaves import SHEAVE_QUANTITIES
+
+from . import arguments
+
+Vector = tuple[float, float, float]
+ANY_INPUT = Quantity("", "", -at.LARGEST_INPUT, at.LARGEST_INPUT)
+LENGTH = Quantity("m", "a portion", minimum=0.0)
+
+
+def vector(name: str, value: ArrayLike) -> Vector:
+    """Three finite numbers; ValueError names what is something else."""
+    try:
+        found = np.asarray(value, dtype=float)
+    except (TypeError, ValueError):
+        found = np.zeros(0)
+    if found.shape != (3,):
+        raise ValueError(f"{name} is {value!r}; it must be three numbers")
+    if not np.all(np.abs(found) <= at.LARGEST_INPUT):  # NaN is not
+        raise ValueError(f"{name} is {value!r}; its numbers must be finite and at most {at.LARGEST_INPUT:g} in magnitude")
+    return tuple(found.tolist())
+
+
+def checked_name(kind: str, name: str) -> None:
+    """TypeError or ValueError unless this is a name for a point, a line or a system."""
+    if not isinstance(name, str):
+        raise TypeError(f"the name of a {kind} is {name!r}; it must be a text")
+    if not (name.isidentifier() and name.isascii() and len(name) <= LONGEST_NAME):
+        raise ValueError(
+            f"the name of a {kind} is {shortened(name)}; it must be letters from a to z, digits and underscores, no digit "
+            f"first, at most {LONGEST_NAME} of them"
+        )
+
+
+@names_checked
+@dataclass(frozen=True)
+class Point:
+    """A point where lines begin and end: driven by its inputs, or free with a mass. ValueError if a number is wrong.
+
+    Parameters
+    ----------
+    name : str
+        Letters, digits and underscores.
+    position, velocity : (3,) array
+        At the start [m], [m/s].  A free point without position (None) starts where it is in equilibrium.
+    mass : float or None
+        None: driven. Otherwise the point is free, with this mass [kg], at least 0, beside the halves of the segments that
+        meet there. Gravity acts on it.
+
+    Examples
+    --------
+    >>> Point("knot", (0.0, 0.0, 90.0), mass=2.0).is_driven
+    False
+    """
+
+    name: str
+    position: ArrayLike | None = None
+    velocity: ArrayLike = (0.0, 0.0, 0.0)
+    mass: float | None = None
+
+    def __post_init__(self):
+        checked_name("point", self.name)
+        if self.position is None and self.is_driven:
+            raise ValueError(f"the point {self.name} is driven (it has no mass); give its position")
+        if self.position is not None:
+            object.__setattr__(self, "position", vector(f"{self.name}.position", self.position))
+        object.__setattr__(self, "velocity", vector(f"{self.name}.velocity", self.velocity))
+        if not self.is_driven:
+            try:
+                FreeKite(self.mass)
+            except ValueError as problem:
+                raise ValueError(f"the point {self.name}: {str(problem).replace('kite_mass', 'mass')}") from None
+
+    @property
+    def is_driven(self) -> bool:
+        """Whether it follows its inputs."""
+        return self.mass is None
+
+
+@names_checked
+@dataclass(frozen=True)
+class Line:
+    """A tether from one point to another. ValueError if a name or a number is wrong.
+
+    Parameters
+    ----------
+    name : str
+        Letters, digits and underscores.
+    start, end : str
+        Names of two points. The winch is at the start.
+    tether : Tether
+        A sequence of them is joined in series, from the start to the end.
+    reel_out_speed : float
+        Rate of the unstretched length [m/s] at the start; positive pays out.
+    winch : Winch
+        How the winch at the start of the line is controlled, and its drum.
+    through : sequence of str
+        Points over whose sheaves the line runs, in their order; between two of them is a portion, which has the segments of
+        the tether, while `initial_length` is that of the whole line. A point may come more than once, not twice in a row.
+    initial_portions : sequence of float or None
+        Unstretched lengths of the portions at the start [m], which add up to `initial_length`.  None: each sheave starts
+        with the same tension on both sides.
+    sheave_mass : float or sequence of float
+        J/r2 of each sheave, or of all [kg].
+    sheave_friction : float or sequence of float
+        Coulomb friction of the rope on the sheave [-]: it holds up to exp(friction angle of wrap) times the other tension.
+    sheave_efficiency : float or sequence of float
+        Tension on the side from which the rope runs over that on the other side [-], instead of friction.
+
+    Examples
+    --------
+    >>> Line("bridle", "knot", "kite", Tether(segments=4, initial_length=12.0)).tether.segments
+    4
+    """
+
+    name: str
+    start: str
+    end: str
+    tether: Tether | Sequence[Tether] = Tether()  # noqa: RUF009 (a constant record)
+    reel_out_speed: float = 0.0
+    winch: Winch = Winch()  # noqa: RUF009
+    through: Sequence[str] = ()
+    initial_portions: Sequence[float] | None = None
+    sheave_mass: float | Sequence[float] = 0.0
+    sheave_friction: float | Sequence[float] = 0.0
+    sheave_efficiency: float | Sequence[float] = 1.0
+
+    def __post_init__(self):
+        checked_name("line", self.name)
+        arguments.record_of("Line", self.winch, Winch).check_effect()
+        check_sheaves(self)
+        for point in (self.start, *self.through, self.end):
+            if not isinstance(point, str):
+                raise TypeError(f"the line {self.name} goes to {point!r}; it must be the name of a point")
+        if self.start == self.end and not self.through:
+            raise ValueError(f"the line {self.name} goes from the point {self.start} to itself; it needs two points")
+        if not ANY_INPUT.allows(self.reel_out_speed):
+            raise ValueError(
+                f"{self.name}.reel_out_speed is {self.reel_out_speed!r}; it must be finite and at most "
+                f"{at.LARGEST_INPUT:g} in magnitude"
+            )
+
+    @property
+    def tethers(self) -> tuple[Tether, ...]:
+        """Its tethers in series, also where it is one."""
+        return tuple(self.tether) if isinstance(self.tether, list | tuple) else (self.tether,)
+
+
+def numbers_in(line, name):
+    """One number of each sheave of a line, a tuple; ValueError for another count, or if one is not allowed."""
+    given, declared = getattr(line, name), SHEAVE_QUANTITIES[name]
+    many = np.ndim(given) > 0
+    found = tuple(given) if many else (given,) * len(line.through)
+    if len(found) != len(line.through):
+        raise ValueError(
+            f"{line.name}.{name} has {len(found)} numbers; it must be one, or one for each of {len(line.through)}"
+        )
+    for each in found:
+        if not declared.allows(each):
+            raise ValueError(f"{line.name}.{name} is {each!r}; it must be {declared.range()}")
+    return tuple(map(float, found))
+
+
+def check_sheaves(line):
+    """ValueError if what a line says of sheaves cannot be; what has no effect is refused."""
+    if isinstance(line.through, str):
+        raise ValueError(f'{line.name}.through is {line.through!r}; it must be a list of names of points, as ["block"]')
+    object.__setattr__(line, "through", tuple(line.through))
+    if not line.through:
+        defaults = {"initial_portions": None, "sheave_mass": 0.0, "sheave_friction": 0.0, "sheave_efficiency": 1.0}
+        for name, default in defaults.items():
+            if getattr(line, name) is not default and getattr(line, name) != default:
+                raise ValueError(
+                    f"{line.name}.{name} is {getattr(line, name)!r} and has no effect: {line.name} runs through no point"
+                )
+        return
+    if len(line.tethers) > 1:
+        raise ValueError(f"the line {line.name} is of {len(line.tethers)} tethers in series; over sheaves it must be of one")
+    stops = (line.start, *line.through, line.end)
+    twice = next((a for a, b in pairwise(stops) if a == b), None)
+    if twice is not None:
+        raise ValueError(f"the line {line.name} goes from the point {twice} to itself; there must be another point between")
+    numbers = {name: numbers_in(line, name) for name in SHEAVE_QUANTITIES}
+    if any(a > 0.0 and b != 1.0 for a, b in zip(numbers["sheave_friction"], numbers["sheave_efficiency"], strict=True)):
+        raise ValueError(f"{line.name}.sheave_friction and {line.name}.sheave_efficiency are both given; give one of them")
+    if line.initial_portions is not None:
+        check_portions(line)
+
+
+def check_portions(line):
+    """ValueError unless the portions that are given are those of the line."""
+    given, whole, count = tuple(line.initial_portions), line.tethers[0].initial_length, len(line.through) + 1
+    if len(given) != count or not all(LENGTH.allows(each) and each > 0.0 for each in given):
+        raise ValueError(f"{line.name}.initial_portions is {list(given)!r}; it must be {count} lengths above 0")
+    least = at.MIN_SEGMENT_LENGTH * line.tethers[0].segments
+    if min(given) < least:
+        raise ValueError(
+            f"{line.name}.initial_portions is {list(given)!r}; each must be at least {least:g} m, "
+            f"{at.MIN_SEGMENT_LENGTH:g} m for each of its {line.tethers[0].segments} segments"
+        )
+    if abs(sum(given) - whole) > 1e-9 * whole:
+        raise ValueError(
+            f"{line.name}.initial_portions add up to {sum(given):.9g} m; it must be initial_length, {whole!r} m"
+        )
+
+
+def sheave_numbers(portion):
+    """What `packing.put_sheaves` takes of a `Portion`."""
+    if not portion.is_portion:
+        return None
+    line, k = portion.line, portion.number
+    given = line.initial_portions[k] if line.initial_portions is not None else 0.0
+    own = [numbers_in(line, name)[k] for name in SHEAVE_QUANTITIES] if portion.is_through else [0.0, 0.0, 1.0]
+    return [at.BEHIND_SHEAVE if k else 1.0, given, *own]
+
+
+def sheaves_of(line):
+    """Start values of the sheaves of a line, and of its portions, as a `wiring.system_variables.Line` has them."""
+    given = line.initial_portions or (0.0,) * (len(line.through) + 1)
+    return {"initial_portions": tuple(given), **{name: numbers_in(line, name) for name in SHEAVE_QUANTITIES}}
+
+
+def check_system(points: Sequence[Point], lines: Sequence[Line]) -> None:
+    """ValueError, in words, unless points and lines fit together; they may be several systems that no line joins."""
+    if not lines:
+        raise ValueError("a system needs at least one line")
+    names = [each.name for each in (*points, *lines)]
+    twice = next((name for name in names if names.count(name) > 1), None)
+    if twice is not None:
+        raise ValueError(f"the name {twice} is given twice; each point and each line needs a name of its own")
+    known = [point.name for point in points]
+    for line in lines:
+        for end in (line.start, *line.through, line.end):
+            if end not in known:
+                raise ValueError(
+                    f"the line {line.name} goes to the point {end}, which does not exist{meant_or_all(end, known)}"
+                )
+    used = {end for line in lines for end in (line.start, *line.through, line.end)}
+    idle = [name for name in known if name not in used]
+    if idle:
+        raise ValueError(f"no line goes to the point {idle[0]}; each point must be at a line")

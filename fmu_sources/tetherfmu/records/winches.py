@@ -1,0 +1,255 @@
+"""Winches that hold several lines of a system, each with a ratio: the drum turns all of them.
+
+A winch that turns at the speed w pays out a line at ratio w; what several winches pay out of a line adds up. So with the
+matrix R of ratios (lines, winches) the reel-out speeds of lines are R w, their lengths initial_length + R p, with the
+payouts p of the winches. These follow from the lines with the shares S = (R^T R)^-1 R^T: p = S (length - initial_length).
+
+A winch that is controlled by force turns as the tensions T of its lines decide, m w' = R^T T - W - c w - F sign(w); the
+kernels have its drum with one of its lines, its carrier.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.naming import meant_or_all, names_checked, prefixed
+from tetherfmu.runtime.parameters import Winch
+from tetherfmu.runtime.quantities import quantities
+from tetherfmu.wiring import system_variables
+from tetherfmu.wiring.system_variables import OF_A_DRUM
+
+from .lines import ANY_INPUT, Line, checked_name
+
+BY_SPEED, BY_FORCE, BY_LENGTH = "speed", "force", "length"
+GIVEN = {BY_SPEED: "reel_out_speed", BY_FORCE: "winch_force", BY_LENGTH: "winch_length"}  # its input, by what controls it
+CONTROL = dict(quantities(Winch))["winch_control"].numbers
+SMALLEST_RATIO, LARGEST_RATIO = 1e-3, 1e3
+DEPENDENT = 1e-9  # a singular value of the matrix of ratios below this part of the largest is none
+
+
+@names_checked
+@dataclass(frozen=True)
+class SharedWinch:
+    """A winch that holds several lines of a system, at their starts. ValueError if a name or a number is wrong.
+
+    Parameters
+    ----------
+    name : str
+        Letters, digits and underscores.
+    lines : dict of str to float
+        Names of lines and their ratios: rope of the line for each metre that the winch pays out; negative where it reels in
+        then. A line may be in several winches: what they pay out adds up. It has no winch of its own.
+    control : "speed", "force" or "length"
+        Its input: `reel_out_speed`; `winch_force`, which the sum of tensions times ratios has to overcome [N]; or
+        `winch_length`, the length paid out since the start [m].
+    reel_out_speed : float
+        At the start [m/s], whatever the control; positive pays out.
+    winch_force : float
+        At the start [N], with the control "force"; positive reels in.
+    winch_mass, winch_damping, winch_friction : float
+        Of its drum as those of a `Winch`, with the control "force" [kg], [N.s/m], [N].
+    winch_start : "given" or "equilibrium"
+        With the control "force": the drum has paid out nothing, or so much that it is in balance with `winch_force`, all its
+        lines and free points without position in equilibrium together.
+
+    Examples
+    --------
+    >>> SharedWinch("steering", {"left": 1.0, "right": -1.0}, control="length").input
+    'winch_length'
+    """
+
+    name: str
+    lines: Mapping[str, float]
+    control: str = BY_SPEED
+    reel_out_speed: float = 0.0
+    winch_force: float = 0.0
+    winch_mass: float = 0.0
+    winch_damping: float = 0.0
+    winch_friction: float = 0.0
+    winch_start: int | str = at.WINCH_GIVEN
+
+    def __post_init__(self):
+        checked_name("winch", self.name)
+        if self.control not in tuple(GIVEN):
+            raise ValueError(f"{self.name}.control is {self.control!r}; it must be {' or '.join(map(repr, GIVEN))}")
+        if not isinstance(self.lines, Mapping) or not self.lines:
+            raise ValueError(f"{self.name}.lines is {self.lines!r}; it must have names of lines, each with its ratio")
+        for line, ratio in self.lines.items():
+            is_number = isinstance(ratio, int | float) and not isinstance(ratio, bool)
+            if not (is_number and SMALLEST_RATIO <= abs(ratio) <= LARGEST_RATIO):
+                raise ValueError(
+                    f"{self.name}.lines.{line} is {ratio!r}; it must be a number between {SMALLEST_RATIO:g} and "
+                    f"{LARGEST_RATIO:g}, or the negative of one"
+                )
+        if self.control == BY_FORCE and all(ratio < 0.0 for ratio in self.lines.values()):
+            raise ValueError(
+                f"{self.name}.lines has the ratios {list(self.lines.values())}; with the control 'force' one of them must "
+                "be above 0: give all of them the other sign"
+            )
+        for name in ("reel_out_speed", "winch_force"):
+            if not ANY_INPUT.allows(getattr(self, name)):
+                raise ValueError(
+                    f"{self.name}.{name} is {getattr(self, name)!r}; it must be finite and at most {at.LARGEST_INPUT:g} in "
+                    "magnitude"
+                )
+        with prefixed(f"{self.name}."):
+            object.__setattr__(self, "winch_start", self.drum.winch_start)
+        for name in ("winch_force", *OF_A_DRUM):
+            if getattr(self, name) != getattr(SharedWinch, name) and self.control != BY_FORCE:
+                raise ValueError(
+                    f"{self.name}.{name} is {getattr(self, name)!r} and has no effect: control is {self.control!r}"
+                )
+
+    @property
+    def input(self) -> str:
+        """Name of its input."""
+        return GIVEN[self.control]
+
+    @property
+    def drum(self) -> Winch:
+        """`Winch` with its control and its drum."""
+        return Winch(winch_control=self.control, **{name: getattr(self, name) for name in OF_A_DRUM})
+
+
+def holding(winches, line):
+    """The winches that hold a line with this name."""
+    return [each for each in winches if line in each.lines]
+
+
+def check_winches(winches: Sequence[SharedWinch], lines: Sequence[Line], taken: Sequence[str]) -> None:
+    """ValueError, in words, unless winches fit to the lines of a system; taken : names of points and lines."""
+    known, names = [line.name for line in lines], [*taken, *(each.name for each in winches)]
+    for winch in winches:
+        if names.count(winch.name) > 1:
+            raise ValueError(f"the name {winch.name} is given twice; each point, line and winch needs a name of its own")
+        for name in winch.lines:
+            if name not in known:
+                raise ValueError(
+                    f"the winch {winch.name} holds the line {name}, which does not exist{meant_or_all(name, known)}"
+                )
+    for line in lines:
+        held = holding(winches, line.name)
+        check_drums(line, [each for each in held if each.control == BY_FORCE])
+        if held and (line.winch != Winch() or line.reel_out_speed != 0.0):
+            raise ValueError(f"the line {line.name} is held by the winch {held[0].name}; it can have no winch of its own")
+        if len({each.control for each in held}) > 1:
+            names = ", ".join(f"{each.name} ({each.control})" for each in held)
+            raise ValueError(f"the line {line.name} is held by winches with different controls, {names}; give them the same")
+    shares_of(winches)
+
+
+def check_drums(line, held):
+    """ValueError if a line cannot be held by winches that are controlled by force, a list."""
+    if len(held) > at.MOST_HOLDERS:
+        names = ", ".join(each.name for each in held)
+        raise ValueError(f"the line {line.name} is held by {names} by force; it must be {at.MOST_HOLDERS} winches at most")
+    if held:
+        check_turned(line, f"{held[0].name} holds it by force")
+
+
+def carriers_of(winches):
+    """Of each winch that is controlled by force one of its lines, each another one: a dict of names.
+
+    They exist, as no winch pays out what others do together (`shares_of`).
+    """
+    found = {}
+
+    def seek(winch, tried):
+        for line in winch.lines:
+            if line not in tried:
+                tried.add(line)
+                if line not in found or seek(found[line], tried):
+                    found[line] = winch
+                    return True
+        return False
+
+    for winch in winches:
+        if winch.control == BY_FORCE:
+            seek(winch, set())
+    return {winch.name: line for line, winch in found.items()}
+
+
+def shares_of(winches):
+    """Names of the lines that winches hold, ratios (lines, winches) and shares (winches, lines).
+
+    ValueError if winches hold the same lines in the same ratios.
+    """
+    held = list(dict.fromkeys(name for each in winches for name in each.lines))
+    ratios = np.zeros((len(held), len(winches)))
+    for j, each in enumerate(winches):
+        ratios[[held.index(name) for name in each.lines], j] = list(each.lines.values())
+    if winches:
+        values = np.linalg.svd(ratios, compute_uv=False)
+        if len(held) < len(winches) or values[-1] < DEPENDENT * values[0]:
+            raise ValueError(
+                f"the winches {', '.join(each.name for each in winches)} hold the same lines in the same ratios, so that "
+                "what each has paid out cannot be told; leave one out"
+            )
+    return held, ratios, np.linalg.pinv(ratios) if winches else ratios.T
+
+
+def as_built(winches):
+    """The same as records of `wiring.system_variables`, a tuple."""
+    held, _, shares = shares_of(winches)
+    carriers = carriers_of(winches)
+    return tuple(
+        system_variables.SharedWinch(
+            each.name,
+            each.input,
+            tuple((line, float(ratio)) for line, ratio in each.lines.items()),
+            tuple((line, share) for line, share in zip(held, own.tolist(), strict=True) if share),
+            float(each.reel_out_speed),
+            float(each.winch_force),
+            carriers.get(each.name, ""),
+            tuple((name, float(getattr(each, name))) for name in OF_A_DRUM if each.control == BY_FORCE),
+        )
+        for each, own in zip(winches, shares, strict=True)
+    )
+
+
+def with_controls(lines, winches):
+    """Lines, those that winches hold with the control of these."""
+    controls = {name: Winch(winch_control=CONTROL[each.control]) for each in winches for name in each.lines}
+    carriers = carriers_of(winches)
+    controls |= {carriers[each.name]: each.drum for each in winches if each.name in carriers}
+    return tuple(replace(line, winch=controls.get(line.name, line.winch)) for line in lines)
+
+
+def check_with_sheaves(lines, winches):
+    """ValueError if a system whose lines run over sheaves, or are held by winches by force, has what it cannot have yet."""
+    name = next((line.name for line in lines if line.through), None)
+    why = f"{name} runs over sheaves"
+    if name is None:
+        name = next((each.name for each in winches if each.control == "force"), None)
+        why = f"the winch {name} holds lines by force"
+    if name is None:
+        return
+    for line in lines:
+        check_drum(line, why)
+        if line.through and line.tethers[0].damping_law != at.STRAIN_RATE:
+            raise ValueError(f"{line.name}.damping_law is stretch_rate; over sheaves it must be strain_rate")
+        if line.through and line.tethers[0].breaking_force != 0.0:
+            force = line.tethers[0].breaking_force
+            raise ValueError(f"{line.name}.breaking_force is {force!r}, and {line.name} runs over sheaves; it must be 0")
+
+
+def check_turned(line, why):
+    """ValueError if a tether of a line is none that a drum turns beside sheaves, or with others; why : it is one."""
+    for tether in line.tethers:
+        if tether.damping_law != at.STRAIN_RATE:
+            raise ValueError(f"{line.name}.damping_law is stretch_rate, and {why}; it must be strain_rate")
+
+
+def check_drum(line, why):
+    """ValueError if the drum of a line has what it cannot have yet in a system with sheaves; why : it has these."""
+    if line.winch.winch_control != at.WINCH_BY_FORCE:
+        return
+    for name in ("shortest_length", "longest_length"):
+        stop = getattr(line.winch, name)
+        if line.through and stop:
+            raise ValueError(f"{line.name}.{name} is {stop!r}, and {line.name} runs over sheaves; it must be 0")
+    check_turned(line, f"its winch is controlled by force, and {why}")

@@ -1,1 +1,0 @@
-"""Scenes: flights of both ends, tethers and winds, from files, of the benchmark, or at random."""

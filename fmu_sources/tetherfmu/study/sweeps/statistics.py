@@ -1,0 +1,118 @@
+"""A flight of a sweep, and its statistics."""
+
+import math
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import rainflow
+
+from tetherfmu.console.ending import one_line
+from tetherfmu.files.scene_files import read
+from tetherfmu.files.settings import with_settings
+from tetherfmu.python.results import SCALARS
+from tetherfmu.runtime.naming import meant_or_all
+from tetherfmu.runtime.outputs import BY_NAME
+from tetherfmu.study.measuring.runs import Config, run
+
+FORCES = ("kite_force", "ground_force")  # vectors, of which the magnitude is taken
+OUTPUTS = (*FORCES, *SCALARS)
+BINS_PER_DECADE = 20  # of the ranges of cycles
+SMALLEST_RANGE = 1e-3  # of a cycle that is counted [N]
+
+
+class Statistics(NamedTuple):
+    """What is wanted of each flight."""
+
+    outputs: tuple = ("kite_tension", "ground_tension")  # of `OUTPUTS`
+    percentiles: tuple = (5.0, 50.0, 95.0)
+    cycles_of: str = "ground_tension"  # whose cycles are counted
+    start: float = 0.0  # time that is left out before [s]
+
+    def checked(self):
+        """The same; ValueError names what is not possible."""
+        for name in (*self.outputs, self.cycles_of):
+            if name not in OUTPUTS:
+                raise ValueError(f"there is no output {name!r}{meant_or_all(str(name), OUTPUTS)}")
+        for each in self.percentiles:
+            if not 0.0 <= each <= 100.0:
+                raise ValueError(f"a percentile is {each:g}; it must be from 0 to 100")
+        return self
+
+    def columns(self):
+        """Names of the statistics of a flight, and their units, a dict."""
+        found = {}
+        for name in self.outputs:
+            parts = ("max", "mean", "rms", *(f"p{each:g}" for each in self.percentiles))
+            found |= {f"{name}_{part}": BY_NAME[name].quantity.unit for part in parts}
+        unit = BY_NAME[self.cycles_of].quantity.unit
+        return found | {"peak_tension": "N", "cycles": "", "largest_cycle": unit, "time_slack": "s", "break_time": "s"}
+
+
+USUAL = Statistics()
+
+
+class Task(NamedTuple):
+    """Flights that are done at a time, in any process."""
+
+    table: dict  # of the scene file
+    folder: Path
+    name: str
+    config: Config
+    statistics: Statistics
+    flights: tuple  # pairs (key, values): pairs of name and value
+
+
+def values_of(flown, name):
+    """An output along a flight, array (rows,), of a force its magnitude."""
+    return np.linalg.norm(getattr(flown, name), axis=1) if name in FORCES else flown.of(name)
+
+
+def counted(series):
+    """Cycles of a series by rainflow counting (ASTM E1049): how many, the largest range, and how many by bin.
+
+    The bins are a dict of text (for JSON): k has ranges from 10^(k/20) to 10^((k + 1)/20).
+    """
+    bins, count, largest = {}, 0.0, 0.0
+    for size, _, number, _, _ in rainflow.extract_cycles(series):
+        if size >= SMALLEST_RANGE:
+            place = str(math.floor(BINS_PER_DECADE * math.log10(size)))
+            bins[place] = bins.get(place, 0.0) + number
+            count, largest = count + number, max(largest, size)
+    return count, largest, bins
+
+
+def statistics_of(flown, wanted, step):
+    """Statistics of a `Flown` with a row for each communication step [s], a dict of numbers by `Statistics.columns`.
+
+    And as `bins` those of `counted`.  wanted : `Statistics`.
+    """
+    rows = slice(round(wanted.start / step), None)
+    found: dict[str, Any] = {}
+    for name in wanted.outputs:
+        values = values_of(flown, name)[rows]
+        found |= {f"{name}_max": values.max(), f"{name}_mean": values.mean(), f"{name}_rms": np.sqrt(np.mean(values**2))}
+        shares = np.percentile(values, wanted.percentiles) if wanted.percentiles else ()
+        found |= {f"{name}_p{each:g}": value for each, value in zip(wanted.percentiles, shares, strict=True)}
+    cycles, largest, bins = counted(values_of(flown, wanted.cycles_of)[rows])
+    found |= {"peak_tension": flown.of("peak_tension")[rows].max(), "cycles": cycles, "largest_cycle": largest}
+    found["time_slack"] = step * np.count_nonzero(flown.of("slack_segments")[rows])
+    if flown.of("broken")[-1]:
+        found["break_time"] = flown.of("break_time")[-1]
+    return {name: float(value) for name, value in found.items()} | {"bins": bins}
+
+
+def fly(task, values):
+    """Statistics of one flight of a `Task` with these values, a dict; of one that is refused `refused`, the reason."""
+    try:
+        scene = read(with_settings(task.table, values), task.folder, task.name)
+        flown = run(replace(scene, every=task.config.step), task.config).flown
+    except (ValueError, OSError) as error:  # also StepRefused and WrongUse
+        return {"refused": one_line(error)}
+    return statistics_of(flown, task.statistics, task.config.step)
+
+
+def fly_all(task):
+    """`fly` of all flights of a `Task`, a dict by key."""
+    return {key: fly(task, values) for key, values in task.flights}

@@ -1,1 +1,0 @@
-"""Systems of tethers: lines between points, moved in one step."""
