@@ -1,20 +1,14 @@
 """How Sphinx makes the documentation site: `python -m sphinx -W --keep-going -b html docs site`."""
 
-import inspect
-import os
-import re
 import shutil
 import sys
 import tempfile
 from importlib.metadata import distribution
-from itertools import groupby
 from pathlib import Path
 
 from docutils import nodes
-from numpydoc import docscrape_sphinx
 from sphinx.util.osutil import relative_uri
 
-os.environ["NUMBA_DISABLE_JIT"] = "1"  # kernels as the plain functions that they are written as, with their docstrings
 DOCS = Path(__file__).resolve().parent
 sys.path[:0] = [str(DOCS / "make"), str(DOCS.parent / "fmu_sources")]
 
@@ -28,13 +22,16 @@ version = release
 smartquotes_action = "qe"  # no dashes: an option of a command has two hyphens
 extensions = [
     "course_pages",
-    "myst_nb",
+    "myst_parser",
     "numpydoc",
     "sphinx.ext.autodoc",
     "sphinx.ext.mathjax",
     "sphinx.ext.viewcode",
     "sphinx_design",
     "links_to_functions",
+    "real_signatures",
+    "rows_of_search",
+    "sidebar",
     "words_of_search",
 ]
 exclude_patterns = ["data", "make", "publishing", "site_files"]
@@ -43,20 +40,13 @@ myst_enable_extensions = ["amsmath", "attrs_block", "colon_fence", "deflist", "d
 myst_heading_anchors = 4
 myst_links_external_new_tab = True
 
-nb_execution_mode = "force"  # of the lessons, each time that they are read
-nb_execution_raise_on_error = True
-nb_execution_timeout = 120  # s
-nb_output_stderr = "remove"  # warnings of FMPy
-nb_merge_streams = True
-nb_code_prompt_show, nb_code_prompt_hide = "Show the answer", "Hide the answer"
-
 autodoc_member_order = "bysource"
-autodoc_typehints = "none"  # numpydoc has the types
-autodoc_preserve_defaults = True
+autodoc_typehints = "none"  # real_signatures has them
 numpydoc_show_class_members = False
 numpydoc_xref_param_type = False
 
 add_module_names = False
+maximum_signature_line_length = 100
 default_role = "literal"  # single backticks in docstrings
 toc_object_entries = False
 html_theme = "furo"
@@ -65,6 +55,8 @@ MATHJAX = DOCS / distribution("sphinx-mathjax-offline").locate_file("sphinx-math
 html_static_path = ["site_files", str(MATHJAX)]  # formulas without the web: this one file has all that MathJax needs
 mathjax_path = MATHJAX.name
 html_css_files = ["wide.css"]
+html_js_files = [("sidebar.js", {"defer": "defer"})]
+html_search_scorer = str(DOCS / "site_files" / "scorer.js")
 FLOWN = Path(tempfile.mkdtemp())  # with the page of `tetherfmu web`, and the lessons as notebooks
 html_extra_path = [str(FLOWN)]
 KERNELS = webassembly.place_of("webassembly", webassembly.FILE, webassembly.VARIANTS, [webassembly.__file__])
@@ -75,49 +67,13 @@ else:
     print("the site goes without the page of tetherfmu web: its kernels are not compiled; tetherfmu web compiles them, once")
 course_pages.write_notebooks(DOCS, FLOWN / "course")
 html_copy_source = False
-html_domain_indices = False  # modules are those of the kernels
+html_domain_indices = False
 pygments_style, pygments_dark_style = "default", "monokai"
-
-
-def made_once(make):
-    """Function that returns what it has made at its first call."""
-    made = []
-
-    def first(**options):
-        if not made:
-            made.append(make(**options))
-        return made[0]
-
-    return first
-
-
-# numpydoc has one template, and would compile it anew for each of some 2000 docstrings: a fifth of the time
-docscrape_sphinx.SandboxedEnvironment = made_once(docscrape_sphinx.SandboxedEnvironment)
-
-
-def as_written(app, what, name, obj, options, lines):
-    """Show docstrings of kernels: prose as prose, and what is indented, equations, as text with its alignment."""
-    if name.startswith("tetherfmu.kernels."):
-        lines.clear()
-        for indented, group in groupby((inspect.getdoc(obj) or "").splitlines(), lambda line: line.startswith("  ")):
-            if indented:
-                lines += ["", ".. code-block:: text", "", *(f"    {line}" for line in group), ""]
-            else:
-                lines += [re.sub(r"([\\*|_])", r"\\\1", line) for line in group]
 
 
 def without_fields(app, what, name, obj, skip, options):
     """Leave out the fields of records, which the docstring of the record explains."""
     return True if type(obj).__name__ == "_tuplegetter" else skip
-
-
-def for_users(app, what, name, obj, options, signature, returns):
-    """A signature without private arguments, and with the values of constants instead of their names."""
-    if signature:
-        names = getattr(getattr(obj, "__init__", None) if what == "class" else obj, "__globals__", {})
-        signature = re.sub(r", _\w+=(\([^)]*\)|[^,)]*)", "", signature)
-        signature = re.sub(r"(?<==)_?[A-Z][A-Z_]+\b", lambda found: repr(names.get(found[0], found[0])), signature)
-    return signature, returns
 
 
 def figures_as_links(app, doctree, docname):
@@ -146,8 +102,6 @@ def without_page(app, exception):
 def setup(app):
     """Connect the functions above."""
     app.connect("build-finished", without_page)
-    app.connect("autodoc-process-docstring", as_written, priority=600)  # after numpydoc
-    app.connect("autodoc-process-signature", for_users)
     app.connect("autodoc-skip-member", without_fields)
     app.connect("doctree-resolved", figures_as_links)
     app.connect("doctree-resolved", tables_of_variables)

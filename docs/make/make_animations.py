@@ -6,7 +6,6 @@ browsers without animations have its first frame.
 
 import contextlib
 import io
-import re
 
 import matplotlib as mpl
 import numpy as np
@@ -14,20 +13,19 @@ import numpy as np
 mpl.use("Agg")
 import matplotlib.pyplot as plt
 
-from course_pages import ROOT, lessons
+from course_pages import CODE, ROOT, lessons
 from pictures import save_moving
 from tetherfmu.console.colours import BLACK, BLUE, GREY, VERMILLION
 
 DOCS = ROOT / "docs"
 FRAMES, SECONDS = 120, 12.0  # of an animation, and how long it takes [s]
 DOT = {"color": VERMILLION, "linewidth": 9.0, "solid_capstyle": "round"}
-CELL = re.compile(r"^```\{code-cell\}\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
 
 def variables(number):
     """What the code of a lesson leaves behind: a dict of its variables."""
     (page,) = (page for page in lessons(DOCS) if page.stem.startswith(number))
-    code, found = CELL.findall(page.read_text(encoding="utf-8"))[0], {}
+    code, found = CODE.findall(page.read_text(encoding="utf-8"))[0], {}
     with contextlib.redirect_stdout(io.StringIO()):
         exec(compile(code, page, "exec"), found)  # the code of the page, as a reader runs it
     plt.close("all")

@@ -1,4 +1,4 @@
-"""Write docs/use/example_fmus.md from the sources of the example FMUs: `python docs/make/make_example_fmus.py`."""
+"""Write the pages of the example FMUs and of their variables from the sources: `python docs/make/make_example_fmus.py`."""
 
 import sys
 from pathlib import Path
@@ -18,7 +18,8 @@ def start(each):
     return f"{each[0].start:.6g} ({display[1] * each[0].start:.3g} {display[0]})" if display else documents.start(each)
 
 
-PAGE = Path(__file__).resolve().parents[1] / "use" / "example_fmus.md"
+DOCS = Path(__file__).resolve().parents[1]
+PAGE, TABLES = DOCS / "use" / "example_fmus.md", DOCS / "reference" / "variables_of_examples.md"
 HEAD = ("name", "unit", "start", "allowed", "meaning")
 ROLES = {INPUT: "in", OUTPUT: "out", PARAMETER: "parameter"}
 OF_TETHERS = {each.quantity for each in variables("dynamic", 0) if each.causality == PARAMETER}
@@ -36,7 +37,8 @@ tetherfmu build --examples
 ```
 
 builds them and five systems of them as SSP files. They are PythonFMU slaves of 70 to 150 lines (`examples/fmus/`);
-`TurbulentWind` needs numpy.
+`TurbulentWind` needs numpy. [Variables of the example FMUs](../reference/variables_of_examples.md) has their equations and
+parameters.
 
 | FMU | in | out | for |
 |---|---|---|---|
@@ -168,10 +170,16 @@ a `relative_tolerance` of 1e-4 in `SystemStructure.ssd`, 3 and 1e-3 in `SystemSt
   tension of 4e5 N and more. Use another tool.
 - `extra/com.open-simulation-platform` has the system for the Open Simulation Platform
   (`CosimExecution.from_osp_config_file`), where each FMU may have its own step.
+"""
+VARIABLES = """# Variables of the example FMUs
+
+<!-- Written by docs/make/make_example_fmus.py from the sources: edit those, and run it again. -->
+
+For everyone who connects the [example FMUs](../use/example_fmus.md): their equations, variables and parameters.
 
 ## Parameters
 
-Both kites have the [parameters of air and wind](../reference/variables.md#parameters) of the tethers, `FlyingKite` also
+Both kites have the [parameters of air and wind](variables.md#parameters) of the tethers, `FlyingKite` also
 `gravity`. Others of several FMUs:
 
 {shared}"""
@@ -229,10 +237,12 @@ def aerodynamics():
     return f"## Aerodynamics of both kites\n\n```text\n{text.strip()}\n```"
 
 
-def page():
-    """Text of docs/use/example_fmus.md."""
-    return "\n\n".join([TEXT.format(shared=shared()).strip(), aerodynamics(), *map(section, example_fmus.SLAVES)]) + "\n"
+def pages():
+    """Pairs (file, text) of both pages."""
+    tables = [VARIABLES.format(shared=shared()), aerodynamics(), *map(section, example_fmus.SLAVES)]
+    return (PAGE, TEXT), (TABLES, "\n\n".join(tables) + "\n")
 
 
 if __name__ == "__main__":
-    PAGE.write_text(page(), encoding="utf-8")
+    for file, text in pages():
+        file.write_text(text, encoding="utf-8")

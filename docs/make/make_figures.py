@@ -49,27 +49,40 @@ def of_example(name):
 
 
 def circle():
-    """Shapes in space at the left, forces over time at the right: the circle of the example in wind."""
+    """The circle of the example in wind."""
     from first_flight.circular_flight import find_fmu, fly
+
+    draw_beside(fly(find_fmu("TetherDynamic"), length=525.0, wind=WIND), 20, "circle", (12.0, 5.2))
+
+
+def first_flight():
+    """The figure of eight that the README flies first."""
+    from first_flight.scene_flight import find_fmu, fly, scene_of
+
+    draw_beside(fly(find_fmu("TetherDynamic"), scene_of("eight_on_a_winch")), 12, "first_flight", (8.6, 4.4))
+
+
+def draw_beside(flight, count, name, size):
+    """Shapes in space at the left, so many of them, forces over time at the right; size of the figure [in]."""
     from shared.flight_figures import ENDS, draw_components, draw_shapes, plt, times_of
 
-    flight = fly(find_fmu("TetherDynamic"), length=525.0, wind=WIND)
-    figure = plt.figure(figsize=(12.0, 5.2), layout="constrained")
+    figure = plt.figure(figsize=size, layout="constrained")
     grid = figure.add_gridspec(2, 2, width_ratios=(1.25, 1.0))
     space = figure.add_subplot(grid[:, 0], projection="3d")
     flights = {"TetherDynamic": flight}
     colours = times_of(flights)
-    draw_shapes(space, flights, 20, colours)
+    draw_shapes(space, flights, count, colours)
     space.legend(loc="upper left", frameon=False)
     figure.colorbar(colours, ax=space, label="time [s]", shrink=0.6, pad=0.02, location="left")
     for row, (field, end) in enumerate(ENDS.items()):
         axes = figure.add_subplot(grid[row, 1])
         draw_components(axes, flight.time, getattr(flight, field))
-        axes.set(title=f"Force of the tether on the {end}", ylabel="force [N]", xlim=flight.time[[0, -1]])
+        axes.set(ylabel="force [N]", xlim=flight.time[[0, -1]])
+        axes.set_title(f"Force of the tether on the {end}", fontsize="medium" if size[0] < 10.0 else "large")
         axes.grid(alpha=0.3)
         axes.tick_params(labelbottom=row == len(ENDS) - 1)
     axes.set_xlabel("time [s]")
-    save(figure, FIGURES / "circle")
+    save(figure, FIGURES / name)
 
 
 def coupling():
@@ -106,7 +119,7 @@ def work_precision():
 
 DRAWN = {
     **{name: partial(of_example, name) for name in EXAMPLES},
-    **{each.__name__: each for each in (circle, coupling, fixed_steps, work_precision)},
+    **{each.__name__: each for each in (circle, coupling, first_flight, fixed_steps, work_precision)},
 }
 
 

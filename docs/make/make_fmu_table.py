@@ -68,7 +68,7 @@ def table():
     spent = costs()
     with MEASURED.open(encoding="utf-8", newline="") as file:
         errors = {name: values for name, *values in list(csv.reader(file))[1:]}
-    heads = " | ".join(f"{scene} [%]" for scene in SCENES.values())
+    heads = " | ".join(f"error [%]: {scene}" for scene in SCENES.values())
     lines = [f"| file | use it for | time per step [µs] | {heads} |", "|---" * 6 + "|"]
     for name, purpose in NEEDED_FOR.items():
         cost = f"{spent[name]:.0f}" if name in spent else "-"

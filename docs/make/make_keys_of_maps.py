@@ -21,7 +21,7 @@ def table():
         for name, each in quantities(kind)
     ]
     shared = ", ".join(f"`{section}`" for section in OF_SCENES)
-    text = f"The sections {shared} are those of [scene files](scene_files.md)."
+    text = f"The sections {shared} have the keys of [scene files](scene_files.md)."
     return f"{markdown(pd.DataFrame(rows))}\n\n{text}"
 
 

@@ -87,7 +87,9 @@ def flight():
     axes = figure.add_subplot(projection="3d")
     for k in np.linspace(0, len(shapes), SHAPES, endpoint=False).astype(int):
         axes.plot(*shapes[k].T, color=GREY, linewidth=0.7)
-    dots = axes.scatter(*path[::3].T, c=1e-3 * force[::3], cmap="plasma_r", s=2)
+    from shared.flight_figures import TENSIONS
+
+    dots = axes.scatter(*path[::3].T, c=1e-3 * force[::3], cmap=TENSIONS, vmin=0.0, s=2)
     axes.plot([0.0], [0.0], [0.0], "s", color=BLACK, markersize=4)
     axes.set(zlabel="up [m]", title="A measured flight")
     axes.set_xlabel("east [m]", labelpad=-4.0)

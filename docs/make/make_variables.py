@@ -27,18 +27,18 @@ hide-toc: true
 <!-- Written by docs/make/make_variables.py from the sources: edit those, and run it again. -->
 
 For everyone who connects a tether FMU: every variable with unit, start value, limits and value reference, and the FMUs
-that have it. Exchange and signs: [Interface](../use/interface.md).
+that have it. [Signals and signs](../use/interface.md) explains the exchange.
 
 ```{{raw}} html
 <p class="filter"><input type="search" placeholder="Filter: winch, force, DF, N/m ..." aria-label="Filter the variables"></p>
 <script defer src="../_static/filter.js"></script>
 ```
 
-FMUs: {letters}. In brackets: ignored, but its range is checked.
+The FMUs are {letters}. An FMU in brackets ignores the variable but checks its range.
 
 Value references (VR) are the same in all FMUs. A vector is one array in FMI 3 with the VR of its first element. With K
-points of the shape (`--shape-points`) the VR of parameters are greater by 3 (K - {points}). Types: Real (FMI 3:
-Float64) unless the VR column says {integer} or Boolean. A [group](#groups-and-presets) is for lean FMUs.
+shape points (`--shape-points`) the VR of parameters increase by 3 (K - {points}). The type is Real (FMI 3:
+Float64) unless the VR column says {integer} or Boolean. [Groups](#groups-and-presets) are for lean FMUs.
 
 ## Inputs
 
@@ -52,30 +52,30 @@ Float64) unless the VR column says {integer} or Boolean. A [group](#groups-and-p
 
 ## Local variables
 
-Read and plotted, not connected. K is the build option `--shape-points`, {points} by default. With `--wind-points` the
-shape is an output.
+Local variables can be read and plotted, but not connected. K is the build option `--shape-points`, {points} by default.
+With `--wind-points` the shape is an output.
 
 {local}
 
 ## Parameters
 
-Set them before the initialization ends.
+Set parameters before the end of initialization.
 
 {parameters}
 
-More rules: with `wind_profile` 3 or 4 `surface_roughness` is less than `wind_reference_height`; `initial_length` is at
-least 0.01 m for each segment; with force control it lies between `shortest_length` and `longest_length`. `segments` starts
-at the build option `--segments`.
+With `wind_profile` 3 or 4 `surface_roughness` must be less than `wind_reference_height`. `initial_length` must be at least
+0.01 m per segment, and with force control between `shortest_length` and `longest_length`. The build option `--segments`
+sets the start value of `segments`.
 
-The time of FMI 3 has the VR {time}, in `TetherDynamicFree.fmu` {free_time}.
+In FMI 3 the time variable has the VR {time}, in `TetherDynamicFree.fmu` {free_time}.
 
 ## In some FMUs
 
-Other meanings there:
+Some FMUs give these variables other meanings:
 
 {meanings}
 
-Ignored parameters:
+These FMUs ignore some parameters:
 
 {ignored}
 
@@ -83,15 +83,15 @@ Ignored parameters:
 
 {groups}.
 
-Variables that FMI 2 counts, of full FMUs and with each `--preset`:
+The table counts the FMI 2 variables of full FMUs and with each `--preset`:
 
 {presets}
 
 ## Names in C
 
 `tetherfmu build --native --header` writes [a C header](../use/importing.md#hosts-in-c-and-c-tested) with the value
-references. A name is `TETHER_` and the variable in capitals, for FMI 2 with the index: `TETHER_KITE_POSITION_1`.
-To include the headers of several FMUs in one C file, give each its own names with `--header-prefix`, such as `LEAN_`.
+references. A name is `TETHER_` plus the variable in capitals, for FMI 2 with the index: `TETHER_KITE_POSITION_1`.
+To include the headers of several FMUs in one C file, give each its own prefix with `--header-prefix`, such as `LEAN_`.
 """
 
 

@@ -207,8 +207,8 @@ def add_options(
     option = parser.add_argument
     allowed = ", ".join(TETHERS)
     option("--tether", type=tether, metavar="NAME", help=f"tether FMU: {allowed}, or all (default: dynamic)")
-    option("--fmu", type=file, metavar="FILE", help="a tether FMU of your own instead, for FMI 2 or 3")
-    about = "folder of the tether FMUs, built there if missing (default: those in dist/, or else in a cache of yours)"
+    option("--fmu", type=file, metavar="FILE", help="your own tether FMU instead, for FMI 2 or 3")
+    about = "folder of the tether FMUs, built there if missing (default: dist/, or else your cache)"
     option("--fmus", type=folder, metavar="DIR", help=about)
     option("--step", type=number(1e-6, 1e3, "s"), default=0.02, metavar="H", help="communication step [s] (default: 0.02)")
     option("--duration", type=number(1e-6, 1e6, "s"), metavar="T", help=f"duration of the flight [s] ({duration})")
@@ -229,7 +229,7 @@ def add_circle(parser, rate, length, wind):
         help=f"unstretched length of the tether [m] ({length})",
     )
     if rate:
-        about = "rate of the turn [rad/s] (default: 0.05)"
+        about = "turn rate [rad/s] (default: 0.05)"
         option("--rate", type=number(1e-9, 1e3, "rad/s"), default=0.05, metavar="G", help=about)
     option(
         "--wind",
@@ -239,9 +239,9 @@ def add_circle(parser, rate, length, wind):
         metavar=("WX", "WY", "WZ"),
         help=f"wind at the reference height [m/s] ({wind})",
     )
-    about = "shape of the tether at the start (default: quasi_steady)"
+    about = "initial shape of the tether (default: quasi_steady)"
     parser.add_choice("--start", STARTS, default="quasi_steady", help=about)
-    option("--ground", action="store_true", help="a flat ground at the height of the ground station carries the tether")
+    option("--ground", action="store_true", help="flat ground at station height supports the tether")
 
 
 def report_missing(fmu_file, flight, html):

@@ -56,7 +56,7 @@ DECIDED = {  # parameters that nobody can --set: what they follow from
 }
 setting = setting_but(DECIDED)  # of the option --set
 COLUMNS = (
-    "CSV file with the columns time, kite_position[1], kite_position[2] and kite_position[3]. It may also have those of "
+    "CSV file with the columns time, kite_position[1], kite_position[2] and kite_position[3]; optional columns are "
     "kite_velocity, ground_position, ground_velocity, wind_velocity and release, and one of reel_out_speed, winch_length, "
     "winch_force"
 )
@@ -175,17 +175,17 @@ def parser_of(prog, circle=False):
     what = "a circle, a scene, or the flight of a CSV file," if circle else "the flight of a CSV file"
     parser = Parser(prog=prog, description=f"fly a kite along {what} and plot its tether")
     option = parser.add_argument
-    length, duration = f"needed where {LOG} has no column of it", f"default: all of {LOG}"
-    about = "start value of a parameter of the FMU; may be repeated (default: those of the FMU)"
+    length, duration = f"required if {LOG} has no length column", f"default: all of {LOG}"
+    about = "start value of an FMU parameter; may be repeated (default: from the FMU)"
     if circle:
-        scene = "a scene, by the name of its file (TOML) or one of --list, or a"
+        scene = "a scene or a system, by its file (TOML) or a name from --list, or a"
         option("log", nargs="?", metavar="FLIGHT", help=f"{scene} {COLUMNS} (default: fly the circle)")
-        option("--list", action="store_true", help="list the scenes that come with it, and end")
+        option("--list", action="store_true", help="list the included scenes and systems, and exit")
         length, duration = f"{length}; default on the circle: 525", "default: all of FLIGHT, one turn on the circle"
         about = f"{about}; with a scene also any value of its file, such as tether.diameter='5 mm'"
     else:
         option("log", metavar=LOG, help=COLUMNS)
-    add_options(parser, rate=circle, length=length, wind=f"default: that of {LOG}, or none", duration=duration)
+    add_options(parser, rate=circle, length=length, wind=f"default: from {LOG}, or none", duration=duration)
     add_settings(parser, None if circle else DECIDED, about)
     parser.set_defaults(length=None, rate=None, wind=None, **({"start": None, "step": None} if circle else {}))
     return parser

@@ -6,6 +6,7 @@ import numpy as np
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 
+from shared.flight_figures import TENSIONS
 from tetherfmu.console.colours import BLACK, BLUE, GREEN, VERMILLION
 
 PANELS = (  # name of the values, factor, label, colour
@@ -53,7 +54,7 @@ def plot_path(flight):
     rows = counted(flight)
     path = path_of(flight)[rows]
     force = 1e-3 * flight.values["ground_tension"][rows]
-    dots = axes.scatter(*path[::SHOWN].T, c=force[::SHOWN], cmap="viridis", s=4)
+    dots = axes.scatter(*path[::SHOWN].T, c=force[::SHOWN], cmap=TENSIONS, vmin=0.0, s=4)
     axes.plot(*np.zeros((3, 1)), "s", color="black", label="ground station")
     axes.set(title="Path of the kite, whole cycles", xlabel="x, downwind [m]", ylabel="y [m]", zlabel="z [m]")
     axes.set_aspect("equal")

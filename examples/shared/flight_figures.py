@@ -9,10 +9,13 @@ import numpy as np
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
+from matplotlib.colors import ListedColormap
 
 from tetherfmu.console.colours import BLACK, COMPONENTS, GREY, GROUND, coloured
 
 ENDS = {"kite_force": "kite", "ground_force": "ground station"}
+#: colours of tensions from 0 on in all figures, legible on white and on dark paper
+TENSIONS = ListedColormap(plt.get_cmap("plasma")(np.linspace(0.3, 0.78, 256)))
 NARROWEST = 0.2  # width of an axis over that of the widest: a kite that stays above its winch would leave no room for labels
 
 

@@ -1,27 +1,25 @@
 """The course: each lesson is short, has all its parts, and runs as a script; what it prints agrees with a formula."""
 
-import os
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+import make_course
 import tetherfmu
+from course_pages import CODE, lessons, notebook
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
-LESSONS = sorted((DOCS / "course").glob("*.md"))
+LESSONS = lessons(DOCS)
 MOST_LINES, WIDEST = 20, 105  # of code on a page, of a line that a window of 1400 px shows
-CELL = re.compile(r"^```\{code-cell\}\n((?::[^\n]*\n)*)(.*?)^```$", re.MULTILINE | re.DOTALL)
 WEIGHT = 724.0 * np.pi / 4.0 * 0.004**2 * 9.81  # of the default tether [N/m]
 each_lesson = pytest.mark.parametrize("path", LESSONS, ids=lambda path: path.stem)
 
 
 def code_of(path):
     """The code of all cells of a page."""
-    return "".join(code for _, code in CELL.findall(path.read_text(encoding="utf-8")))
+    return "".join(CODE.findall(path.read_text(encoding="utf-8")))
 
 
 @each_lesson
@@ -34,44 +32,52 @@ def test_code_is_short(path):
 @each_lesson
 def test_all_parts_are_there(path):
     """A title with a number, for whom the lesson is, a question, a picture, what to change, an exercise, its answer."""
-    text = path.read_text(encoding="utf-8").partition("\n---\n")[2]
+    text = path.read_text(encoding="utf-8")
     start = re.match(r"# (\d+)\. .+\n\nFor [^\n]*(?:\n[^\n]+)*After this lesson you can", text)
     assert start[1] == path.stem[:2].lstrip("0")
-    parts = ["**Question.**", "plt.show()", "## What to change next", "## Exercise", ":tags: [hide-cell]"]
+    parts = ["**Question.**", "plt.show()", "## What to change next", "## Exercise", "<summary>"]
     assert sorted(parts, key=text.index) == parts
-    assert text.rstrip().endswith("```")  # the answer is the last
-    assert [options for options, _ in CELL.findall(text)].count(":tags: [hide-cell]\n") == 1
+    assert text.rstrip().endswith("</details>")  # the answer is the last
+    assert f"](../figures/course/{path.stem}.svg)" in text
 
 
 @each_lesson
-def test_what_it_imports_is_promised(path):
-    """By the front of the package, or by name on the page of promises."""
-    promises = (DOCS / "reference" / "promises.md").read_text(encoding="utf-8")
+def test_it_imports_public_names_only(path):
     for module, names in re.findall(r"^\s*from (tetherfmu[\w.]*) import (.+)$", code_of(path), re.MULTILINE):
-        for name in names.split(", "):
-            assert f"`{module}.{name}`" in promises if module != "tetherfmu" else name in tetherfmu.__all__
+        assert module == "tetherfmu"
+        assert set(names.split(", ")) <= set(tetherfmu.__all__)
     assert set(re.findall(r"^\s*import (tetherfmu\S*)", code_of(path), re.MULTILINE)) <= {"tetherfmu"}
 
 
+@each_lesson
+def test_its_notebook_has_its_code_and_no_outputs(path):
+    cells = notebook(path.read_text(encoding="utf-8"))["cells"]
+    code = [cell for cell in cells if cell["cell_type"] == "code"]
+    assert [f"{cell['source']}\n" for cell in code] == CODE.findall(path.read_text(encoding="utf-8"))
+    assert code[-1]["metadata"]["jupyter"]["source_hidden"]
+    assert not any(re.search(r"</?details>|\]\(\.\.|^!\[", cell["source"]) for cell in cells)
+
+
 def test_contents_have_all_lessons_in_order():
-    contents = re.findall(r"^course/(\w+)$", (DOCS / "index.md").read_text(encoding="utf-8"), re.MULTILINE)
-    assert contents == [path.stem for path in LESSONS]
-    assert len(contents) == 13
+    listed = re.findall(r"^\d+\. \[(.+)\]\((\w+)\.md\)$", (DOCS / "course" / "index.md").read_text("utf-8"), re.MULTILINE)
+    heads = [path.read_text(encoding="utf-8").partition("\n")[0].partition(". ")[2] for path in LESSONS]
+    assert listed == [(head, path.stem) for head, path in zip(heads, LESSONS, strict=True)]
+    assert len(listed) == 13
 
 
 @pytest.fixture
 def printed(fmu_folder, tmp_path):
-    """Function that runs a lesson as a script beside the FMUs, and returns what it prints; it must draw a picture."""
+    """Function that runs a lesson beside the FMUs and returns what it prints, which its file shows; it draws a picture."""
     (tmp_path / "dist").symlink_to(fmu_folder, target_is_directory=True)
 
     def run(number):
         (path,) = (path for path in LESSONS if path.stem.startswith(number))
-        script = tmp_path / "lesson.py"
-        script.write_text(f"{code_of(path)}\nassert plt.get_fignums()\n", encoding="utf-8")
-        path = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path), "MPLBACKEND": "Agg"}
-        done = subprocess.run([sys.executable, script], cwd=tmp_path, env=path, capture_output=True, text=True, check=False)
-        assert done.returncode == 0, done.stderr
-        return done.stdout
+        texts = make_course.ran(path, tmp_path)
+        page = path.read_text(encoding="utf-8")
+        without_times = [re.sub(r"[\d.]+ µs", "µs", text) for text in (page, make_course.with_outputs(page, texts))]
+        assert without_times[0] == without_times[1]
+        assert (tmp_path / "picture.svg").exists()
+        return "".join(texts)
 
     return run
 

@@ -12,12 +12,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 from PIL import Image
 
 import make_fmu_table
 import tetherfmu
 from named_functions import MODULES, NAME, PAGES
-from tetherfmu.runtime.variants import VARIANTS, class_name
+from real_signatures import parameters_of
+from tetherfmu.runtime.variants import EVERY_VARIANT, VARIANTS, class_name
 
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "fmu_sources" / "tetherfmu"
@@ -69,12 +71,6 @@ def test_functions_named_in_the_theory_exist(name, section):
     assert named
     for module, function in named:
         assert callable(getattr(importlib.import_module(MODULES[module]), function))
-
-
-def test_all_modules_of_the_kernels_are_listed():
-    listed = set(re.findall(r"automodule:: (\S+)", page("functions")))
-    rooms = {module for module in MODULES.values() if re.match(r"tetherfmu\.kernels\.\w+\.", module)}
-    assert listed == {*rooms, "tetherfmu.kernels.packing"}
 
 
 def test_all_public_names_are_on_the_page_of_the_python_api():
@@ -266,7 +262,7 @@ def test_parameters_of_the_crane_are_those_of_its_wire(name):
 
 def test_each_picture_of_the_gallery_has_the_command_that_draws_it():
     shown = re.findall(r"^!\[[^\]]+\]\(\.\./figures/(\w+)\.svg\)\n\n```text\n(.*)\n```$", page("gallery"), re.MULTILINE)
-    assert len(shown) == 9
+    assert len(shown) == 13
     for name, command in shown:
         script = ROOT / command.split()[1]
         assert command.startswith("tetherfmu fly") or f"{name}" in script.read_text(encoding="utf-8"), command
@@ -281,15 +277,57 @@ def test_each_map_of_stability_has_its_command():
     assert commands == rows
 
 
-def test_three_pages_have_the_same_command():
-    """The home page has it in two lines."""
-    home = (ROOT / "docs" / "index.md").read_text(encoding="utf-8")
-    texts = (README, page("start"), home)
-    first, start, two = [re.findall(r"^```sh\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)[0] for text in texts]
-    assert first == start == " && ".join(two.splitlines()) + "\n"
+def test_pages_have_the_same_command():
+    """The home page includes that of the README."""
+    first, start = (re.findall(r"^```sh\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)[0] for text in (README, page("start")))
+    assert first == start
+    assert max(map(len, first.splitlines())) <= 70  # as wide as a page of code
+    assert "first flight" in (ROOT / "docs" / "index.md").read_text(encoding="utf-8")
 
 
-def test_page_on_the_example_fmus_is_what_the_script_writes(monkeypatch):
+@pytest.mark.parametrize("text", [README, *map(page, ("start", "importing", "faq"))])
+def test_pages_recommend_the_same_build(text):
+    said = "In a Python host such as FMPy use `tetherfmu build`. For every other host use `tetherfmu build --native`"
+    assert said in " ".join(text.split())
+
+
+def test_first_flight_prints_what_the_readme_shows(fmu_folder, tmp_path):
+    """All but its speed; the circle is the flight that pulls with some 50 N."""
+    shutil.copytree(fmu_folder, tmp_path / "dist")
+    eight, circle = re.findall(r"^\.venv/bin/(tetherfmu fly .*)$", README, re.MULTILINE)
+    shown = re.search(r"```text\n(TetherDynamic: .*; )\d+ times real time\n```", README)[1]
+    printed = ran(as_here(eight), tmp_path)
+    assert printed.startswith(shown)
+    assert (tmp_path / "plots" / "eight" / "forces.png").exists()
+    pulls = re.findall(r"(\d+\.\d) N, \|kite\| (\d+\.\d) N", ran(as_here(circle.replace("all", "dynamic")), tmp_path))
+    assert [40.0 < float(each) < 60.0 for each in pulls[0]] == [True, True]
+    assert "{} N at the ground, {} N at the kite".format(*(f"{float(each):.0f}" for each in pulls[0])) in page("start")
+
+
+def test_citations_are_those_of_the_file():
+    cited = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
+    (readme,), (start,) = (re.findall(r"^```bibtex\n(.*?)^```$", text, re.M | re.S) for text in (README, page("start")))
+    assert readme == start
+    fields = {name: re.sub(r"[{}]", "", value) for name, value in re.findall(r"(\w+) += \{(.*)\},", readme)}
+    assert fields["author"] == cited["authors"][0]["name"]
+    assert fields["year"] == str(cited["date-released"].year)
+    assert {name: fields[name] for name in ("title", "version", "license")} == {
+        name: cited[name] for name in ("title", "version", "license")
+    }
+
+
+def test_pages_on_the_example_fmus_are_what_the_script_writes(monkeypatch):
     monkeypatch.syspath_prepend(ROOT / "docs" / "make")
-    script = importlib.import_module("make_example_fmus")
-    assert script.PAGE.read_text(encoding="utf-8") == script.page()
+    for file, text in importlib.import_module("make_example_fmus").pages():
+        assert file.read_text(encoding="utf-8") == text
+
+
+@pytest.mark.parametrize("name", [*map(class_name, EVERY_VARIANT), "TetherSystem"])
+def test_signatures_on_the_page_of_the_python_api_are_real(name):
+    """All arguments by name, with types; what `step` takes is what the classes take."""
+    found = getattr(tetherfmu, name)
+    for called in (found, found.initialize, found.step):
+        parameters = [each for each in parameters_of(called) if each.name != "quantities"]
+        assert not any(each.kind in (each.VAR_POSITIONAL, each.VAR_KEYWORD) for each in parameters)
+        assert all(each.annotation is not each.empty for each in parameters)
+    assert {"wind_velocity", "wind_at"} <= {each.name for each in parameters_of(found.step)}

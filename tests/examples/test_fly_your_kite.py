@@ -46,7 +46,7 @@ def test_the_kite_finds_its_elevation(fmu_folder, tmp_path):
     assert found == pytest.approx(elevation(lift - weight, drag), abs=0.3)  # a straight tether: no sag
     page = (EXAMPLES.parent / "docs" / "use" / "start.md").read_text(encoding="utf-8")
     assert f"comes to rest {found:.1f} degrees above the horizon" in page
-    assert f"alone would hold it at {np.degrees(np.arctan2(lift - weight, drag)):.1f} degrees" in page
+    assert f"Without the tether it would rest at {np.degrees(np.arctan2(lift - weight, drag)):.1f} degrees" in page
     parts = [
         elevation(lift - weight, drag, **without) - found for without in ({"drag_of_tether": 0.0}, {"weight_of_tether": 0.0})
     ]

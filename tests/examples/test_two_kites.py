@@ -31,7 +31,7 @@ def test_a_kite_pulls_its_arm_only(tmp_path):
 
 def test_prints_what_the_page_says(tmp_path):
     said = run_python(EXAMPLES / "systems" / "two_kites.py", "--out", tmp_path).stdout
-    page = (EXAMPLES.parent / "docs" / "use" / "examples_of_systems.md").read_text(encoding="utf-8").replace("\n", " ")
+    page = (EXAMPLES.parent / "docs" / "use" / "gallery.md").read_text(encoding="utf-8").replace("\n", " ")
     own = np.hypot(two_kites.AWAY, two_kites.RADIUS)
     for where, length in (("the shared tether", two_kites.ARM), ("one of its own", own)):
         found, formula = map(float, re.search(rf"held back by (\S+) N on {where} \(formula (\S+) N\)", said).groups())

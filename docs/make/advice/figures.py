@@ -50,20 +50,24 @@ def draw_scenes(results, names, path):
 
 def draw_sweeps(path):
     """Error over each number, one panel for each."""
-    figure = Figure(figsize=(12, 3.4), layout="constrained")
-    axes, handles, points = figure.subplots(1, len(LABELS), sharey=True), {}, pd.read_csv(SWEEPS)
+    figure = Figure(figsize=(8.6, 7.4), layout="constrained")
+    axes, handles, points = figure.subplots(2, COLUMNS, sharey=True).ravel(), {}, pd.read_csv(SWEEPS)
     shown = points[points.segments.isin(LINES) & points.stretch.isin(STRETCHES) & (points.error < 10.0)]
     for axis, (group, label) in zip(axes, LABELS.items(), strict=True):
         for (variant, segments), curve in shown[shown.group == group].groupby(["variant", "segments"], sort=False):
             name = variant.replace("_", "-") + (f", {segments} segments" if segments else "")
             style = {"color": COLOUR[variant], "linestyle": LINES[segments], "linewidth": 1.3}
             (handles[name],) = axis.loglog(curve.value, 100.0 * curve.error, **style)
-        for level in LEVELS:
-            axis.axhline(100.0 * level, color="0.8", linewidth=0.8, zorder=0)
-        axis.set_xlabel(label, fontsize=9)
+        axis.axhline(100.0 * CHART_LEVEL, color="0.2", linestyle="-.", linewidth=1.6, zorder=0)
+        place = {"xycoords": ("axes fraction", "data"), "xytext": (3, 3), "textcoords": "offset points"}
+        axis.annotate(f"{100.0 * CHART_LEVEL:g} %", (0.0, 100.0 * CHART_LEVEL), fontsize=LETTERS, **place)
+        axis.set_xlabel(label, fontsize=LETTERS)
+        axis.tick_params(labelsize=LETTERS)
+        axis.grid(alpha=0.25)
         axis.set_ylim(100.0 * LEVELS[0], 200.0)  # what the references are fine enough for
-    axes[0].set_ylabel("error of the force on the kite [%]", fontsize=9)
-    figure.legend(handles.values(), handles.keys(), loc="outside lower center", ncols=6, frameon=False, fontsize=9)
+    figure.supylabel("error of the force on the kite [%]", fontsize=LETTERS)
+    legend = {"loc": "outside lower center", "ncols": COLUMNS, "frameon": False, "fontsize": LETTERS}
+    figure.legend(handles.values(), handles.keys(), **legend)
     save(figure, path)
 
 

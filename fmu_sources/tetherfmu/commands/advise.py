@@ -13,7 +13,9 @@ def main(arguments=None, prog="tetherfmu advise"):
     parser.add_argument(
         "scene", metavar="SCENE", help="file of a scene or a system (TOML), or a name of tetherfmu fly --list"
     )
-    parser.add_argument("--fast", action="store_true", help="take a second or two, and say if that is not enough")
+    parser.add_argument(
+        "--fast", action="store_true", help="limit the search to a second or two, and report if that is not enough"
+    )
     parser.add_settings()
     options = parser.parse_args(arguments)
     return import_module("tetherfmu.study.advice.systems").run_command(options)

@@ -106,7 +106,7 @@ def _add_start_values(parser):
     option = parser.add_argument
     about = f"start value of segments (default: {BuildOptions.segments})"
     option("--segments", type=amount(SEGMENTS, whole=True), metavar="N", help=about)
-    about = "start value of diameter [m]; those of stiffness and damping grow with its square (default: 0.004)"
+    about = "start value of diameter [m]; scales stiffness and damping with its square (default: 0.004)"
     option("--diameter", type=amount(DIAMETER), metavar="D", help=about)
     about = "start values of density, stiffness and damping of a rope of this material (default: 724 kg/m3 and 49 GPa)"
     parser.add_choice("--material", tuple(MATERIALS), help=about)
@@ -115,11 +115,12 @@ def _add_start_values(parser):
 def _add_variables(parser):
     """Declare the variables of the FMU, and start values of any of them."""
     option = parser.add_argument
-    parser.add_choice("--preset", tuple(PRESETS), help="variables of a kind of scene (default: all variables)")
+    parser.add_choice("--preset", tuple(PRESETS), help="variables for a kind of scene (default: all variables)")
     for key in LISTS:
-        about = f"{key} of the FMU by names, groups ({', '.join(GROUPS)}) or patterns; {NONE} for none (default: all)"
+        groups = f"groups ({', '.join(GROUPS)})" if key == "inputs" else "groups"
+        about = f"{key} of the FMU by names, {groups} or patterns; {NONE} for none (default: all)"
         option(f"--{key}", type=names, metavar="NAME,...", help=about)
-    about = "start value of an input or a parameter; may be repeated; constant if the FMU goes without it; "
+    about = "start value of an input or a parameter; may be repeated; constant if the FMU omits the variable; "
     about += "a diameter scales stiffness and damping that are not set"
     option("--set", dest="starts", type=named_value, action="append", default=[], metavar="NAME=VALUE", help=about)
 
@@ -148,13 +149,13 @@ def _add_flavours(option):
     option("--fmi", type=lambda text: int(one_of("23")(text)), default=2, metavar="{2,3}", help=FMI)
     about = "with --native: also write a C header for hosts, with value references and the guid or token"
     option("--header", action="store_const", const=PREFIX, help=about)
-    about = f"with --header: what its names begin with, for several headers in one C file (default: {PREFIX})"
+    about = f"with --header: prefix of its names, for several headers in one C file (default: {PREFIX})"
     option("--header-prefix", type=c_prefix, metavar="TEXT", help=about)
-    about = "with --native: also put C sources into the FMU, which importers compile for any other processor"
+    about = "with --native: add C sources to the FMU, which importers compile for any other processor"
     option("--sources", action="store_true", help=about)
-    about = "build the one FMU of the system of tethers in this file; its lines and points have the names of the file"
+    about = "build one FMU from the system of tethers in this file, with its names of lines and points"
     option("--system", metavar="FILE", help=about)
-    option("--scene", metavar="FILE", help="build the one FMU advised for this scene, omitting unused variables")
+    option("--scene", metavar="FILE", help="build the FMU recommended for this scene, without unused variables")
 
 
 def _problems(options):

@@ -14,33 +14,33 @@ def parse(arguments, prog):
     parser = Parser(prog=prog)
     option = parser.add_argument
     option("log", metavar="LOG", help="the log (CSV)")
-    about = "what its columns are: a map of this package, or a file (TOML) (default: kitepower)"
+    about = "map of its columns: a map of this package, or a file (TOML) (default: kitepower)"
     option("--as", dest="map", metavar="MAP", help=about)
     about = "change a constant of the map, such as tether.diameter=0.014"
     option("--set", dest="settings", type=setting, action="append", metavar="NAME=VALUE", help=about)
-    about = "what the winch follows: tension, length or speed (default: the first of them in the log)"
+    about = "signal that the winch follows: tension, length or speed (default: the first of them in the log)"
     parser.add_choice("--lead", ("tension", "length", "speed"), help=about)
     tethers = tuple(reversed(VARIANTS))
     about = f"tethers: {', '.join(tethers)} (default: all)"
     parser.add_choice("--tether", tethers, nargs="+", metavar="NAME", help=about)
     whole, about = number(1, MAX_SEGMENTS, whole=True), f"segments of tethers with nodes (default: {Tether.segments})"
     option("--segments", type=whole, default=Tether.segments, metavar="N", help=about)
-    time, about = number(unit="s"), "start of the flight, in s of the log (default: its first)"
+    time, about = number(unit="s"), "start of the flight, in s of the log (default: its first time)"
     option("--from", dest="start", type=time, metavar="T", help=about)
-    option("--to", dest="end", type=time, metavar="T", help="end of the flight (default: that of the log)")
+    option("--to", dest="end", type=time, metavar="T", help="end of the flight (default: the end of the log)")
     fits = ("offset", "origin", "delay", "nothing")
     about = (
-        "what is fitted so that length and positions agree: offset, origin, delay, or nothing (default: offset, if possible)"
+        "corrections that reconcile length and positions: offset, origin, delay, or nothing (default: offset, if possible)"
     )
     parser.add_choice("--fit", fits, nargs="+", metavar="WHAT", help=about)
     about = (
-        "start of the part used for the fit (default: what is before the flight; its first half if that is less than 20 s)"
+        "start of the part used for the fit (default: the part before the flight; its first half if that is less than 20 s)"
     )
     option("--fit-from", type=time, metavar="T", help=about)
-    option("--fit-to", type=time, metavar="T", help="end of that part")
+    option("--fit-to", type=time, metavar="T", help="end of the part used for the fit")
     option("--out", type=folder, metavar="DIR", help="folder of the results (default: flights/NAME)")
     option("--html", action="store_true", help="also write a page with the tether in space (needs plotly)")
-    about = "also build the FMU that is advised for this flight, with its values as start values"
+    about = "also build the FMU recommended for this flight, with its values as start values"
     option("--fmu", action="store_true", help=about)
     return parser.parse_args(arguments)
 

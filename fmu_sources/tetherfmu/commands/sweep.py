@@ -21,15 +21,15 @@ def main(arguments=None, prog="tetherfmu sweep"):
     option = parser.add_argument
     option("scene", metavar="SCENE", help="scene file (TOML), or a name of tetherfmu fly --list")
     about = (
-        "what is varied; may be repeated: NAME=FROM..TO:COUNT (grid), NAME=A,B,C (list), NAME=1..20 (whole numbers), "
+        "varied quantity; may be repeated: NAME=FROM..TO:COUNT (grid), NAME=A,B,C (list), NAME=1..20 (integers), "
         "or NAME~DISTRIBUTION(...), one of uniform, normal, lognormal, weibull and triangular"
     )
     option("--vary", action="append", required=True, metavar="TEXT", help=about)
-    about = "samples of the distributions, flown at each point of the grid (default: 100)"
+    about = "samples of the distributions at each grid point (default: 100)"
     option("--samples", type=number(1, 1e7, whole=True), default=100, metavar="N", help=about)
-    about = "how they are drawn (default: latin_hypercube)"
+    about = "sampling method (default: latin_hypercube)"
     parser.add_choice("--method", ("latin_hypercube", "sobol"), default="latin_hypercube", help=about)
-    option("--seed", type=number(0, 2**31, whole=True), default=1, metavar="N", help="of the samples (default: 1)")
+    option("--seed", type=number(0, 2**31, whole=True), default=1, metavar="N", help="seed of the samples (default: 1)")
     parser.add_settings()
     about = "outputs with statistics, separated by commas (default: kite_tension,ground_tension)"
     option("--outputs", type=names, default=("kite_tension", "ground_tension"), metavar="NAME,...", help=about)
@@ -37,12 +37,12 @@ def main(arguments=None, prog="tetherfmu sweep"):
     option("--percentiles", type=numbers, default=(5.0, 50.0, 95.0), metavar="P,...", help=about)
     about = "output whose cycles are counted by rainflow (default: ground_tension)"
     option("--cycles-of", default="ground_tension", metavar="NAME", help=about)
-    about = "time before which the statistics leave out all [s] (default: 0)"
+    about = "start time of the statistics [s] (default: 0)"
     option("--from", dest="start", type=number(0.0, unit="s"), default=0.0, metavar="T", help=about)
     parser.add_choice("--tether", tuple(reversed(VARIANTS)), default="dynamic", help="tether (default: dynamic)")
     whole, about = number(1, MAX_SEGMENTS, whole=True), f"segments of tethers with nodes (default: {Tether.segments})"
     option("--segments", type=whole, default=Tether.segments, metavar="N", help=about)
-    about = "communication step [s] (default: that of the scene, or 0.02)"
+    about = "communication step [s] (default: from the scene, or 0.02)"
     option("--step", type=number(1e-6, 1e3, "s"), metavar="H", help=about)
     about = "folder of results; continues a stopped sweep (default: study/NAME_sweep)"
     option("--out", type=folder, metavar="DIR", help=about)

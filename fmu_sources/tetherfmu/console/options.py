@@ -61,7 +61,7 @@ class Parser(argparse.ArgumentParser):
 
     def add_settings(self):
         """Add the option --set of a command that reads a scene."""
-        about = "a value in the place of that of the scene, such as tether.diameter='5 mm'; may be repeated"
+        about = "replace a value of the scene, such as tether.diameter='5 mm'; may be repeated"
         option, more = "--set", {"dest": "settings", "metavar": "NAME=VALUE", "help": about}
         self.add_argument(option, type=setting, action="append", default=[], **more)
 

@@ -12,18 +12,18 @@ class Subcommand(NamedTuple):
 
 
 SUBCOMMANDS = {
-    "build": Subcommand("build FMUs: all, or those that are named", "tetherfmu build dynamic --segments 20 --native"),
+    "build": Subcommand("build all FMUs, or the named ones", "tetherfmu build dynamic --segments 20 --native"),
     "fly": Subcommand(
-        "fly a circle, a scene, or the flight of a CSV file, with tether FMUs",
+        "run a circle, a scene, a system or a logged path (CSV) with tether FMUs",
         "tetherfmu fly eight_on_a_winch --set winch.force='5 kN' --html",
     ),
     "check": Subcommand("check FMUs on this machine", "tetherfmu check dist/TetherDynamic.fmu", "tetherfmu.check.__main__"),
     "replay": Subcommand(
-        "fly a measured flight with the tethers, and compare them with its log",
+        "replay a measured flight with the tethers, and compare them with its log",
         "tetherfmu replay examples/flights/kitepower_20191008_0012.csv --as kitepower_2019",
     ),
     "advise": Subcommand(
-        "say which FMU, segments, tolerance and communication step a scene or a system needs",
+        "recommend FMU, segments, tolerance and communication step for a scene or a system",
         "tetherfmu advise examples/scenes/circle.toml --fast",
     ),
     "tradeoff": Subcommand(
@@ -31,20 +31,20 @@ SUBCOMMANDS = {
         "tetherfmu tradeoff examples/scenes/circle.toml",
     ),
     "sweep": Subcommand(
-        "fly a scene with many values, on a grid or at random, and write statistics",
+        "run a scene with many values, on a grid or at random, and write statistics",
         "tetherfmu sweep circle --vary 'tether.diameter=3 mm..6 mm:4' --vary wind.speed=6,9,12",
     ),
     "import": Subcommand(
-        "make a scene of settings of KiteUtils.jl, or a system of a file of MoorDyn or CableDyn",
+        "convert KiteUtils.jl settings to a scene, or a line file of MoorDyn or CableDyn to a system",
         "tetherfmu import examples/systems/moored.txt --out moored.toml",
         "tetherfmu.commands.importing",
     ),
     "tutorial": Subcommand(
-        "list, run and copy the lessons of the tutorial",
+        "list, run and copy the tutorial lessons",
         "tetherfmu tutorial 06 --out plots",
     ),
     "web": Subcommand(
-        "write a page in which one flies a tether in the browser",
+        "write a page that flies a tether in the browser",
         "tetherfmu web --serve",
     ),
 }

@@ -94,10 +94,10 @@ class Flight:
 class Circle(Flight):
     """The kite circles on a cone whose axis points towards -y."""
 
-    distance: float = metres(500.0, "of the kite from the ground station")
-    half_angle: float = radians(np.radians(10.0), "of the cone")
-    axis_elevation: float = radians(np.radians(20.0), "of the axis of the cone above the horizon")
-    rate: float = quantity(0.05, "rad/s", "angular rate of the circle", minimum=-20.0, maximum=20.0)
+    distance: float = metres(500.0, "distance of the kite from the ground station")
+    half_angle: float = radians(np.radians(10.0), "half angle of the cone")
+    axis_elevation: float = radians(np.radians(20.0), "elevation of the cone axis")
+    rate: float = quantity(0.05, "rad/s", "angular rate on the circle", minimum=-20.0, maximum=20.0)
 
     def kite(self, time):
         """A circle about z, tilted about x."""
@@ -108,13 +108,13 @@ class Circle(Flight):
 
 @dataclass(frozen=True)
 class FigureOfEight(Flight):
-    """The kite flies lying figures of eight, downwind: azimuth a sin u, elevation e + f a sin 2u; 2 pi in u is a lap."""
+    """The kite flies horizontal figures of eight downwind: azimuth a sin u, elevation e + f a sin 2u, 2 pi in u per lap."""
 
-    distance: float = metres(500.0, "of the kite from the ground station")
-    elevation: float = radians(np.radians(30.0), "of the centre")
-    lap: float = seconds(20.0, "of one figure")
-    speed: float = metres_per_second(40.0, "mean speed of the kite (as on a plane)")
-    flatness: float = quantity(0.3, "", "height of a half figure over its width, f", minimum=0.0, maximum=1.0)
+    distance: float = metres(500.0, "distance of the kite from the ground station")
+    elevation: float = radians(np.radians(30.0), "elevation of the centre")
+    lap: float = seconds(20.0, "period of one figure")
+    speed: float = metres_per_second(40.0, "mean kite speed (as on a plane)")
+    flatness: float = quantity(0.3, "", "height of a half figure divided by its width, f", minimum=0.0, maximum=1.0)
 
     def kite(self, time):
         """The curve on the sphere."""
@@ -130,12 +130,12 @@ class FigureOfEight(Flight):
 
 @dataclass(frozen=True)
 class Parked(Flight):
-    """The kite hovers downwind and sways to and fro across the wind."""
+    """The kite hovers downwind and sways across the wind."""
 
-    distance: float = metres(300.0, "of the kite from the ground station")
-    elevation: float = radians(np.radians(60.0), "of the kite")
-    sway: float = quantity(5.0, "m", "amplitude across the wind", minimum=0.0, maximum=1e4)
-    sway_period: float = seconds(15.0, "of the sway")
+    distance: float = metres(300.0, "distance of the kite from the ground station")
+    elevation: float = radians(np.radians(60.0), "elevation of the kite")
+    sway: float = quantity(5.0, "m", "amplitude of the sway across the wind", minimum=0.0, maximum=1e4)
+    sway_period: float = seconds(15.0, "period of the sway")
 
     def kite(self, time):
         """To and fro at constant distance."""
@@ -146,10 +146,10 @@ class Parked(Flight):
 class Launch(Flight):
     """The kite climbs on an arc at the end of a short tether."""
 
-    distance: float = metres(30.0, "of the kite from the ground station")
-    elevation: float = radians(np.radians(15.0), "at the start")
-    final_elevation: float = radians(np.radians(70.0), "at the end of the climb")
-    climb_time: float = seconds(8.0, "of the climb")
+    distance: float = metres(30.0, "distance of the kite from the ground station")
+    elevation: float = radians(np.radians(15.0), "elevation at the start")
+    final_elevation: float = radians(np.radians(70.0), "elevation at the end of the climb")
+    climb_time: float = seconds(8.0, "duration of the climb")
 
     def kite(self, time):
         """Along the arc."""
@@ -159,14 +159,14 @@ class Launch(Flight):
 
 @dataclass(frozen=True)
 class Landing(Flight):
-    """The kite sinks towards the ground station faster than the winch takes the tether in, so it goes slack."""
+    """The kite sinks towards the ground station faster than the winch reels in, so the tether goes slack."""
 
-    distance: float = metres(100.0, "of the kite at the start")
-    final_distance: float = metres(70.0, "of the kite at the end")
-    elevation: float = radians(np.radians(60.0), "at the start")
-    final_elevation: float = radians(np.radians(10.0), "at the end")
-    landing_time: float = seconds(20.0, "of the landing")
-    reeled_in: float = quantity(20.0, "m", "length that the winch takes in meanwhile", minimum=0.0, maximum=1e5)
+    distance: float = metres(100.0, "distance of the kite at the start")
+    final_distance: float = metres(70.0, "distance of the kite at the end")
+    elevation: float = radians(np.radians(60.0), "elevation at the start")
+    final_elevation: float = radians(np.radians(10.0), "elevation at the end")
+    landing_time: float = seconds(20.0, "duration of the landing")
+    reeled_in: float = quantity(20.0, "m", "length reeled in during the landing", minimum=0.0, maximum=1e5)
 
     def kite(self, time):
         """Down and nearer."""
@@ -181,14 +181,14 @@ class Landing(Flight):
 
 @dataclass(frozen=True)
 class Towing(Flight):
-    """A vehicle speeds up along x and tows the kite, which stays behind it and weaves."""
+    """A vehicle accelerates along x and tows the kite, which weaves behind it."""
 
-    distance: float = metres(150.0, "of the kite from the vehicle")
-    elevation: float = radians(np.radians(40.0), "of the kite as seen from the vehicle")
-    speed: float = metres_per_second(10.0, "of the vehicle in the end")
-    ramp_time: float = seconds(10.0, "in which the vehicle speeds up")
-    weave: float = radians(np.radians(10.0), "amplitude of the azimuth of the kite")
-    weave_period: float = seconds(12.0, "of the weave")
+    distance: float = metres(150.0, "distance of the kite from the vehicle")
+    elevation: float = radians(np.radians(40.0), "elevation of the kite, seen from the vehicle")
+    speed: float = metres_per_second(10.0, "final speed of the vehicle")
+    ramp_time: float = seconds(10.0, "acceleration time of the vehicle")
+    weave: float = radians(np.radians(10.0), "azimuth amplitude of the kite")
+    weave_period: float = seconds(12.0, "period of the weave")
 
     def ground(self, time):
         """The vehicle."""
@@ -203,15 +203,15 @@ class Towing(Flight):
 
 @dataclass(frozen=True)
 class Reel(Flight):
-    """The winch pays out, then takes in as much, and the kite flies away and back with it, weaving across the wind."""
+    """The winch pays out, then reels in the same length; the kite moves away and back, weaving across the wind."""
 
-    distance: float = metres(200.0, "of the kite from the ground station at the start")
-    elevation: float = radians(np.radians(35.0), "of the kite")
-    speed: float = metres_per_second(8.0, "of the winch in both phases")
-    phase_time: float = seconds(15.0, "of each phase, ramps included")
-    ramp_time: float = seconds(3.0, "of each change of speed")
-    weave: float = radians(np.radians(5.0), "amplitude of the azimuth of the kite")
-    weave_period: float = seconds(10.0, "of the weave")
+    distance: float = metres(200.0, "distance of the kite from the ground station at the start")
+    elevation: float = radians(np.radians(35.0), "elevation of the kite")
+    speed: float = metres_per_second(8.0, "winch speed in both phases")
+    phase_time: float = seconds(15.0, "duration of each phase, including ramps")
+    ramp_time: float = seconds(3.0, "duration of each speed change")
+    weave: float = radians(np.radians(5.0), "azimuth amplitude of the kite")
+    weave_period: float = seconds(10.0, "period of the weave")
 
     def reeled(self, time):
         """Out with smooth ramps, then back in."""
@@ -226,19 +226,19 @@ class Reel(Flight):
 
 @dataclass(frozen=True)
 class FreeEnd(Flight):
-    """A mass at the free kite end, on a crane or pulled by a force, begins at rest; the ground end moves."""
+    """A mass at the free kite end, on a crane or pulled by a force, starts at rest; the ground end moves."""
 
     kite_is_free = True
     kite_mass: float = quantity(10.0, "kg", "point mass at the free end", minimum=1e-6, maximum=1e9)
-    pull: float = quantity(0.0, "N", "constant force on the mass besides its weight", minimum=0.0, maximum=1e9)
-    elevation: float = radians(np.pi / 2, "of the pull, along x")
-    height: float = quantity(100.0, "m", "of the ground end at the start", minimum=-1e5, maximum=1e5)
-    radius: float = quantity(0.0, "m", "of the circle on which the ground end slews", minimum=0.0, maximum=1e4)
-    rate: float = quantity(0.0, "rad/s", "at which it slews in the end", minimum=-10.0, maximum=10.0)
-    speed: float = metres_per_second(0.0, "of the winch in the end; negative hoists")
-    ramp_time: float = seconds(10.0, "in which slewing and winch come to speed")
-    heave: float = quantity(0.0, "m", "amplitude of the ground end up and down", minimum=0.0, maximum=1e3)
-    heave_period: float = seconds(8.0, "of the heave")
+    pull: float = quantity(0.0, "N", "constant force on the mass in addition to its weight", minimum=0.0, maximum=1e9)
+    elevation: float = radians(np.pi / 2, "elevation of the pull, which acts along x")
+    height: float = quantity(100.0, "m", "height of the ground end at the start", minimum=-1e5, maximum=1e5)
+    radius: float = quantity(0.0, "m", "radius of the slewing circle of the ground end", minimum=0.0, maximum=1e4)
+    rate: float = quantity(0.0, "rad/s", "final slewing rate", minimum=-10.0, maximum=10.0)
+    speed: float = metres_per_second(0.0, "final winch speed; negative hoists")
+    ramp_time: float = seconds(10.0, "acceleration time of slewing and winch")
+    heave: float = quantity(0.0, "m", "vertical amplitude of the ground end", minimum=0.0, maximum=1e3)
+    heave_period: float = seconds(8.0, "period of the heave")
 
     def ground(self, time):
         """Around, up and down, both from rest."""

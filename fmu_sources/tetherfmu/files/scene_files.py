@@ -71,12 +71,20 @@ class Wanted:
     """What the user asks for; errors are relative, see docs/use/quality_of_advice.md, "Errors and cost"."""
 
     outputs: tuple = field(default=("kite_force",), metadata={"read": output_names})
-    allowed_error: float = quantity(0.01, "", "of each output", minimum=1e-4, maximum=0.5)
-    real_time_factor: float = quantity(0.0, "", "times faster than real time, 0: no requirement", minimum=0.0, maximum=1e9)
-    communication_step: float = quantity(0.0, "s", "of the simulator, 0: to be advised", minimum=0.0, maximum=1.0)
+    allowed_error: float = quantity(0.01, "", "allowed error of each output", minimum=1e-4, maximum=0.5)
+    real_time_factor: float = quantity(
+        0.0, "", "required speed relative to real time; 0: no requirement", minimum=0.0, maximum=1e9
+    )
+    communication_step: float = quantity(
+        0.0, "s", "communication step of the simulator; 0: the advisor chooses", minimum=0.0, maximum=1.0
+    )
     fixed: bool = field(default=False, metadata={"read": yes_or_no})
     time_per_step: float = quantity(
-        0.0, "s", "longest time of a communication step, with fixed = true, 0: no requirement", minimum=0.0, maximum=1.0
+        0.0,
+        "s",
+        "longest kernel time of a communication step, with fixed = true; 0: no requirement",
+        minimum=0.0,
+        maximum=1.0,
     )
     __post_init__ = check
 
@@ -85,9 +93,7 @@ class Wanted:
 class TableOfWinch(without(WINCH, Winch)):
     """What a file says of the winch: its drum, and the force that it holds."""
 
-    force: float = quantity(
-        0.0, "N", "with which the winch pulls all through the flight; 0: it is not controlled by force", 0.0, 1e9
-    )
+    force: float = quantity(0.0, "N", "constant force with which the winch pulls; 0: no force control", 0.0, 1e9)
 
 
 RECORDS = {"tether": Tether, "environment": Environment, "ground": TABLE_OF_GROUND}  # of a scene, by section
@@ -99,7 +105,7 @@ class Scene:
     """A scene; `digest` tells those of files apart by all that they hold."""
 
     name: str
-    duration: float = quantity(60.0, "s", "of the flight", minimum=0.5, maximum=86400.0)
+    duration: float = quantity(60.0, "s", "duration of the flight", minimum=0.5, maximum=86400.0)
     flight: Any = None
     tether: Tether = None
     environment: Environment = field(default_factory=Environment)

@@ -14,16 +14,18 @@ first one the wind is interpolated, too. Refused: a sentence on the point that i
 not periodic ends along the wind: beyond its ends a point is refused, unless the box is to be repeated all the same.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from math import cos, sin
 from typing import NamedTuple
 from warnings import catch_warnings, warn
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from tetherfmu.runtime.quantities import check, quantity
 
-from .wind_boxes import LARGEST_SPACING, LARGEST_SPEED, MOST_POINTS, WrongBox, open_box
+from .wind_boxes import LARGEST_SPACING, LARGEST_SPEED, MOST_POINTS, Box, WrongBox, open_box
 
 PERIODIC, REFUSED, REPEATED = 1, 2, 3  # `outside`
 OUTSIDE = {
@@ -114,7 +116,14 @@ class FrozenTurbulence:
     >>> flown = tether.fly(inputs_along(50, 0.02), 0.02, wind_at=np.repeat(at_points, 50, axis=0))
     """
 
-    def __init__(self, mean, box=None, origin=(0.0, 0.0, 0.0), periodic=True, repeated=False):
+    def __init__(
+        self,
+        mean: MeanWind,
+        box: Box | None = None,
+        origin: ArrayLike = (0.0, 0.0, 0.0),
+        periodic: bool = True,
+        repeated: bool = False,
+    ):
         if box and box.mean:
             mean = mean._replace(speed=box.mean[0], reference_height=box.mean[1])
         self.mean, self.box, self.periodic, self.repeated = mean, box, periodic, repeated
@@ -131,7 +140,7 @@ class FrozenTurbulence:
             if box.mean:
                 self._rows += profile(mean, self._first[2] + box.spacing[2] * np.arange(box.points[2]))
 
-    def doubts(self):
+    def doubts(self) -> Iterator[str]:
         """Sentences on a box that is repeated although its file says that it is not periodic."""
         if self.box and self.box.has_seam and self.periodic and self.repeated:
             length = self.box.points[0] * abs(self.box.spacing[0])
@@ -140,7 +149,7 @@ class FrozenTurbulence:
                 f"{length / self.mean.speed:.4g} s; {MAKE_IT_PERIODIC}"
             )
 
-    def at(self, time, points):
+    def at(self, time: float | NDArray, points: NDArray) -> NDArray:
         """Wind [m/s], array (K, 3), at a time [s], or one for each point (K,), and at points [m], array (K, 3).
 
         WrongBox if a point is outside of a box that is not periodic, or if the box has a number there that is no wind.
@@ -162,7 +171,7 @@ class FrozenTurbulence:
         wind[0] += self._mean_beyond(points[:, 2], place[2], around[:, 2], shares[:, 2])
         return (self._turn @ wind).T
 
-    def between(self, time, ground, kite, count):
+    def between(self, time: ArrayLike, ground: ArrayLike, kite: ArrayLike, count: int) -> NDArray:
         """Wind [m/s] at points of equal distance from the ground end to the kite end, array (times, count, 3).
 
         time [s] (times,).  ground, kite : ends [m], (3,) or (times, 3).  count : of points. WrongBox as of `at`.

@@ -38,9 +38,9 @@ class Kite:
     """The kite, and where its sensor sits."""
 
     end_below: float = quantity(
-        0.0, "m", "how far the end of the tether lies from the logged position, towards the station", -100.0, 100.0
+        0.0, "m", "distance of the tether end from the logged position, towards the station", -100.0, 100.0
     )
-    area: float = quantity(0.0, "m2", "projected area, to judge the size of the tension; 0: not known", 0.0, 1e5)
+    area: float = quantity(0.0, "m2", "projected area, to check the tension; 0: unknown", 0.0, 1e5)
     __post_init__ = check
 
 
@@ -48,11 +48,11 @@ class Kite:
 class Station:
     """The ground station: where the tether leaves the winch, seen from the origin, and the rope inside."""
 
-    outlet_east: float = quantity(0.0, "m", "outlet of the winch east of the origin", -1e4, 1e4)
-    outlet_north: float = quantity(0.0, "m", "north of it", -1e4, 1e4)
-    outlet_up: float = quantity(0.0, "m", "above it: the height of a mast", -1e4, 1e4)
-    drum_to_outlet: float = quantity(0.0, "m", "length of tether from drum to outlet that the log counts", -1e4, 1e4)
-    length_offset: float = quantity(0.0, "m", "what has to be added to the logged length, where it is known", -1e4, 1e4)
+    outlet_east: float = quantity(0.0, "m", "winch outlet, distance east of the origin", -1e4, 1e4)
+    outlet_north: float = quantity(0.0, "m", "winch outlet, distance north of the origin", -1e4, 1e4)
+    outlet_up: float = quantity(0.0, "m", "winch outlet, height above the origin: the height of a mast", -1e4, 1e4)
+    drum_to_outlet: float = quantity(0.0, "m", "tether length from drum to outlet, included in the logged length", -1e4, 1e4)
+    length_offset: float = quantity(0.0, "m", "correction to add to the logged length, if known", -1e4, 1e4)
     __post_init__ = check
 
     @property
@@ -71,9 +71,9 @@ class Smoothing:
 
     position_noise: float = quantity(1.0, "m", "standard deviation of a logged position", 1e-4, 1e3)
     velocity_noise: float = quantity(0.2, "m/s", "standard deviation of a logged velocity", 1e-4, 1e2)
-    acceleration_change: float = quantity(5.0, "m/s2", "by which the kite's acceleration changes in 1 s", 1e-3, 1e3)
-    wind_mean: float = quantity(30.0, "s", "time over which the wind is averaged", 0.0, 1e4)
-    longest_gap: float = quantity(2.0, "s", "longest time without data that is bridged", 0.0, 1e3)
+    acceleration_change: float = quantity(5.0, "m/s2", "typical change of the kite's acceleration in 1 s", 1e-3, 1e3)
+    wind_mean: float = quantity(30.0, "s", "averaging time of the wind", 0.0, 1e4)
+    longest_gap: float = quantity(2.0, "s", "longest bridged time without data", 0.0, 1e3)
     __post_init__ = check
 
 
@@ -81,11 +81,11 @@ class Smoothing:
 class Delay:
     """By how much later than the rest a quantity stands in the log [s]."""
 
-    kite_position: float = quantity(0.0, "s", "of the position", -10.0, 10.0)
-    kite_velocity: float = quantity(0.0, "s", "of the velocity", -10.0, 10.0)
-    tether_length: float = quantity(0.0, "s", "of the length", -10.0, 10.0)
-    reel_out_speed: float = quantity(0.0, "s", "of the reel-out speed", -10.0, 10.0)
-    ground_tension: float = quantity(0.0, "s", "of the tension", -10.0, 10.0)
+    kite_position: float = quantity(0.0, "s", "latency of the position", -10.0, 10.0)
+    kite_velocity: float = quantity(0.0, "s", "latency of the velocity", -10.0, 10.0)
+    tether_length: float = quantity(0.0, "s", "latency of the length", -10.0, 10.0)
+    reel_out_speed: float = quantity(0.0, "s", "latency of the reel-out speed", -10.0, 10.0)
+    ground_tension: float = quantity(0.0, "s", "latency of the tension", -10.0, 10.0)
     __post_init__ = check
 
 
