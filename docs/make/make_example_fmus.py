@@ -131,8 +131,9 @@ file there is the mean wind alone. The file must not change during a run.
   TurbSim. The wrong order turns time back, which spectra do not show. PyConTurb 2.7.4 writes the points of a `.bts` plane
   upwards first, TurbSim and this reader have them across first.
 - **Outside of the box.** `outside` = periodic (1) repeats it in all directions; seams are smooth only if it was made
-  periodic (in TurbSim: `UsableTime` = "ALL"); a TurbSim file that says it is not gives a warning. refused (2) refuses the
-  step, always where a tether starts below TurbSim's grid.
+  periodic (in TurbSim: `UsableTime` = "ALL"). A TurbSim file that says it is not periodic ends: the step beyond its end is
+  refused. repeated (3) repeats it all the same, with a warning. refused (2) refuses every step outside of the box, always
+  where a tether starts below TurbSim's grid.
 
 `python examples/wind/turbulence.py` flies a parked kite and a kite on a circle, in a box that it makes (15 % of 8 m/s at 10
 m; `--box FILE` takes yours):

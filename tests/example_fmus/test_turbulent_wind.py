@@ -178,7 +178,7 @@ def test_the_ground_station_outside_of_the_box_is_refused_at_the_start():
 @in_own_process
 def test_the_fmu_warns_of_a_seam_once(example_folder, tmp_path):
     path = turbsim(tmp_path / "box.bts", some_numbers(), kind=7)
-    host = Host(example_folder / "TurbulentWind.fmu").start(file=str(path), kite_position=(0.0, 0.0, 30.0))
+    host = Host(example_folder / "TurbulentWind.fmu").start(file=str(path), outside=3, kite_position=(0.0, 0.0, 30.0))
     host.step(0.1)
     host.step(0.1)
     assert sum("says that it is not periodic" in each for each in host.messages) == 1

@@ -310,15 +310,34 @@ def test_four_gigabytes_need_no_memory(tmp_path, kind):
     assert 1024 * int(done.stdout) < 64 * MEGABYTE
 
 
-@pytest.mark.parametrize(("kind", "periodic", "said"), [(7, True, True), (7, False, False), (8, True, False)])
-def test_a_box_that_is_not_periodic_is_not_repeated_in_silence(tmp_path, kind, periodic, said):
+@pytest.mark.parametrize(
+    ("kind", "outside", "said"),
+    [(7, "repeated", True), (7, "periodic", False), (7, "refused", False), (8, "periodic", False)],
+)
+def test_a_box_that_is_not_periodic_is_not_repeated_in_silence(tmp_path, kind, outside, said):
     """Six planes, 0.5 s and 4.5 m apart."""
     box = boxes.open_box(turbsim(tmp_path / "box.bts", some_numbers(), kind=kind))
     with warnings.catch_warnings(record=True) as given:
         warnings.simplefilter("always")
-        wind = frozen.FrozenTurbulence(frozen.MeanWind(9.0), box, periodic=periodic)
+        wind = frozen.FrozenTurbulence(
+            frozen.MeanWind(9.0), box, periodic=outside != "refused", repeated=outside == "repeated"
+        )
     texts = [str(each.message) for each in given]
     assert texts == list(wind.doubts())
     assert [("box.bts says that it is not periodic" in each, "every 27 m, or 3 s" in each) for each in texts] == [
         (True, True)
     ] * said
+
+
+def test_a_box_that_is_not_periodic_ends(tmp_path):
+    """Six planes, 0.5 s and 4.5 m apart: its last plane arrives after 2.5 s; across the wind it goes on as any."""
+    box = boxes.open_box(turbsim(tmp_path / "box.bts", some_numbers(), kind=7))
+    wind, beside = frozen.FrozenTurbulence(frozen.MeanWind(9.0), box), np.array(((0.0, 500.0, 30.0),))
+    repeated = frozen.FrozenTurbulence(frozen.MeanWind(9.0), box._replace(has_seam=False))
+    for time in (0.0, 1.3, 2.5):
+        assert wind.at(time, beside).tolist() == repeated.at(time, beside).tolist()
+    for time, place in ((2.6, 0.0), (0.0, 1.0)):
+        with pytest.raises(
+            boxes.WrongBox, match=r"along the wind it is at .*; .*\. The file says that it is not periodic: .*3;"
+        ):
+            wind.at(time, np.array(((place, 0.0, 30.0),)))

@@ -154,5 +154,20 @@ def test_a_mistake_is_one_line(tmp_path, capsys, mistake):
 def test_a_scene_says_that_its_box_has_a_seam(tmp_path, capsys, kind):
     numbers = np.zeros((6, 5, 3, 3), int)
     turbsim(tmp_path / "box.bts", numbers, kind=kind)
-    load(written(tmp_path, PARKED.replace("box.npz", "box.bts")))
+    text = PARKED.replace("box.npz", "box.bts")
+    load(written(tmp_path, text.replace("wind_points = 5", 'wind_points = 5\noutside = "repeated"')))
     assert ("box.bts says that it is not periodic" in capsys.readouterr().err) == (kind == 7)
+
+
+def test_a_scene_ends_with_a_box_that_is_not_periodic(tmp_path, capsys):
+    """Its planes pass within 2.5 s; the scene takes 2 s, or 3 s."""
+    turbsim(tmp_path / "box.bts", np.zeros((6, 5, 3, 3), int), kind=7)
+    text = PARKED.replace("box.npz", "box.bts")
+    load(written(tmp_path, text))
+    assert not capsys.readouterr().err
+    path = written(tmp_path, re.sub(r"duration = .*", "duration = 3.0", text))
+    assert main(["advise", str(path)]) == 2
+    words = (
+        r"box.bts does not reach the point \(0, 0, 0\) m at 2.6 s: .*The file says that it is not periodic: make it periodic"
+    )
+    assert re.search(words, capsys.readouterr().err)

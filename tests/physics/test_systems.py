@@ -291,7 +291,6 @@ BAD_SYSTEMS = {
     "twice": ([*TRIANGLE, TRIANGLE[0]], [Line("l", "a", "b")], "name a is given twice"),
     "idle": (TRIANGLE, [Line("l", "a", "b")], "no line goes to the point c"),
     "unknown": (TRIANGLE, [Line("l", "a", "z")], "goes to the point z, which does not exist"),
-    "apart": ([*TRIANGLE, Point("d", mass=0.0)], [Line("l", "a", "b"), Line("m", "c", "d")], "not connected"),
 }
 
 

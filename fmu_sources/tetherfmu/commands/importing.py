@@ -1,4 +1,4 @@
-"""Import files of other programs: settings of KiteUtils.jl become a scene, a line file of MoorDyn v2 a system of tethers."""
+"""Import files of other programs: settings of KiteUtils.jl become a scene, line files of MoorDyn or CableDyn a system."""
 
 from importlib import import_module
 from pathlib import Path
@@ -12,7 +12,7 @@ from tetherfmu.files.toml_files import WrongUse
 def main(arguments=None, prog="tetherfmu import"):
     """Write the scene or the system, and say what it leaves out; returns the exit status."""
     parser = Parser(prog=prog)
-    about = "settings of KiteUtils.jl (.yaml), or a line file of MoorDyn v2 (.txt, .dat)"
+    about = "settings of KiteUtils.jl (.yaml), or a line file of MoorDyn v2 or CableDyn (.txt, .dat)"
     parser.add_argument("file", type=file, metavar="FILE", help=about)
     about = "file to write (default: the name of FILE with the ending .toml, in this folder)"
     parser.add_argument("--out", type=Path, metavar="FILE.toml", help=about)

@@ -14,7 +14,6 @@ from tetherfmu.runtime.naming import LONGEST_NAME, meant_or_all, names_checked, 
 from tetherfmu.runtime.parameters import FreeKite, Tether, Winch
 from tetherfmu.runtime.quantities import Quantity
 from tetherfmu.runtime.sheaves import SHEAVE_QUANTITIES
-from tetherfmu.wiring.portions import all_portions
 
 from . import arguments
 
@@ -236,7 +235,7 @@ def sheaves_of(line):
 
 
 def check_system(points: Sequence[Point], lines: Sequence[Line]) -> None:
-    """ValueError, in words, unless points and lines are one connected system."""
+    """ValueError, in words, unless points and lines fit together; they may be several systems that no line joins."""
     if not lines:
         raise ValueError("a system needs at least one line")
     names = [each.name for each in (*points, *lines)]
@@ -250,22 +249,7 @@ def check_system(points: Sequence[Point], lines: Sequence[Line]) -> None:
                 raise ValueError(
                     f"the line {line.name} goes to the point {end}, which does not exist{meant_or_all(end, known)}"
                 )
-    _check_connected(known, all_portions(lines))
-
-
-def _check_connected(names, lines):
-    """ValueError if a point has no line, or a point cannot be reached from the first one along lines."""
-    used = {end for line in lines for end in (line.start, line.end)}
-    idle = [name for name in names if name not in used]
+    used = {end for line in lines for end in (line.start, *line.through, line.end)}
+    idle = [name for name in known if name not in used]
     if idle:
         raise ValueError(f"no line goes to the point {idle[0]}; each point must be at a line")
-    reached, waiting = set(), [names[0]]
-    while waiting:
-        here = waiting.pop()
-        if here not in reached:
-            reached.add(here)
-            waiting.extend(line.end for line in lines if line.start == here)
-            waiting.extend(line.start for line in lines if line.end == here)
-    apart = [name for name in names if name not in reached]
-    if apart:
-        raise ValueError(f"the points {names[0]} and {apart[0]} are not connected by lines; make them systems of their own")

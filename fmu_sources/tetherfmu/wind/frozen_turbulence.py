@@ -10,7 +10,8 @@ A box of TurbSim contains its mean wind: within its heights its numbers are the 
 is beyond them gets v = box + U(z) - U(z of the row that was read).
 
 Outside. Periodic: the box is repeated along, across and upwards, n points on n spacings; between the last plane and the next
-first one the wind is interpolated, too. Refused: a sentence on the point that is outside.
+first one the wind is interpolated, too. Refused: a sentence on the point that is outside. A box whose file says that it is
+not periodic ends along the wind: beyond its ends a point is refused, unless the box is to be repeated all the same.
 """
 
 from collections.abc import Iterator
@@ -26,8 +27,13 @@ from tetherfmu.runtime.quantities import check, quantity
 
 from .wind_boxes import LARGEST_SPACING, LARGEST_SPEED, MOST_POINTS, Box, WrongBox, open_box
 
-PERIODIC, REFUSED = 1, 2  # `outside`
-OUTSIDE = {"periodic": "the box, repeated in all directions", "refused": "nothing, a step there is refused"}
+PERIODIC, REFUSED, REPEATED = 1, 2, 3  # `outside`
+OUTSIDE = {
+    "periodic": "the box, repeated in all directions; along the wind refused if its file says that it is not periodic",
+    "refused": "nothing, a step there is refused",
+    "repeated": "the box, repeated in all directions, whatever its file says",
+}
+MAKE_IT_PERIODIC, REPEAT = 'make it periodic (in TurbSim UsableTime = "ALL")', "(outside = 3; in Python repeated=True)"
 EDGE = 1e-9  # of a spacing: rounding at the faces of a box
 BOTH = np.array((0, 1))[:, None, None]  # from the point before a place to those before and behind it
 AXES = ("along the wind", "across the wind", "upwards")
@@ -71,7 +77,7 @@ def turbulence(file, reading, mean, origin):
     spacing = (reading.spacing_along, reading.spacing_across, reading.spacing_upwards)
     box = open_box(file, points, spacing) if file else None
     with catch_warnings(action="ignore"):  # whoever reads it passes `doubts` on
-        return FrozenTurbulence(mean, box, origin, reading.outside == PERIODIC)
+        return FrozenTurbulence(mean, box, origin, reading.outside != REFUSED, reading.outside == REPEATED)
 
 
 def profile(mean, height):
@@ -93,8 +99,10 @@ class FrozenTurbulence:
     origin : (3,) array
         Of the box [m].
     periodic : bool
-        Whether the box is repeated in all directions, with a warning where its file says that it is not periodic; if
-        not, WrongBox names a point beyond it.
+        Whether the box is repeated in all directions, but along the wind only if its file does not say that it is not
+        periodic. Elsewhere WrongBox names a point beyond it.
+    repeated : bool
+        Whether a periodic box is repeated along the wind, whatever its file says; a warning names the jump.
 
     Examples
     --------
@@ -108,10 +116,17 @@ class FrozenTurbulence:
     >>> flown = tether.fly(inputs_along(50, 0.02), 0.02, wind_at=np.repeat(at_points, 50, axis=0))
     """
 
-    def __init__(self, mean: MeanWind, box: Box | None = None, origin: ArrayLike = (0.0, 0.0, 0.0), periodic: bool = True):
+    def __init__(
+        self,
+        mean: MeanWind,
+        box: Box | None = None,
+        origin: ArrayLike = (0.0, 0.0, 0.0),
+        periodic: bool = True,
+        repeated: bool = False,
+    ):
         if box and box.mean:
             mean = mean._replace(speed=box.mean[0], reference_height=box.mean[1])
-        self.mean, self.box, self.periodic = mean, box, periodic
+        self.mean, self.box, self.periodic, self.repeated = mean, box, periodic, repeated
         for doubt in self.doubts():
             warn(doubt, stacklevel=2)
         c, s = cos(mean.direction), sin(mean.direction)
@@ -127,12 +142,11 @@ class FrozenTurbulence:
 
     def doubts(self) -> Iterator[str]:
         """Sentences on a box that is repeated although its file says that it is not periodic."""
-        if self.box and self.box.has_seam and self.periodic:
+        if self.box and self.box.has_seam and self.periodic and self.repeated:
             length = self.box.points[0] * abs(self.box.spacing[0])
             yield (
                 f"{self.box.file} says that it is not periodic, but it is repeated: the wind jumps every {length:.4g} m, or "
-                f'{length / self.mean.speed:.4g} s; make it periodic (in TurbSim UsableTime = "ALL"), or refuse what is '
-                "outside of it (outside = 2; in Python periodic=False)"
+                f"{length / self.mean.speed:.4g} s; {MAKE_IT_PERIODIC}"
             )
 
     def at(self, time: float | NDArray, points: NDArray) -> NDArray:
@@ -147,7 +161,7 @@ class FrozenTurbulence:
         carried = self._turn.T @ points.T
         carried[0] -= self.mean.speed * time
         place = (carried - self._first) / self._spacing  # in spacings from the first point
-        if not self.periodic:
+        if not self.periodic or (self.box.has_seam and not self.repeated):
             self._refuse_outside(place, points, time)
         before = np.floor(place)
         part = place - before
@@ -203,8 +217,10 @@ class FrozenTurbulence:
         return beyond
 
     def _refuse_outside(self, place, points, time):
-        """WrongBox if a place is outside; one at a face is put onto it (modified)."""
-        last = self._points - 1
+        """WrongBox if a place is outside, of a periodic box along the wind; one at a face is put onto it (modified)."""
+        axes = slice(0, 1 if self.periodic else 3)
+        last = self._points[axes] - 1
+        place = place[axes]
         outside = (place < -EDGE) | (place > last + EDGE)
         if outside.any():
             axis, point = np.argwhere(outside)[0]
@@ -212,9 +228,15 @@ class FrozenTurbulence:
             travelled = self.mean.speed * when if axis == 0 else 0.0
             ends = self._first[axis, 0] + travelled + np.array((0, last[axis, 0])) * self._spacing[axis, 0]
             where = self._first[axis, 0] + travelled + place[axis, point] * self._spacing[axis, 0]
+            why = (
+                f". The file says that it is not periodic: {MAKE_IT_PERIODIC}, or repeat it {REPEAT}"
+                if self.periodic
+                else ""
+            )
             named = ", ".join(f"{x:g}" for x in points[point])
             raise WrongBox(
                 f"{self.box.file} does not reach the point ({named}) m at {when:g} s: {AXES[axis]} it is at {where:g} m; "
                 f"the box is from {ends.min():g} to {ends.max():g} m; move its origin, take a larger box or a periodic one"
+                f"{why}"
             )
         np.clip(place, 0.0, last, out=place)

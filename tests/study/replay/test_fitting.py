@@ -68,6 +68,15 @@ def test_offset_alone():
     assert abs(value - 7.0) < half < 0.1
 
 
+@pytest.mark.parametrize("delay", [-6.0, 4.5, 9.0])
+def test_a_delay_of_seconds(delay):
+    """Correlation finds where the fit begins: from 0 it would end at another minimum of the residual."""
+    found = fitting.fit(prepare(logs_of_tests.made(delay=delay, offset=2.0)), ("offset", "delay"), logs_of_tests.SEGMENTS)
+    value, half = found.found["delay s"]
+    assert abs(value - delay) < half < 0.05
+    assert found.rms < 0.3
+
+
 def test_on_another_part():
     flight = prepare(logs_of_tests.made(offset=7.0))
     found = fitting.fit(flight.part(0.0, 50.0))

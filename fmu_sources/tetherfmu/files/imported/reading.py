@@ -16,11 +16,11 @@ def imported(path):
     if moordyn.HAS_IT.search(text):
         made = moordyn.system(text)
     elif kiteutils.HAS_IT.search(text):
-        made = kiteutils.scene(text)
+        made = kiteutils.imported(text)
     else:
         raise ValueError(
-            "is neither a file of settings of KiteUtils.jl, with a section tether, nor one of MoorDyn v2, with a section "
-            "LINE TYPES"
+            "is neither a file of settings of KiteUtils.jl, with a section tether, nor one of MoorDyn v2 or CableDyn, "
+            "with a section LINE TYPES"
         )
     written = toml(made, path.name)
     table = tomllib.loads(written)

@@ -14,6 +14,8 @@ class Imported(NamedTuple):
     tables: dict  # as TOML has them: dict of names of tables, "" for what is before them, to dicts
     left_out: list  # what of the file has no place there, in words
     defaults: list  # what the file does not say, with the value that is taken
+    notes: tuple = ()  # what else a user should know, in words
+    spare: tuple = ()  # pairs (name, table): written as comments, for they need more than the file says
 
 
 def row(number):
@@ -35,6 +37,7 @@ def number(name, text):
 def said(made):
     """What a user should know of it, sentences."""
     yield from (f"left out: {each}" for each in made.left_out)
+    yield from made.notes
     if made.defaults:
         yield f"not in the file, so taken by default: {', '.join(made.defaults)}"
 
@@ -45,4 +48,6 @@ def toml(made, origin):
     for name, table in made.tables.items():
         lines += ["", f"[{name}]"] if name else []
         lines += [f"{key} = {json.dumps(value, ensure_ascii=False)}" for key, value in table.items()]
+    for name, table in made.spare:
+        lines += ["", f"# [{name}]", *(f"# {key} = {json.dumps(value, ensure_ascii=False)}" for key, value in table.items())]
     return "\n".join([*lines, ""])

@@ -9,6 +9,7 @@ from tetherfmu.runtime.parameters import Tether
 from tetherfmu.runtime.plausibility import LARGEST_STRETCH, NEARBY
 from tetherfmu.runtime.quantities import doubts_of
 
+from . import delays
 from .log import UNCHECKED
 from .readings import FASTEST, POSITION, VELOCITY, WIND, between
 
@@ -20,6 +21,8 @@ MOVING = 1.0  # m/s, root mean square of a motion from which on it can be compar
 REELING = 0.3  # m/s, likewise of a reel-out speed
 BLOWING = 2.0  # m/s, mean wind from which on it has a direction
 NEAR = 0.3  # of a factor to 1, beside what noise explains
+OFFSET = 0.3  # m/s, of a velocity or a speed, from which on it is doubtful, beside what noise explains
+RANGE_OF_LENGTH = 10.0  # m, standard deviation of a length from which on it has a factor
 NOISE = 3.0  # standard deviations of a factor that noise explains
 MANY = 20  # rows, from which on those that fit worst are left out
 FARTHEST = 1.1  # distance of the kite over the length of the tether, 95th percentile
@@ -41,8 +44,13 @@ def check(log):
 
     What nothing in the log can be compared with is one of the doubts.
     """
+    log = delays.moved_by(log, vars(log.map.delay))
     position = log.of(POSITION) - np.array(log.map.station.outlet)
     done, undone = [], []
+    clocks = delays.found(log, position)
+    delays.judge(log, clocks)
+    log = delays.with_one_clock(log, clocks)  # so that a delay is not taken for a wrong sign or unit
+    position = log.of(POSITION) - np.array(log.map.station.outlet)
     for name, compare in COMPARISONS.items():
         found = compare(log, position)
         done += [name] if found else []
@@ -51,7 +59,8 @@ def check(log):
     if below > 50.0:
         log.report.doubt(f"kite_position is below the outlet of the winch in {below:.0f} % of the rows: is up right?")
     judge_what_is_not_said(log)
-    log.report.say(f"consistent: {', '.join(done) or 'nothing to compare'}")
+    with_delays = " with these delays removed" if any(each.is_clear for each in clocks) else ""
+    log.report.say(f"consistent{with_delays}: {', '.join(done) or 'nothing to compare'}")
     if undone:
         log.report.doubt(f"{UNCHECKED}: {'; '.join(f'{name} ({why_unchecked(log, name)})' for name in undone)}")
 
@@ -122,6 +131,7 @@ def compare_velocity(log, position):
                     f"kite_velocity contradicts kite_position: where the velocity says {in_words(way)}, the position "
                     f"changes by {in_words(found)}; check columns, axes, signs and units of both, or leave kite_velocity out"
                 )
+    doubt_offset(log, "kite_velocity", moved - velocity, "the change of kite_position")
     rest, moves = np.median(np.linalg.norm(moved - velocity, axis=1)), np.median(np.linalg.norm(moved, axis=1))
     text = f"the position moves at {moves:.3g} m/s and differs from the velocity by {rest:.3g} m/s; check columns, axes"
     if rest > max(UNEXPLAINED * moves, IMPOSSIBLE_NOISE):
@@ -131,6 +141,15 @@ def compare_velocity(log, position):
             f"kite_velocity explains little of the motion of kite_position: {text}, and smoothing.position_noise"
         )
     return len(ways) > 0 or moves < MOVING
+
+
+def doubt_offset(log, name, rest, reference):
+    """Doubt a velocity or a speed that always differs from its reference; rest : differences, array (windows, axes)."""
+    middle = np.median(rest, axis=0)
+    noise = NOISE * 1.25 * np.std(rest, axis=0) / np.sqrt(len(rest))  # of a median
+    if np.any(np.abs(middle) > OFFSET + noise):
+        shown = ", ".join(f"{each:.2g}" for each in -middle)
+        log.report.doubt(f"{name} is too large by {shown} m/s all the time, compared with {reference}; check its zero")
 
 
 def ways_of(velocity):
@@ -178,6 +197,14 @@ def compare_length(log, position):
         log.report.doubt(f"kite_position is up to {far:.4g} times {check}")
     if far < NEAREST:
         log.report.doubt(f"kite_position is never more than {far:.2g} times {check}")
+    both = np.isfinite(ratio)
+    if both.sum() >= MANY and np.std(length[both]) > RANGE_OF_LENGTH:
+        ((factor,), _), (spread, _) = robust(np.stack([length[both], np.ones(both.sum())], axis=1), distance[both, None])
+        if abs(factor - 1.0) > NEAR + NOISE * spread:
+            log.report.doubt(
+                f"kite_position is {factor:.2g} m farther away for each metre of tether_length; check its sign (it grows as "
+                "the winch pays out), its unit, and what length is counted"
+            )
     if "ground_tension" in log.table:
         taut = ratio[log.table["ground_tension"].to_numpy() > TAUT * log.map.weight * length]
         middle = np.nanmedian(taut) if np.isfinite(taut).sum() >= FEWEST else 1.0
@@ -196,7 +223,8 @@ def compare_reeling(log, position):
     both = np.isfinite(rate[:, 0]) & np.isfinite(speed[:, 0])
     if both.sum() < FEWEST or np.sqrt(np.mean(speed[both] ** 2)) < REELING:
         return False
-    (factor,), (noise,) = (each.ravel() for each in robust(speed[both], rate[both]))
+    ((factor,), _), (noise, _) = robust(np.hstack([speed[both], np.ones((both.sum(), 1))]), rate[both])
+    doubt_offset(log, "reel_out_speed", rate[both] - factor * speed[both], f"the change of {what.removeprefix('the ')}")
     text = f"{what} changes by {factor:.2g} m for each metre of reel_out_speed; check the sign (positive pays out) and units"
     if is_length and abs(factor - 1.0) > 2.0 * NEAR + NOISE * noise:
         raise log.wrong(text)

@@ -6,6 +6,7 @@ from itertools import pairwise
 import numpy as np
 from scipy.stats import t as student
 
+from . import delays
 from .flight import SHORTEST, Correction
 from .log import LogError
 from .runs import SEGMENTS, fly
@@ -19,7 +20,6 @@ SETTLED = 2.0  # s from the start, after which the tether has forgotten it
 FEWEST = 100  # rows of a taut tether
 ROUNDS = 6  # of Gauss and Newton, at most
 SMALL = 0.05  # of the half width of its interval: a step of a number after which it is found
-LONGEST_DELAY = 2.0  # s
 LARGEST = 0.9999  # correlation of two columns, from which on they cannot be distinguished
 
 
@@ -54,13 +54,15 @@ def fit(flight, wanted=("offset",), segments=SEGMENTS):
     refuse_unknown_length(flight, wanted)
     names = [name for each in wanted for name in np.atleast_1d(NAMES[each])]
     values = np.zeros(len(names))
+    if NAMES["delay"] in names:  # far from the right one the residual has minima of its own
+        values[names.index(NAMES["delay"])] = delays.of_position(flight.log)
     for _ in range(ROUNDS):
         rest, columns, taut = residual(flight.corrected(correction_of(names, values)), wanted, segments)
         refuse_alike(columns[taut], names)
         step, half = jackknife(columns[taut], rest[taut])
         values, rest = values + step, rest - columns @ step
-        if abs(delay := correction_of(names, values).delay) > LONGEST_DELAY:
-            allowed = f"{delay:.3g} s would fit; {LONGEST_DELAY:g} s is allowed"
+        if abs(delay := correction_of(names, values).delay) > delays.RANGE:
+            allowed = f"{delay:.3g} s would fit; at most {delays.RANGE:g} s is allowed"
             raise LogError(f"no delay can be fitted on this part of the flight: {allowed}")
         if np.all(np.abs(step) <= SMALL * half) or names == [NAMES["offset"]]:  # which the tether does not feel
             break
@@ -122,7 +124,8 @@ def residual(flight, wanted, segments=SEGMENTS):
     slopes["delay"] = -np.sum(direction * velocity, axis=1, keepdims=True)
     pulled = flight.measured("ground_tension", time) > PULLED * flight.log.map.weight * distance
     taut = np.isfinite(rest) & flight.is_taut(length) & pulled
-    taut[time < time[0] + SETTLED] = False
+    there = time + flight.correction.delay  # beyond the ends of the log the kite stands still
+    taut[(time < time[0] + SETTLED) | (there < flight.log.time[0] + SETTLED) | (there > flight.log.time[-1])] = False
     if taut.sum() < FEWEST:
         part = f"from {flight.start:g} to {flight.end:g} s"
         raise flight.log.cannot_fly(f"the tether is nowhere taut {part}: nothing can be fitted")
