@@ -149,7 +149,6 @@ def fly(fmu_file, scene, inputs, parameters):
     rows = np.hstack([columns[name] for name in inputs]).tolist()
     variables = variables_of(fmu_file)
     outputs = outputs_of(variables)
-    references = [each for vector in outputs.values() for each in vector]
     moved, released = variables.of(*inputs), variables.of("release") if scene.flight.has_release else []
     with running(fmu_file, variables.description) as (fmu, stop_if_pressed):
         fmu.setupExperiment(startTime=0.0)
@@ -162,7 +161,7 @@ def fly(fmu_file, scene, inputs, parameters):
                 fmu.setBoolean(released, [True])
             return rows[k]
 
-        given, wall_time = co_simulate(fmu, moved, references, motion, step, len(rows), stop_if_pressed)
+        given, wall_time = co_simulate(fmu, moved, outputs, motion, step, len(rows), stop_if_pressed)
         fmu.terminate()
     return flight_of(step * np.arange(len(rows) + 1), given, outputs, wall_time)
 

@@ -104,13 +104,12 @@ def fly(fmu_file, scene, others=()):
     rows = table[[name for name, vector in vectors.items() if vector not in without]].to_numpy().tolist()
     moved = variables.of(*(each for each in dict.fromkeys(vectors.values()) if each not in without))
     outputs = outputs_of(variables)
-    references = [each for vector in outputs.values() for each in vector]
     with running(fmu_file, variables.description) as (fmu, stop_if_pressed):
         fmu.setupExperiment(startTime=0.0)
         parameters |= {"wind_profile": at.UNIFORM} if scene.wind_points else {}
         built_in |= set_parameters(variables, fmu, parameters)
         fmu.enterInitializationMode()
-        found, wall_time = co_simulate(fmu, moved, references, rows.__getitem__, step, len(rows), stop_if_pressed)
+        found, wall_time = co_simulate(fmu, moved, outputs, rows.__getitem__, step, len(rows), stop_if_pressed)
         fmu.terminate()
     if built_in and not constants:
         print(f"{fmu_file} keeps the values it was built with: {', '.join(sorted(built_in))}", file=sys.stderr)

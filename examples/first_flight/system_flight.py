@@ -22,9 +22,10 @@ from tetherfmu.console.progress import now
 from tetherfmu.files.toml_files import WrongUse
 from tetherfmu.records.problems import PlausibilityWarning, StepRefused
 from tetherfmu.runtime import layout as at
+from tetherfmu.study.measuring import results
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # the folder of the rooms
-from first_flight.circular_flight import Flight
+from first_flight.circular_flight import Flight, add_results, report
 
 COUNT, MOST_STEPS = 12, 1_000_000  # shapes that are drawn, communication steps whose rows are kept
 OPTIONS = {"wind": "wind", "duration": "duration", "step": "wanted.communication_step"}  # and what --set has for them
@@ -56,7 +57,7 @@ def read(path, settings=()):
 
 
 def fly(flight, system, wind=None, duration=None, step=None):
-    """Fly a system of `read`; a `Flight` of each line by name, its start as ground end, and positions of points by name.
+    """Fly a system of `read`: a `Flight` of each line by name, its start as ground end; positions of points by name; columns.
 
     wind [m/s] : at the reference height.  duration, step [s] : of the flight and of a communication step.  None : those of
     the `SystemFlight`, which has loads, too. Rows are those of `Flight`, the first at the start.
@@ -82,7 +83,7 @@ def fly(flight, system, wind=None, duration=None, step=None):
         shape = np.concatenate([first.shape[None], nodes]) if len(first.shape) == nodes.shape[1] else None
         flights[name] = Flight(time, *forces, shape, flown.seconds)
     places = {name: np.vstack([start.points[name].position, each.position]) for name, each in flown.points.items()}
-    return flights, places
+    return flights, places, results.with_power(results.of_system(time, start, flown), system.winches)
 
 
 ENDS = {"ground_force": at.GROUND_FORCE, "kite_force": at.KITE_FORCE}
@@ -140,7 +141,7 @@ def run(given):
     found = flight.found
     now(f"flying {given.log}")
     try:
-        flights, places = fly(flight, system, given.wind, given.duration, given.step)
+        flights, places, columns = fly(flight, system, given.wind, given.duration, given.step)
     except StepRefused as refusal:
         raise WrongUse(f"{given.log}: this system cannot be flown: {refusal}") from None
     for sentence in system.implausible:
@@ -149,6 +150,7 @@ def run(given):
         print(summary(line, flights[line.name]))
     seconds, time = flights[line.name].wall_time, flights[line.name].time
     print(f"{found.name}: {len(time) - 1} steps; {time[-1] / seconds:.0f} times real time")
+    report({found.name: columns}, given)
     given.out.mkdir(parents=True, exist_ok=True)
     now("drawing")
     ground = found.ground.ground_height if found.ground.ground_contact == at.FLAT else None
@@ -178,6 +180,7 @@ def main(arguments=None, prog=None):
     option("--set", dest="settings", action="append", default=[], metavar="NAME=VALUE", help=about)
     option("--out", type=folder, default=Path("plots"), metavar="DIR", help="folder of the figures (default: plots)")
     option("--html", action="store_true", help="also write an interactive page (needs plotly)")
+    add_results(parser)
     run(parser.parse_args(arguments))
 
 

@@ -19,7 +19,7 @@ VECTORS = {  # outputs of the FMU that an output of a scene is made of, where th
     "kite_direction": {"kite_force"},
     "peak_force": {"kite_force"},
     "ground_direction": {"ground_force"},
-    "power": {"kite_force", "ground_tension"},
+    "power": {"kite_force", "ground_tension", "winch_speed"},
 }
 KEPT = inputs_at("kite", "winch")  # never left out: the motion of the kite or its load, and what any `winch_control` needs
 DIGITS = 12  # of start values: more are rounding
