@@ -143,6 +143,21 @@ def fly(
     return flight_of(step * np.arange(count + 1), rows, outputs, wall_time)
 
 
+def with_release(fmu, variables, rows, released):
+    """Function of k, values of the inputs at the start of step k, which first lets the tether go where that is asked for.
+
+    rows : of the inputs.  released : whether it is let go, of each row; None: never.
+    """
+    reference = [] if released is None or not np.any(released) else variables.of("release")
+
+    def motion(k):
+        if reference and released[k]:
+            fmu.setBoolean(reference, [True])
+        return rows[k]
+
+    return motion
+
+
 def outputs_of(variables):
     """`fmu_tools.Outputs` of an FMU; WrongUse if it has none that a `Flight` has a field for."""
     if not variables.those_of(*SHOWN):

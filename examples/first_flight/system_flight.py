@@ -9,6 +9,7 @@ is that of the Python API, whose numbers are those of its FMU.
 """
 
 import sys
+from dataclasses import replace
 from pathlib import Path
 from warnings import catch_warnings
 
@@ -20,6 +21,7 @@ from tetherfmu.console.ending import command
 from tetherfmu.console.options import Parser, folder, number, setting
 from tetherfmu.console.progress import now
 from tetherfmu.files.toml_files import WrongUse
+from tetherfmu.files.winds import Wind
 from tetherfmu.records.problems import PlausibilityWarning, StepRefused
 from tetherfmu.runtime import layout as at
 from tetherfmu.study.measuring import results
@@ -57,13 +59,11 @@ def read(path, settings=()):
 
 
 def fly(flight, system, wind=None, duration=None, step=None):
-    """Fly a system of `read`: a `Flight` of each line by name, its start as ground end; positions of points by name; columns.
+    """Fly a system of `read`: by name a `Flight` of each line, its start as ground end; positions of points; columns.
 
     wind [m/s] : at the reference height.  duration, step [s] : of the flight and of a communication step.  None : those of
     the `SystemFlight`, which has loads, too. Rows are those of `Flight`, the first at the start.
     """
-    from tetherfmu.study.measuring.system_flights import straight_on
-
     duration, step = duration or flight.duration, step or flight.wanted.communication_step
     count = round(duration / step)
     if count == 0:
@@ -71,11 +71,12 @@ def fly(flight, system, wind=None, duration=None, step=None):
     time = step * np.arange(count + 1)
     if count > MOST_STEPS:
         raise WrongUse(f"the flight of {duration:g} s has {count} communication steps; it may have {MOST_STEPS} at most")
-    positions = straight_on(flight.found, time[:-1])
-    winds = flight.wind(time[:-1]) if wind is None else np.tile(wind, (count, 1))
+    if wind is not None:
+        others = {what: own for what, own in flight.series.items() if what != "wind_velocity"}
+        flight = replace(flight, wind=Wind(tuple(wind)), series=others)
     with catch_warnings(action="ignore", category=PlausibilityWarning):  # `run` says them
-        start = system.initialize(winds[0], loads=flight.loads)
-        flown = system.fly(count, step, positions, wind_velocity=winds, loads=flight.loads)
+        start = flight.start(system)
+        flown = system.fly(count, step, **flight.given(time[:-1]))
     flights = {}
     for name, nodes in flown.positions.items():
         first, rows = start.lines[name], flown.outputs[name]

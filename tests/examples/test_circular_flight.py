@@ -10,7 +10,8 @@ import pytest
 from running import EXAMPLES, run_code, run_python
 
 CIRCLE = r"circle: 500 m away at 4\.34 m/s in still air, on a tether of 525 m that sags: .+\n"
-LINE = r"TetherDynamic: \|ground\| (\d+\.\d) N, \|kite\| (\d+\.\d) N at most; (\d+) steps; (\d+) times real time\n(  .+\n)+(.+\n){3}"
+LINE = r"TetherDynamic: \|ground\| (\d+\.\d) N, \|kite\| (\d+\.\d) N at most; (\d+) steps; (\d+) times real time\n"
+LINE += r"(  .+\n)+(.+\n){3}"
 FIGURES = ("first_shape.png", "forces.png", "shapes.png")
 
 

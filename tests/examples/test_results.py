@@ -116,7 +116,7 @@ def test_the_summary_says_what_goes_slack_and_breaks():
     columns["a.break_time"] = np.array([-1, -1, -1, -1, 1.75])
     slack, broken = results.summary(columns)
     assert slack == "a.slack: a segment at least 40 % of the time, first at 1 s"
-    assert broken == "a.broken at 1.75 s"
+    assert broken == "a.broken or let go at 1.75 s"
     assert results.summary(results.since(columns, 1.2))[0].endswith("50 % of the time, first at 1.5 s")
 
 

@@ -18,7 +18,7 @@ import pandas as pd
 
 from tetherfmu.console.progress import now
 from tetherfmu.files.named import named_scenes, named_systems, path_of
-from tetherfmu.files.scene_files import SceneError, flown_from
+from tetherfmu.files.scene_files import NO_ADVICE, SceneError, flown_from
 from tetherfmu.records.problems import StepRefused
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.naming import prefixed
@@ -177,6 +177,8 @@ def run_command(options):
     if not is_system(path):
         return of_scenes.run(options)
     flight = load(path, options.settings)
+    if "releases" in flight.series:
+        raise SceneError(f"{path}: {NO_ADVICE}")
     now(f"flying {flight.found.name} with candidates and with a finer one")
     with flown_from(path, "system"):
         advice = advise(flight, of_scenes.FAST_BUDGET if options.fast else of_scenes.BUDGET)

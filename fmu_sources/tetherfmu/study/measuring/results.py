@@ -126,7 +126,7 @@ def summary(columns):
         if own in SHOWN and (own not in DERIVED or np.any(values)):
             low, high = values.argmin(), values.argmax()
             mean, least, largest = alike((values.mean(), values[low], values[high]))
-            when = [f"{time[k]:.6g} s" for k in (low, high)]
+            when = [f"{time[k]:.6g} s" if least != largest else "" for k in (low, high)]
             rows.append((f"{name} [{unit_of(own)}]", mean, least, when[0], largest, when[1]))
         before = name[: len(name) - len(own)]
         if own == "power" and np.any(values):
@@ -136,7 +136,7 @@ def summary(columns):
             notes.append(f"{before}slack: a segment at least {share:.3g} % of the time, first at {first:.6g} s")
         if own == "broken" and values[-1]:
             when = columns.get(f"{before}break_time")
-            notes.append(f"{before}broken{f' at {when[-1]:.6g} s' if when is not None else ''}")
+            notes.append(f"{before}broken or let go{f' at {when[-1]:.6g} s' if when is not None else ''}")
     return [*aligned([("", "mean", "least", "at", "largest", "at"), *rows]), *notes] if rows else notes
 
 
