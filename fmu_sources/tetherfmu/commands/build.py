@@ -28,8 +28,10 @@ from tetherfmu.runtime.parameters import Tether
 from tetherfmu.runtime.quantities import Quantity, quantities
 from tetherfmu.runtime.variants import class_name, library_of, variant_of
 from tetherfmu.wiring.selection import GROUPS
+from tetherfmu.wiring.variables import variables
 
 MAX_SHAPE_POINTS = 1001
+LISTED = ("TetherDynamic", "TetherDynamicFree")  # by --list without names: a driven and a free kite end
 FMI = "version of FMI, 3 with --native only (default: 2)"
 SEGMENTS = dict(quantities(Tether))["segments"]
 # the stiffness of more is out of its range; the forces of less have too few digits in the evidence set
@@ -121,6 +123,7 @@ def _add_variables(parser):
         option(f"--{key}", type=names, metavar="NAME,...", help=about)
     about = "start value of an input or a parameter; may be repeated; constant if the FMU goes without it; "
     about += "a diameter scales stiffness and damping that are not set"
+    option("--list", action="store_true", help="list the variables that the FMUs would have, and build none")
     option("--set", dest="starts", type=named_value, action="append", default=[], metavar="NAME=VALUE", help=about)
 
 
@@ -175,6 +178,8 @@ def _problems(options):
     for name in {"diameter", "segments"} & {each for each, _ in options.starts}:
         if getattr(options, name) is not None:
             yield f"--{name} and --set {name} are both given; give one of them"
+    if options.list and (options.scene is not None or options.system is not None):
+        yield "--list is for FMUs by NAME; it goes without --scene and --system"
     if options.fmi == 3 and not options.native:
         yield "PythonFMU makes FMUs for FMI 2; --fmi 3 goes with --native"
     if options.header and not options.native:
@@ -258,6 +263,15 @@ def build(wanted, name, options):
     show(made, options.platforms, wanted.header)
 
 
+def list_variables(wanted, lean, segments):
+    """Print the variables of the FMUs that are named, without names those of `LISTED`. wanted : as `parse` returns it."""
+    for name in wanted.names or LISTED:
+        with said(name):
+            table = variables(SLAVES[name], wanted.shape_points, (("segments", segments),), wanted.wind_points)
+            print(f"{name}:", *lean.listed(table), sep="\n")
+    return 0
+
+
 @command
 def main(arguments=None, prog="tetherfmu build"):
     """Build what was asked for; returns the exit status, 0 only if all was built."""
@@ -266,11 +280,12 @@ def main(arguments=None, prog="tetherfmu build"):
         return build_for_system(wanted)
     if wanted.scene is not None:
         return build_for_scene(wanted)
+    segments, lean = wanted.segments or BuildOptions.segments, lean_of(wanted)
+    lean = replace(lean, starts=(*starts_of(wanted.diameter, wanted.material), *lean.starts))
+    if wanted.list:
+        return list_variables(wanted, lean, segments)
     chosen, platforms = wanted.names or list(SLAVES), wanted.platforms
     ready.folders([library_of(SLAVES[name]) for name in chosen], platforms)  # all at once is faster
-    segments = wanted.segments or BuildOptions.segments
-    lean = lean_of(wanted)
-    lean = replace(lean, starts=(*starts_of(wanted.diameter, wanted.material), *lean.starts))
     options = BuildOptions(segments, wanted.shape_points, platforms, lean, wind_points=wanted.wind_points)
     about = {}
     try:
