@@ -157,7 +157,7 @@ def _add_flavours(option):
     option("--sources", action="store_true", help=about)
     about = "build the one FMU of the system of tethers in this file; its lines and points have the names of the file"
     option("--system", metavar="FILE", help=about)
-    option("--scene", metavar="FILE", help="build the one FMU advised for this scene, omitting unused variables")
+    option("--scene", metavar="FILE", help="build the one FMU advised for this scene, without unused variables, or system")
 
 
 def _problems(options):
@@ -217,17 +217,36 @@ def tell(about):
         print(f"{', '.join(fmus)}: {text}" if any(fmus) else text, file=sys.stderr)
 
 
-def build_for_system(wanted):
-    """Build the FMU of a system; WrongUse if its file cannot be used. wanted : as `parse` returns it."""
+def build_for_system(wanted, path, starts=()):
+    """Build the FMU of a system; WrongUse if its file cannot be used.
+
+    wanted : as `parse` returns it.  path : of the file.  starts : values that --set goes before.
+    """
     from tetherfmu.export import systems
 
     points = {"shape_points": wanted.shape_points, "wind_points": wanted.wind_points}
-    options = BuildOptions(platforms=wanted.platforms, lean=lean_of(wanted), **points)
+    lean = lean_of(wanted)
+    lean = replace(lean, starts=(*starts, *lean.starts))
+    options = BuildOptions(platforms=wanted.platforms, lean=lean, **points)
     with said():
         native = wanted.fmi if wanted.native else None
-        made = systems.build(wanted.system, wanted.out, options, native, wanted.header, wanted.sources, now)
+        made = systems.build(path, wanted.out, options, native, wanted.header, wanted.sources, now)
     show(made, wanted.platforms, wanted.header)
     return 0
+
+
+def build_for_system_of(wanted, path):
+    """Build the FMU of a system with the segments and the tolerance that are advised for its file; returns as the others.
+
+    path : of the file.
+    """
+    from tetherfmu.study.advice.systems import advised, start_values
+
+    flight, advice, text = advised(path)
+    print(text)
+    if not advice.met:
+        return FAILED
+    return build_for_system(wanted, path, start_values(flight, advice))
 
 
 def build_for_scene(wanted):
@@ -235,8 +254,14 @@ def build_for_scene(wanted):
 
     wanted : as `parse` returns it, also in `build`.
     """
+    from tetherfmu.files.named import named_scenes, named_systems, path_of
     from tetherfmu.study.advice.scene_build import advised
+    from tetherfmu.study.measuring.system_flights import is_system
 
+    with prefixed("", WrongUse):
+        path = path_of(wanted.scene, named_scenes() | named_systems())
+    if is_system(path):
+        return build_for_system_of(wanted, path)
     now(f"flying {wanted.scene} with candidates and with a finer model")
     text, met, name, options = advised(wanted.scene, wanted.shape_points, wanted.platforms, lean_of(wanted))
     print(text)
@@ -277,7 +302,7 @@ def main(arguments=None, prog="tetherfmu build"):
     """Build what was asked for; returns the exit status, 0 only if all was built."""
     wanted = parse(arguments, prog)
     if wanted.system is not None:
-        return build_for_system(wanted)
+        return build_for_system(wanted, wanted.system)
     if wanted.scene is not None:
         return build_for_scene(wanted)
     segments, lean = wanted.segments or BuildOptions.segments, lean_of(wanted)
