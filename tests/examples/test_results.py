@@ -1,11 +1,12 @@
 """`tetherfmu fly --csv --from`: the table has what was flown, and the summary what its columns give by numpy."""
 
 import re
+import shlex
 
 import numpy as np
 import pandas as pd
 import pytest
-from running import run_code
+from running import assert_is_drawn, run_code
 
 from ended import status_of
 from tetherfmu.__main__ import main as tetherfmu
@@ -79,6 +80,22 @@ def test_a_sweep_has_the_same_numbers(fmu_folder, tmp_path):
     assert row["power_mean_out"] == pytest.approx(rows.power[rows.winch_speed > 1e-3].mean(), rel=1e-8)
     assert row["power_mean_in"] == pytest.approx(rows.power[rows.winch_speed < -1e-3].mean(), rel=1e-8)
     assert row["broken"] == 0.0
+
+
+def test_the_worst_flight_of_a_sweep_flies_again(fmu_folder, tmp_path):
+    """With the command on the page of the sweep, which has a surface over two values."""
+    varied = ("--vary", "wind.speed=3,20", "--vary", "tether.diameter=3 mm,4 mm", "--set", "duration=1")
+    asked = ["sweep", "parked", *varied, "--segments", "4", "--processes", "1", "--out", str(tmp_path / "sweep")]
+    assert tetherfmu(asked) == 0
+    assert_is_drawn(tmp_path / "sweep" / "figures" / "surface.png")
+    page = (tmp_path / "sweep" / "report.md").read_text(encoding="utf-8")
+    flight, command = re.search(
+        r"^\| peak_tension \[N\] *\| \S+ *\| (\d+) *\| `tetherfmu fly (.*?)`", page, re.MULTILINE
+    ).groups()
+    _, table = flown(tmp_path, *shlex.split(command), "--fmus", fmu_folder)
+    peaks = pd.read_csv(tmp_path / "sweep" / "flights.csv").peak_tension
+    assert int(flight) == peaks.idxmax()
+    assert table.peak_tension[1:].max() == pytest.approx(peaks.max(), rel=1e-8)
 
 
 def test_several_tethers_are_in_one_table(fmu_folder, tmp_path):

@@ -115,8 +115,8 @@ def draw_surface(table, first, second, statistic, path):
 def draw_all(table, varied, folder):
     """Draw what is asked first; paths in the folder of the page, dict by title."""
     folder.mkdir(exist_ok=True)
-    for old in folder.glob("*.png"):
-        old.unlink()  # of a sweep that was continued with other values
+    for name in ("response", "surface"):  # of a sweep that was continued with other values
+        (folder / f"{name}.png").unlink(missing_ok=True)
     differs = [name for name in SHOWN if name in table and table[name].nunique() > 1]
     shown, drawn = differs or ["peak_tension"], {}
     if table[shown[0]].notna().any():
@@ -130,12 +130,13 @@ def draw_all(table, varied, folder):
     return drawn
 
 
-def worst_flights(table, varied, scene, settings):
+def worst_flights(table, varied, scene, config, settings):
     """The worst flight of each of what people ask first, and how to fly it again: a DataFrame.
 
-    scene : file or name.  settings : pairs, of all flights.
+    scene : file or name.  config : `Config`, settings : pairs, of all flights.
     """
-    rows = []
+    rows, same = [], f" --tether {config.variant} --step {config.step:g}"
+    same += f" --set segments={config.segments}" if config.segments else ""
     for name, is_large in SHOWN.items():
         if name not in table or table[name].nunique() < 2:
             continue
@@ -143,7 +144,7 @@ def worst_flights(table, varied, scene, settings):
         values = [*settings, *((each, table[each][k]) for each in varied)]
         again = " ".join(f"--set {each}={shlex.quote(in_toml(value))}" for each, value in values)
         row = {"worst": with_unit(name, table.attrs["units"]), "value": float(table[name][k]), "flight": k}
-        rows.append(row | {"to fly it": f"`tetherfmu fly {scene} {again}`"})
+        rows.append(row | {"to fly it": f"`tetherfmu fly {scene}{same} {again}`"})
     return pd.DataFrame(rows)
 
 
@@ -195,7 +196,7 @@ def write(table, scene, config, folder, asked=None, settings=()):
     written = write_tables(table, folder)
     facts = {"table": table, "scene": scene, "config": config, "reasons": reasons_of(table)}
     facts |= {"drawn": draw_all(table, varied, folder / "figures"), "files": [path.name for path in written]}
-    facts["worst"] = worst_flights(table, varied, asked or scene.name, settings)
+    facts["worst"] = worst_flights(table, varied, asked or scene.name, config, settings)
     facts["varied"] = {with_unit(name, table.attrs["units"]): values_in_words(table, name) for name in varied}
     text = page("sweeps/sweep.md.j2", overview=overview(table, varied, statistics), **facts)
     (folder / "report.md").write_text(text, encoding="utf-8")
