@@ -19,7 +19,7 @@ def test_a_lean_fmu_an_input_file_and_an_output_file(tmp_path):
     """The load hangs at rest, then it is 0.25 m/s2 lighter."""
     section = PAGE.read_text(encoding="utf-8").partition("## Without a script")[2].partition("\n## ")[0]
     build, simulate = re.findall(r"```bash\n(.*?)```", section, re.DOTALL)
-    (rows,) = re.findall(r"```text\n(.*?)```", section, re.DOTALL)
+    (rows,) = re.findall(r"```csv\n(.*?)```", section, re.DOTALL)
     (tmp_path / "winch.csv").write_text(rows, encoding="utf-8")
     environment = {**os.environ, "PATH": os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])}
     done = subprocess.run(
