@@ -40,6 +40,7 @@ from shared.settings import add_settings
 
 TETHERS = {variant: class_name(variant) for variant in reversed(VARIANTS)}  # those with driven ends
 SHOWN = ("ground_force", "kite_force", "shape")  # outputs
+OF_POWER = ("ground_tension", "winch_speed")  # outputs that the power at the winch is made of
 FLAT, STATION = 2, 0.0  # `ground_contact`, height of the ground with it [m]
 STARTS = {"static_equilibrium": 1, "quasi_steady": 2, "straight": 3}
 GROUND = -50.0  # its height [m]: the station stands on a hill, and the tether hangs down to 34 m below it
@@ -293,6 +294,9 @@ def add_circle(parser, rate, length, wind):
 def report_missing(fmu_file, flight, html):
     """Say on stderr which outputs an FMU does not have; WrongUse if the page needs them."""
     missing = [name for name in SHOWN if getattr(flight, name) is None]
+    unknown = [name for name in OF_POWER if name not in flight.columns]
+    if unknown:
+        print(f"{fmu_file} has no output {' and no '.join(unknown)}: no power", file=sys.stderr)
     if html and "shape" in missing:
         raise WrongUse(f"{fmu_file} has no output shape, which --html shows; build it with --shape-points 21")
     if missing:

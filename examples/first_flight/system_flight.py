@@ -101,30 +101,32 @@ def draw(flights, places, ground):
 
     ground : its height [m], where there is one.
     """
-    from shared.flight_figures import NARROWEST, draw_ground_in_space, plt, widen
+    from shared.flight_figures import NARROWEST, draw_ground_in_space, label_in_space, plt, ticks_in_space, widen, with_room
 
     shapes = plt.figure(figsize=(9.0, 6.0), layout="constrained")
     space = shapes.add_subplot(projection="3d")
     for name, flight, colour in coloured(flights):
         for k in np.linspace(0, len(flight.time) - 1, COUNT).astype(int):
             space.plot(*flight.shape[k].T, color=colour, linewidth=1.2, label=name if k == 0 else None)
-    for name, path in places.items():
+    for path in places.values():
         space.plot(*path.T, color=BLACK, linewidth=1.8)
-        space.text(*path[0], f" {name}", fontsize=8)
     least = NARROWEST * max(np.ptp(limits) for limits in (space.get_xlim(), space.get_ylim(), space.get_zlim()))
     for axis in "xyz":
         widen(space, axis, least)
     if ground is not None:
         draw_ground_in_space(space, ground)
     space.set(xlabel="x [m]", ylabel="y [m]", zlabel="z [m]", title="Lines and points along the flight")
-    space.set_aspect("equal")
+    space.set_box_aspect([np.ptp(limits) for limits in (space.get_xlim(), space.get_ylim(), space.get_zlim())], zoom=0.92)
+    ticks_in_space(space)
     space.legend(loc="upper left")
+    label_in_space(space, {name: path[0] for name, path in places.items()})
     forces, panels = plt.subplots(2, 1, figsize=(8.5, 7.0), sharex=True, layout="constrained")
     for axes, field, end in zip(panels, ENDS, ("start", "end"), strict=True):
         for name, flight, colour in coloured(flights):
             axes.plot(flight.time, np.linalg.norm(getattr(flight, field), axis=1), color=colour, linewidth=1.3, label=name)
         axes.set(title=f"Force of each line at its {end}", ylabel="force [N]")
         axes.grid(alpha=0.3)
+        with_room(axes)
     panels[0].legend(fontsize=8)
     panels[1].set_xlabel("time [s]")
     return {"shapes": shapes, "forces": forces}
