@@ -13,11 +13,11 @@ from PIL import Image
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
-from matplotlib.colors import ListedColormap, to_hex, to_rgb
+from matplotlib.colors import to_hex, to_rgb
 from matplotlib.lines import Line2D
 from mpl_toolkits.mplot3d.proj3d import proj_transform
 
-from pictures import save_moving
+from pictures import colours_of_tensions, save_moving
 from tetherfmu.console.colours import BLACK, GREY, VERMILLION
 
 DOCS = Path(__file__).resolve().parents[1]
@@ -27,7 +27,6 @@ SIZE, DOTS = (7.6, 3.5), 110  # of the animation [in], [1/in]
 SHOWN_FOR = 60  # a frame [ms]
 TINTS = (1.0, 0.75, 0.5, 0.25)  # of a colour on white, for edges
 PRINTED, IN_PRINT = 300, 9  # dots per inch, shapes
-FOR_WHITE, FOR_BOTH = ("plasma_r", 0.12, 1.0), ("plasma", 0.3, 0.78)  # colours of tensions, on white, on dark paper, too
 LIMITS = {"x": (0.0, 330.0), "y": (-110.0, 110.0), "z": (0.0, 265.0)}  # of the space that is shown [m]
 
 
@@ -74,18 +73,15 @@ def forces(figure, place, times, force, depowered):
     return axes
 
 
-def drawn(cycle, count=None, shades=FOR_WHITE):
+def drawn(cycle, count=None):
     """Figure of a cycle, and what the animation changes in it: tether, its shadow, path and force so far, present force.
 
-    count : of shapes that the still picture shows; None: one, which the animation moves.  shades : colour map of tensions,
-    its first and last colour.
+    count : of shapes that the still picture shows; None: one, which the animation moves.
     """
     times, shapes, force, depowered = cycle
     figure = plt.figure(figsize=SIZE, layout="constrained")
     grid = figure.add_gridspec(1, 2, width_ratios=(1.5, 1.0))
-    colours = plt.cm.ScalarMappable(
-        plt.Normalize(0.0, 3.5), cmap=ListedColormap(plt.get_cmap(shades[0])(np.linspace(*shades[1:], 256)))
-    )
+    colours = plt.cm.ScalarMappable(plt.Normalize(0.0, 3.5), cmap=colours_of_tensions())
     axes = space(figure, grid[0], shapes, colours)
     beside = forces(figure, grid[1], times, force, depowered)
     if count:
@@ -129,7 +125,7 @@ def animate(cycle, path):
 def move(cycle, path):
     """Write the animation as an SVG file."""
     times, shapes, force, _ = cycle
-    figure, colours, _ = drawn(cycle, shades=FOR_BOTH)
+    figure, colours, _ = drawn(cycle)
     figure.canvas.draw()  # before the axes in space are projected
     in_space, beside = figure.axes[0], figure.axes[-1]
 

@@ -14,7 +14,7 @@ import numpy as np
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 
-from pictures import save
+from pictures import colours_of_tensions, save
 from tetherfmu import TetherQuasiSteady
 from tetherfmu.console.colours import BLACK, BLUE, GREY, VERMILLION
 from tetherfmu.runtime.inputs import COUNT, by_name
@@ -87,7 +87,7 @@ def flight():
     axes = figure.add_subplot(projection="3d")
     for k in np.linspace(0, len(shapes), SHAPES, endpoint=False).astype(int):
         axes.plot(*shapes[k].T, color=GREY, linewidth=0.7)
-    dots = axes.scatter(*path[::3].T, c=1e-3 * force[::3], cmap="plasma_r", s=2)
+    dots = axes.scatter(*path[::3].T, c=1e-3 * force[::3], cmap=colours_of_tensions(), s=2)
     axes.plot([0.0], [0.0], [0.0], "s", color=BLACK, markersize=4)
     axes.set(zlabel="up [m]", title="A measured flight")
     axes.set_xlabel("east [m]", labelpad=-4.0)

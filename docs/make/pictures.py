@@ -12,6 +12,7 @@ from unittest.mock import patch
 
 import matplotlib as mpl
 import numpy as np
+from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 
 PAPER, INK = 0x14, 0xE0  # greys that white and black become
@@ -29,6 +30,11 @@ DARK = {  # what other colours become: dark lines, then pale areas
     "#f3ead7": "#3d3422",
 }
 CONTRAST = 4.5  # least of letters on white (WCAG 2.1, level AA)
+TENSIONS = (
+    "plasma_r",
+    0.22,
+    0.7,
+)  # colour map of all tensions, its first and last colour: legible on white and on dark paper
 MARK = "prefers-color-scheme"
 LETTERS = re.compile(r'<g style="fill: (#[0-9a-f]{6})')  # text; marks and areas are no groups
 COLOUR = re.compile(r"(fill|stroke): (#[0-9a-f]{6})\b")
@@ -38,6 +44,12 @@ RULES = {  # letters need no font, equal figures are equal files, curves are rig
     "svg.hashsalt": "tetherfmu",
     "path.simplify_threshold": 0.3,
 }
+
+
+def colours_of_tensions():
+    """Colour map of tensions: one scale in README, pages and site."""
+    name, first, last = TENSIONS
+    return ListedColormap(mpl.colormaps[name](np.linspace(first, last, 256)))
 
 
 def darkened(colour):
