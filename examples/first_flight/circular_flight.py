@@ -295,7 +295,7 @@ def report_missing(fmu_file, flight, html):
     """Say on stderr which outputs an FMU does not have; WrongUse if the page needs them."""
     missing = [name for name in SHOWN if getattr(flight, name) is None]
     unknown = [name for name in OF_POWER if name not in flight.columns]
-    if unknown:
+    if len(unknown) == 1:  # an FMU without both was built for other things
         print(f"{fmu_file} has no output {' and no '.join(unknown)}: no power", file=sys.stderr)
     if html and "shape" in missing:
         raise WrongUse(f"{fmu_file} has no output shape, which --html shows; build it with --shape-points 21")
