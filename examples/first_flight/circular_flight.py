@@ -26,11 +26,12 @@ from typing import NamedTuple
 import numpy as np
 
 from tetherfmu.console.ending import command
-from tetherfmu.console.options import Parser, file, folder, number
+from tetherfmu.console.options import Parser, file, folder, names, new_file, number
 from tetherfmu.console.progress import now
 from tetherfmu.files.toml_files import WrongUse
 from tetherfmu.runtime.plausibility import LARGEST_STRETCH
 from tetherfmu.runtime.variants import VARIANTS, class_name, variant_of
+from tetherfmu.study.measuring import results
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # the folder of the rooms
 from shared.fmu_tools import find_fmu, refuse_different, running, variables_of
@@ -39,6 +40,7 @@ from shared.settings import add_settings
 
 TETHERS = {variant: class_name(variant) for variant in reversed(VARIANTS)}  # those with driven ends
 SHOWN = ("ground_force", "kite_force", "shape")  # outputs
+OF_POWER = ("ground_tension", "winch_speed")  # outputs that the power at the winch is made of
 FLAT, STATION = 2, 0.0  # `ground_contact`, height of the ground with it [m]
 STARTS = {"static_equilibrium": 1, "quasi_steady": 2, "straight": 3}
 GROUND = -50.0  # its height [m]: the station stands on a hill, and the tether hangs down to 34 m below it
@@ -66,6 +68,7 @@ class Flight(NamedTuple):
     kite_force: np.ndarray | None  # (rows, 3), of the tether on the kite
     shape: np.ndarray | None  # (rows, points, 3), ground first, kite last
     wall_time: float  # of all communication steps
+    columns: dict = {}  # noqa: RUF012 (never modified) - all outputs, and `time`, by name, arrays (rows,)
 
 
 def circle(time, rate):
@@ -78,12 +81,12 @@ def circle(time, rate):
 def co_simulate(fmu, inputs, outputs, motion, step, count, stop_if_pressed):
     """Initialize the tether and do `count` communication steps; returns rows of outputs and the wall time [s].
 
-    inputs, outputs : value references of what the tether is given, as position and velocity of the kite, and of what is
-    read.  motion : function of k, values of the inputs at the start of step k.  stop_if_pressed : for Ctrl-C.
+    inputs : value references of what the tether is given, as position and velocity of the kite.  outputs : what is read,
+    `fmu_tools.Outputs`.  motion : function of k, values of the inputs at the start of step k.  stop_if_pressed : for Ctrl-C.
     """
     fmu.setReal(inputs, motion(0))
     fmu.exitInitializationMode()
-    rows = [fmu.getReal(outputs)]
+    rows = [outputs.read(fmu)]
     started = perf_counter()
     for k in range(count):
         # 1. The kite at the start of the step. A kite model would move here, under the force in rows[-1].
@@ -92,7 +95,7 @@ def co_simulate(fmu, inputs, outputs, motion, step, count, stop_if_pressed):
         fmu.setReal(inputs, given)
         fmu.doStep(k * step, step)
         # 3. Its forces and its shape at the end of the step, the time (k + 1) step.
-        rows.append(fmu.getReal(outputs))
+        rows.append(outputs.read(fmu))
         stop_if_pressed()
     return np.array(rows), perf_counter() - started
 
@@ -126,7 +129,6 @@ def fly(
 
     variables = variables_of(fmu_file)
     inputs, outputs = variables.of("kite_position", "kite_velocity"), outputs_of(variables)
-    references = [each for vector in outputs.values() for each in vector]
     with running(fmu_file, variables.description) as (fmu, stop_if_pressed):
         fmu.setupExperiment(startTime=0.0)
         fmu.setReal(variables.of("initial_length", "ground_height"), [length, STATION if ground else GROUND])
@@ -137,26 +139,40 @@ def fly(
         fmu.enterInitializationMode()
         if any(wind):
             fmu.setReal(variables.of("wind_velocity"), wind)  # an input that is set once stays
-        rows, wall_time = co_simulate(fmu, inputs, references, motion, step, count, stop_if_pressed)
+        rows, wall_time = co_simulate(fmu, inputs, outputs, motion, step, count, stop_if_pressed)
         fmu.terminate()
     return flight_of(step * np.arange(count + 1), rows, outputs, wall_time)
 
 
+def with_release(fmu, variables, rows, released):
+    """Function of k, values of the inputs at the start of step k, which first lets the tether go where that is asked for.
+
+    rows : of the inputs.  released : whether it is let go, of each row; None: never.
+    """
+    reference = [] if released is None or not np.any(released) else variables.of("release")
+
+    def motion(k):
+        if reference and released[k]:
+            fmu.setBoolean(reference, [True])
+        return rows[k]
+
+    return motion
+
+
 def outputs_of(variables):
-    """Dict name -> value references of the outputs that a `Flight` has."""
-    outputs = variables.those_of(*SHOWN)
-    if not outputs:
+    """`fmu_tools.Outputs` of an FMU; WrongUse if it has none that a `Flight` has a field for."""
+    if not variables.those_of(*SHOWN):
         raise WrongUse(f"{variables.file} has none of the outputs {', '.join(SHOWN)}")
-    return outputs
+    return variables.outputs(SHOWN)
 
 
 def flight_of(time, rows, outputs, wall_time):
     """`Flight` of the values of its outputs, array (rows, values)."""
-    ends = np.cumsum([len(references) for references in outputs.values()])[:-1]
-    columns = zip(outputs, np.split(rows, ends, axis=1), strict=True)
-    found = {name: values.reshape(len(rows), -1, 3) for name, values in columns}
+    columns = {"time": time, **dict(zip(outputs.names, rows.T, strict=True))}
+    vectors = {name: [column for each, column in columns.items() if each.partition("[")[0] == name] for name in SHOWN}
+    found = {name: np.stack(each, -1).reshape(len(rows), -1, 3) for name, each in vectors.items() if each}
     ground, kite = (found[name][:, 0] if name in found else None for name in SHOWN[:2])
-    return Flight(time, ground, kite, found.get("shape"), wall_time)
+    return Flight(time, ground, kite, found.get("shape"), wall_time, results.with_power(columns))
 
 
 def summary(name, flight):
@@ -216,6 +232,37 @@ def add_options(
         add_circle(parser, rate, length, wind)
     parser.add_out("the figures")
     option("--html", action="store_true", help="also write an interactive page (needs plotly)")
+    add_results(parser)
+
+
+def add_results(parser):
+    """Add what can be chosen for the results."""
+    option = parser.add_argument
+    option("--csv", type=new_file, metavar="FILE", help="also write the outputs as a table (CSV, SI units)")
+    about = "columns of --csv: variables or vectors, separated by commas (default: all but shape)"
+    option("--outputs", type=names, metavar="NAME,...", help=about)
+    about = "time before which table and summary leave out all [s] (default: 0)"
+    option("--from", dest="begin", type=number(0.0, unit="s"), default=0.0, metavar="T", help=about)
+
+
+def report(columns, given):
+    """Print what people report of flights, and write the table that the options ask for.
+
+    columns : of each flight, dict by name.
+    """
+    if given.outputs and not given.csv:
+        raise WrongUse("--outputs chooses columns of --csv; it goes with it")
+    columns = {name: results.since(each, given.begin) for name, each in columns.items()}
+    for name, each in columns.items():
+        for line in (*([f"{name}:"] if len(columns) > 1 else []), *results.summary(each)):
+            print(f"  {line}")
+    if given.csv:
+        found = next(iter(columns.values()))
+        if len(columns) > 1:
+            found = {f"{name}.{own}": each[own] for name, each in columns.items() for own in each if own != "time"}
+            found = {"time": next(iter(columns.values()))["time"], **found}
+        results.write_csv(results.chosen(found, given.outputs), given.csv)
+        print(given.csv)
 
 
 def add_circle(parser, rate, length, wind):
@@ -247,6 +294,9 @@ def add_circle(parser, rate, length, wind):
 def report_missing(fmu_file, flight, html):
     """Say on stderr which outputs an FMU does not have; WrongUse if the page needs them."""
     missing = [name for name in SHOWN if getattr(flight, name) is None]
+    unknown = [name for name in OF_POWER if name not in flight.columns]
+    if len(unknown) == 1:  # an FMU without both was built for other things
+        print(f"{fmu_file} has no output {' and no '.join(unknown)}: no power", file=sys.stderr)
     if html and "shape" in missing:
         raise WrongUse(f"{fmu_file} has no output shape, which --html shows; build it with --shape-points 21")
     if missing:
@@ -303,10 +353,11 @@ def fly_each(given, fly, parameters, names=None, find=find_fmu):
 
 
 def show(flights, given, name, title, ground):
-    """Write the figures, with the option --html the page of this name and title, too, and print where they are.
+    """Report the flights, write the figures, with the option --html the page of this name and title, too, and print where.
 
     ground : its height [m]; None: there is none.
     """
+    report({name: flight.columns for name, flight in flights.items()}, given)
     given.out.mkdir(parents=True, exist_ok=True)
     now("drawing")
     written = write_figures(flights, given.out, ground)

@@ -39,6 +39,7 @@ from first_flight.circular_flight import (
     fly_each,
     outputs_of,
     show,
+    with_release,
 )
 from shared.fmu_tools import running, variables_of
 from shared.named_fmu import NamedFmu
@@ -117,7 +118,7 @@ def given_inputs(flight, has_wind):
         "kite_velocity": True,
         "ground_position": has_ground,
         "ground_velocity": has_ground,
-        "reel_out_speed": flight.has_length or "reel_out_speed" in flight.columns,
+        "reel_out_speed": flight.has_length or flight.has_force or "reel_out_speed" in flight.columns,
         "winch_length": flight.has_length,
         "winch_force": flight.has_force,
         "wind_velocity": has_wind,
@@ -149,20 +150,13 @@ def fly(fmu_file, scene, inputs, parameters):
     rows = np.hstack([columns[name] for name in inputs]).tolist()
     variables = variables_of(fmu_file)
     outputs = outputs_of(variables)
-    references = [each for vector in outputs.values() for each in vector]
-    moved, released = variables.of(*inputs), variables.of("release") if scene.flight.has_release else []
+    moved = variables.of(*inputs)
     with running(fmu_file, variables.description) as (fmu, stop_if_pressed):
         fmu.setupExperiment(startTime=0.0)
         NamedFmu(variables, fmu).set(**variables.completed(parameters))
         fmu.enterInitializationMode()
-
-        def motion(k):
-            """Numbers of the inputs at the start of step k, and the release, which is none of them."""
-            if columns["release"][k]:
-                fmu.setBoolean(released, [True])
-            return rows[k]
-
-        given, wall_time = co_simulate(fmu, moved, references, motion, step, len(rows), stop_if_pressed)
+        motion = with_release(fmu, variables, rows, columns["release"])
+        given, wall_time = co_simulate(fmu, moved, outputs, motion, step, len(rows), stop_if_pressed)
         fmu.terminate()
     return flight_of(step * np.arange(len(rows) + 1), given, outputs, wall_time)
 

@@ -17,11 +17,12 @@ from tetherfmu.console.ending import command
 from tetherfmu.console.options import Parser, setting
 from tetherfmu.files.toml_files import WrongUse
 from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.inputs import by_name
 from tetherfmu.runtime.parameters import DEFAULT_TOLERANCE, Tether
 from tetherfmu.runtime.variants import DYNAMIC_FREE, class_name, variant_of
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # the folder of the rooms
-from first_flight.circular_flight import add_options, co_simulate, flight_of, fly_each, outputs_of, show
+from first_flight.circular_flight import add_options, co_simulate, flight_of, fly_each, outputs_of, show, with_release
 from shared import cache
 from shared.fmu_tools import OF_A_TETHER, constants_of, find_fmu, running, variables_of
 from shared.settings import RECORD_OF, checked_value
@@ -104,13 +105,14 @@ def fly(fmu_file, scene, others=()):
     rows = table[[name for name, vector in vectors.items() if vector not in without]].to_numpy().tolist()
     moved = variables.of(*(each for each in dict.fromkeys(vectors.values()) if each not in without))
     outputs = outputs_of(variables)
-    references = [each for vector in outputs.values() for each in vector]
+    released = by_name(scene.inputs(step))["release"] if scene.flight.has_release else None
     with running(fmu_file, variables.description) as (fmu, stop_if_pressed):
         fmu.setupExperiment(startTime=0.0)
         parameters |= {"wind_profile": at.UNIFORM} if scene.wind_points else {}
         built_in |= set_parameters(variables, fmu, parameters)
         fmu.enterInitializationMode()
-        found, wall_time = co_simulate(fmu, moved, references, rows.__getitem__, step, len(rows), stop_if_pressed)
+        motion = with_release(fmu, variables, rows, released)
+        found, wall_time = co_simulate(fmu, moved, outputs, motion, step, len(rows), stop_if_pressed)
         fmu.terminate()
     if built_in and not constants:
         print(f"{fmu_file} keeps the values it was built with: {', '.join(sorted(built_in))}", file=sys.stderr)
@@ -143,6 +145,8 @@ def set_parameters(variables, fmu, parameters):
 
 def names_of(scene, tether):
     """Names of the FMUs that can fly a scene, None for those of --tether; WrongUse if that one cannot."""
+    if scene.flight.has_release and tether not in (None, "dynamic"):
+        raise WrongUse(f"--tether is {tether}; {scene.name} lets its tether go, which dynamic tethers can")
     if not scene.kite_is_free:
         return None
     if tether not in (None, "dynamic"):

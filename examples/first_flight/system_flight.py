@@ -9,6 +9,7 @@ is that of the Python API, whose numbers are those of its FMU.
 """
 
 import sys
+from dataclasses import replace
 from pathlib import Path
 from warnings import catch_warnings
 
@@ -20,11 +21,13 @@ from tetherfmu.console.ending import command
 from tetherfmu.console.options import Parser, folder, number, setting
 from tetherfmu.console.progress import now
 from tetherfmu.files.toml_files import WrongUse
+from tetherfmu.files.winds import Wind
 from tetherfmu.records.problems import PlausibilityWarning, StepRefused
 from tetherfmu.runtime import layout as at
+from tetherfmu.study.measuring import results
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # the folder of the rooms
-from first_flight.circular_flight import Flight
+from first_flight.circular_flight import Flight, add_results, report
 
 COUNT, MOST_STEPS = 12, 1_000_000  # shapes that are drawn, communication steps whose rows are kept
 OPTIONS = {"wind": "wind", "duration": "duration", "step": "wanted.communication_step"}  # and what --set has for them
@@ -56,13 +59,11 @@ def read(path, settings=()):
 
 
 def fly(flight, system, wind=None, duration=None, step=None):
-    """Fly a system of `read`; a `Flight` of each line by name, its start as ground end, and positions of points by name.
+    """Fly a system of `read`: by name a `Flight` of each line, its start as ground end; positions of points; columns.
 
     wind [m/s] : at the reference height.  duration, step [s] : of the flight and of a communication step.  None : those of
     the `SystemFlight`, which has loads, too. Rows are those of `Flight`, the first at the start.
     """
-    from tetherfmu.study.measuring.system_flights import straight_on
-
     duration, step = duration or flight.duration, step or flight.wanted.communication_step
     count = round(duration / step)
     if count == 0:
@@ -70,11 +71,12 @@ def fly(flight, system, wind=None, duration=None, step=None):
     time = step * np.arange(count + 1)
     if count > MOST_STEPS:
         raise WrongUse(f"the flight of {duration:g} s has {count} communication steps; it may have {MOST_STEPS} at most")
-    positions = straight_on(flight.found, time[:-1])
-    winds = flight.wind(time[:-1]) if wind is None else np.tile(wind, (count, 1))
+    if wind is not None:
+        others = {what: own for what, own in flight.series.items() if what != "wind_velocity"}
+        flight = replace(flight, wind=Wind(tuple(wind)), series=others)
     with catch_warnings(action="ignore", category=PlausibilityWarning):  # `run` says them
-        start = system.initialize(winds[0], loads=flight.loads)
-        flown = system.fly(count, step, positions, wind_velocity=winds, loads=flight.loads)
+        start = flight.start(system)
+        flown = system.fly(count, step, **flight.given(time[:-1]))
     flights = {}
     for name, nodes in flown.positions.items():
         first, rows = start.lines[name], flown.outputs[name]
@@ -82,7 +84,7 @@ def fly(flight, system, wind=None, duration=None, step=None):
         shape = np.concatenate([first.shape[None], nodes]) if len(first.shape) == nodes.shape[1] else None
         flights[name] = Flight(time, *forces, shape, flown.seconds)
     places = {name: np.vstack([start.points[name].position, each.position]) for name, each in flown.points.items()}
-    return flights, places
+    return flights, places, results.with_power(results.of_system(time, start, flown), system.winches)
 
 
 ENDS = {"ground_force": at.GROUND_FORCE, "kite_force": at.KITE_FORCE}
@@ -99,30 +101,32 @@ def draw(flights, places, ground):
 
     ground : its height [m], where there is one.
     """
-    from shared.flight_figures import NARROWEST, draw_ground_in_space, plt, widen
+    from shared.flight_figures import NARROWEST, draw_ground_in_space, label_in_space, plt, ticks_in_space, widen, with_room
 
     shapes = plt.figure(figsize=(9.0, 6.0), layout="constrained")
     space = shapes.add_subplot(projection="3d")
     for name, flight, colour in coloured(flights):
         for k in np.linspace(0, len(flight.time) - 1, COUNT).astype(int):
             space.plot(*flight.shape[k].T, color=colour, linewidth=1.2, label=name if k == 0 else None)
-    for name, path in places.items():
+    for path in places.values():
         space.plot(*path.T, color=BLACK, linewidth=1.8)
-        space.text(*path[0], f" {name}", fontsize=8)
     least = NARROWEST * max(np.ptp(limits) for limits in (space.get_xlim(), space.get_ylim(), space.get_zlim()))
     for axis in "xyz":
         widen(space, axis, least)
     if ground is not None:
         draw_ground_in_space(space, ground)
     space.set(xlabel="x [m]", ylabel="y [m]", zlabel="z [m]", title="Lines and points along the flight")
-    space.set_aspect("equal")
+    space.set_box_aspect([np.ptp(limits) for limits in (space.get_xlim(), space.get_ylim(), space.get_zlim())], zoom=0.92)
+    ticks_in_space(space)
     space.legend(loc="upper left")
+    label_in_space(space, {name: path[0] for name, path in places.items()})
     forces, panels = plt.subplots(2, 1, figsize=(8.5, 7.0), sharex=True, layout="constrained")
     for axes, field, end in zip(panels, ENDS, ("start", "end"), strict=True):
         for name, flight, colour in coloured(flights):
             axes.plot(flight.time, np.linalg.norm(getattr(flight, field), axis=1), color=colour, linewidth=1.3, label=name)
         axes.set(title=f"Force of each line at its {end}", ylabel="force [N]")
         axes.grid(alpha=0.3)
+        with_room(axes)
     panels[0].legend(fontsize=8)
     panels[1].set_xlabel("time [s]")
     return {"shapes": shapes, "forces": forces}
@@ -140,7 +144,7 @@ def run(given):
     found = flight.found
     now(f"flying {given.log}")
     try:
-        flights, places = fly(flight, system, given.wind, given.duration, given.step)
+        flights, places, columns = fly(flight, system, given.wind, given.duration, given.step)
     except StepRefused as refusal:
         raise WrongUse(f"{given.log}: this system cannot be flown: {refusal}") from None
     for sentence in system.implausible:
@@ -149,6 +153,7 @@ def run(given):
         print(summary(line, flights[line.name]))
     seconds, time = flights[line.name].wall_time, flights[line.name].time
     print(f"{found.name}: {len(time) - 1} steps; {time[-1] / seconds:.0f} times real time")
+    report({found.name: columns}, given)
     given.out.mkdir(parents=True, exist_ok=True)
     now("drawing")
     ground = found.ground.ground_height if found.ground.ground_contact == at.FLAT else None
@@ -178,6 +183,7 @@ def main(arguments=None, prog=None):
     option("--set", dest="settings", action="append", default=[], metavar="NAME=VALUE", help=about)
     option("--out", type=folder, default=Path("plots"), metavar="DIR", help="folder of the figures (default: plots)")
     option("--html", action="store_true", help="also write an interactive page (needs plotly)")
+    add_results(parser)
     run(parser.parse_args(arguments))
 
 

@@ -9,13 +9,16 @@ import numpy as np
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
+from matplotlib import patheffects
 from matplotlib.colors import ListedColormap
+from mpl_toolkits.mplot3d import proj3d
 
 from tetherfmu.console.colours import BLACK, COMPONENTS, GREY, GROUND, coloured
 
 ENDS = {"kite_force": "kite", "ground_force": "ground station"}
 #: colours of tensions from 0 on in all figures, legible on white and on dark paper
 TENSIONS = ListedColormap(plt.get_cmap("plasma")(np.linspace(0.3, 0.78, 256)))
+LEAST_RANGE = 0.02  # of an ordinate, part of its largest value
 NARROWEST = 0.2  # width of an axis over that of the widest: a kite that stays above its winch would leave no room for labels
 
 
@@ -82,6 +85,7 @@ def draw_components(axes, time, force):
     for column, colour in zip(columns, COMPONENTS.values(), strict=True):
         axes.plot(time, column, color=colour, linewidth=1.4)
     labels = zip(columns, COMPONENTS.items(), strict=True)
+    with_room(axes)
     label_ends(axes, [(column[-1], name, colour) for column, (name, colour) in labels])
 
 
@@ -92,6 +96,7 @@ def draw_magnitudes(axes, flights, field):
         magnitude = np.linalg.norm(getattr(flight, field), axis=1)
         axes.plot(flight.time, magnitude, color=colour, linewidth=1.3)
         ends.append((magnitude[-1], name, colour))
+    with_room(axes)
     label_ends(axes, ends)
 
 
@@ -106,6 +111,43 @@ def draw_differences(axes, flights, field):
         largest = max(largest, difference.max())
     if largest > 0.0:
         axes.set_ylim(1e-3 * largest, 2.0 * largest)
+
+
+def ticks_in_space(axes):
+    """As many ticks on each axis in space as there is room for."""
+    spans = {name: np.ptp(getattr(axes, f"get_{name}lim")()) for name in "xyz"}
+    for name, span in spans.items():
+        axes.locator_params(axis=name, nbins=max(2, round(6.0 * span / max(spans.values()))))
+    if spans["z"] > 3.0 * max(spans["x"], spans["y"]):
+        axes.zaxis.labelpad = 14.0
+
+
+def with_room(axes):
+    """Let the ordinate show no less than `LEAST_RANGE` of what it shows: rounding errors are no signal."""
+    low, high = axes.get_ylim()
+    middle, least = 0.5 * (low + high), LEAST_RANGE * max(abs(low), abs(high))
+    if high - low < least:
+        axes.set_ylim(middle - 0.5 * least, middle + 0.5 * least)
+
+
+def label_in_space(axes, points, apart=11.0):
+    """Names beside points in space, dict name -> (3,) [m], moved apart where they would overlap.
+
+    apart : least distance of two lines of text, in points of a page.
+    """
+    figure = axes.figure
+    figure.draw_without_rendering()  # the projection is that of the layout
+    pixels, taken = figure.dpi / 72.0, []
+    seen = {name: proj3d.proj_transform(*place, axes.get_proj())[:2] for name, place in points.items()}
+    corners = {name: axes.transData.transform(place) / pixels for name, place in seen.items()}
+    halo = [patheffects.withStroke(linewidth=2.0, foreground="white")]
+    for name, (across, up) in sorted(corners.items(), key=lambda each: -each[1][1]):
+        width, height = 0.6 * 8.0 * len(name) + 8.0, up
+        while any(abs(height - y) < apart and x - width < across < x + far for x, y, far in taken):
+            height -= 1.0
+        taken.append((across, height, width))
+        offset = {"xytext": (6.0, height - up), "textcoords": "offset points", "va": "center"}
+        axes.annotate(name, seen[name], **offset, fontsize=8, path_effects=halo, zorder=100)
 
 
 def known_ends(flights):

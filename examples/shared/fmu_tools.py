@@ -50,6 +50,25 @@ def description_of(fmu_file):
     return description
 
 
+class Outputs(NamedTuple):
+    """Outputs of an FMU that are read after each step, as numbers."""
+
+    reals: dict  # name -> value reference
+    integers: dict
+    booleans: dict
+
+    @property
+    def names(self):
+        """In the order of their values."""
+        return [*self.reals, *self.integers, *self.booleans]
+
+    def read(self, fmu):
+        """Values, a list."""
+        found = fmu.getReal([*self.reals.values()])
+        found += fmu.getInteger([*self.integers.values()]) if self.integers else []
+        return found + (fmu.getBoolean([*self.booleans.values()]) if self.booleans else [])
+
+
 class Variables(NamedTuple):
     """The variables of an FMU; `all_variables` reads them."""
 
@@ -73,6 +92,14 @@ class Variables(NamedTuple):
                     f"{self.file} has no variable {name}; take one of tetherfmu build {points}that has all variables"
                 )
         return [reference for references in found.values() for reference in references]
+
+    def outputs(self, more=()):
+        """`Outputs`: all of them, and more variables or vectors by name."""
+        found = {"Real": {}, "Integer": {}, "Boolean": {}}
+        for each in self.description.modelVariables:
+            if each.type in found and (each.causality == "output" or each.name.partition("[")[0] in more):
+                found[each.type][each.name] = each.valueReference
+        return Outputs(*found.values())
 
     def completed(self, parameters):
         """Values of parameters, dict by name, with the stiffness and damping that a diameter alone scales."""

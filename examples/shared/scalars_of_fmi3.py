@@ -69,6 +69,14 @@ class ScalarsOfFmi3(FMU3Slave):
             found[each.array][each.place] = value
         self.setFloat64(list(found), [value for array in found.values() for value in array])
 
+    def getBoolean(self, references):
+        """Truth values, which are scalars."""
+        return super().getBoolean([each.array for each in references])
+
+    def getInteger(self, references):
+        """Integers, which are scalars."""
+        return self.getInt32([each.array for each in references])
+
     def setBoolean(self, references, values):
         """Set truth values, which are scalars."""
         super().setBoolean([each.array for each in references], values)

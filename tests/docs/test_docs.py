@@ -135,7 +135,7 @@ def test_readme_has_the_two_commands_of_the_ci():
 
 def blocks(text):
     """Blocks of a page that someone may run or write to a file, in order: pairs (language, text)."""
-    return re.findall(r"^```(python|bash|toml)\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
+    return re.findall(r"^```(python|bash|toml|csv)\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
 
 
 def ran(command, folder):
@@ -166,6 +166,8 @@ def test_blocks_run_one_after_the_other(fmu_folder, tmp_path, text, prints):
     for language, code in blocks(text):
         if language == "toml":
             (tmp_path / "own.toml").write_text(code, encoding="utf-8")
+        elif language == "csv":
+            (tmp_path / "winch.csv").write_text(code, encoding="utf-8")
         elif language == "bash":
             printed += [ran(as_here(line), tmp_path) for line in code.splitlines()]
         else:

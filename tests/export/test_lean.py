@@ -119,9 +119,10 @@ def test_presets_name_what_there_is(preset, variant):
     table = variables(variant, 3)
     missing = Lean(preset=preset).left_out(table)
     kept = {each.name.partition("[")[0] for each in table} - {name.partition("[")[0] for name in missing}
-    assert 12 < len(kept) < 30
+    assert 12 < len(kept) < 35
     named = {name for each in PRESETS.values() for names in each.values() for name in names}
     of_systems = {"position", "velocity", "load", "force", "tension_from", "tension_to", "mass", "initial_position"}
+    of_systems |= {"payout", "start"}
     assert named - of_systems <= {each.name.partition("[")[0] for each in (*variables("dynamic_free", 3), *table)} | {
         "kite_load"
     }
@@ -237,7 +238,11 @@ def test_presets_have_a_winch_and_where_a_free_end_starts(preset, tmp_path):
     file = tmp_path / "hanging.toml"
     file.write_text('name = "Hanging"\n' + SYSTEM.partition("\n")[2].partition("\n")[2])
     tables = variables("dynamic_free", 0), table_of(systems.structure_from(*systems.read(file)))
-    wanted = {"reel_out_speed", "initial_kite_position"}, {"rope.reel_out_speed", "load.initial_position"}
+    winch = {"reel_out_speed", "winch_force", "winch_length", "winch_control", "winch_speed"}
+    wanted = (
+        winch | {"initial_kite_position", "kite_start"},
+        {f"rope.{name}" for name in winch} | {"load.initial_position", "load.start"},
+    )
     for table, names in zip(tables, wanted, strict=True):
         left_out = Lean(preset=preset).left_out(table)
         assert names <= {each.name.partition("[")[0] for each in table if each.name not in left_out}

@@ -11,7 +11,7 @@ import pytest
 from study.scenes_of_tests import SCENE, written
 from tetherfmu.__main__ import main
 from tetherfmu.files.named import named_systems
-from tetherfmu.files.scene_files import load
+from tetherfmu.files.scene_files import load, load_for_advice
 from tetherfmu.files.toml_files import WrongUse, contents_of
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.parameters import Ground, Tether
@@ -253,5 +253,7 @@ def test_what_is_no_scene_is_told_as_what_it_is(tmp_path):
         load(named_systems()["hoist"])
     rows = "".join(f"{0.1 * k},300,{k},400,{int(k > 5)}\n" for k in range(200))
     (tmp_path / "flight.csv").write_text(HEAD.replace("\n", ",release\n") + rows)
-    with pytest.raises(WrongUse, match=r"has a column release; only tetherfmu fly FLIGHT\.csv takes one"):
-        load(written(tmp_path, SERIES))
+    file = written(tmp_path, SERIES)
+    assert load(file).flight.has_release
+    with pytest.raises(WrongUse, match=r"lets the tether go; only fly and sweep take that"):
+        load_for_advice(file)

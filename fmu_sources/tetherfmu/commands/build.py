@@ -28,8 +28,10 @@ from tetherfmu.runtime.parameters import Tether
 from tetherfmu.runtime.quantities import Quantity, quantities
 from tetherfmu.runtime.variants import class_name, library_of, variant_of
 from tetherfmu.wiring.selection import GROUPS
+from tetherfmu.wiring.variables import variables
 
 MAX_SHAPE_POINTS = 1001
+LISTED = ("TetherDynamic", "TetherDynamicFree")  # by --list without names: a driven and a free kite end
 FMI = "version of FMI, 3 with --native only (default: 2)"
 SEGMENTS = dict(quantities(Tether))["segments"]
 # the stiffness of more is out of its range; the forces of less have too few digits in the evidence set
@@ -122,6 +124,7 @@ def _add_variables(parser):
         option(f"--{key}", type=names, metavar="NAME,...", help=about)
     about = "start value of an input or a parameter; may be repeated; constant if the FMU omits the variable; "
     about += "a diameter scales stiffness and damping that are not set"
+    option("--list", action="store_true", help="list the variables that the FMUs would have, and build none")
     option("--set", dest="starts", type=named_value, action="append", default=[], metavar="NAME=VALUE", help=about)
 
 
@@ -155,7 +158,7 @@ def _add_flavours(option):
     option("--sources", action="store_true", help=about)
     about = "build one FMU from the system of tethers in this file, with its names of lines and points"
     option("--system", metavar="FILE", help=about)
-    option("--scene", metavar="FILE", help="build the FMU recommended for this scene, without unused variables")
+    option("--scene", metavar="FILE", help="build the FMU recommended for this scene or system, without unused variables")
 
 
 def _problems(options):
@@ -176,6 +179,8 @@ def _problems(options):
     for name in {"diameter", "segments"} & {each for each, _ in options.starts}:
         if getattr(options, name) is not None:
             yield f"--{name} and --set {name} are both given; give one of them"
+    if options.list and (options.scene is not None or options.system is not None):
+        yield "--list is for FMUs by NAME; it goes without --scene and --system"
     if options.fmi == 3 and not options.native:
         yield "PythonFMU makes FMUs for FMI 2; --fmi 3 goes with --native"
     if options.header and not options.native:
@@ -213,17 +218,36 @@ def tell(about):
         print(f"{', '.join(fmus)}: {text}" if any(fmus) else text, file=sys.stderr)
 
 
-def build_for_system(wanted):
-    """Build the FMU of a system; WrongUse if its file cannot be used. wanted : as `parse` returns it."""
+def build_for_system(wanted, path, starts=()):
+    """Build the FMU of a system; WrongUse if its file cannot be used.
+
+    wanted : as `parse` returns it.  path : of the file.  starts : values that --set goes before.
+    """
     from tetherfmu.export import systems
 
     points = {"shape_points": wanted.shape_points, "wind_points": wanted.wind_points}
-    options = BuildOptions(platforms=wanted.platforms, lean=lean_of(wanted), **points)
+    lean = lean_of(wanted)
+    lean = replace(lean, starts=(*starts, *lean.starts))
+    options = BuildOptions(platforms=wanted.platforms, lean=lean, **points)
     with said():
         native = wanted.fmi if wanted.native else None
-        made = systems.build(wanted.system, wanted.out, options, native, wanted.header, wanted.sources, now)
+        made = systems.build(path, wanted.out, options, native, wanted.header, wanted.sources, now)
     show(made, wanted.platforms, wanted.header)
     return 0
+
+
+def build_for_system_of(wanted, path):
+    """Build the FMU of a system with the segments and the tolerance that are advised for its file; returns as the others.
+
+    path : of the file.
+    """
+    from tetherfmu.study.advice.systems import advised, start_values
+
+    flight, advice, text = advised(path)
+    print(text)
+    if not advice.met:
+        return FAILED
+    return build_for_system(wanted, path, start_values(flight, advice))
 
 
 def build_for_scene(wanted):
@@ -231,8 +255,14 @@ def build_for_scene(wanted):
 
     wanted : as `parse` returns it, also in `build`.
     """
+    from tetherfmu.files.named import named_scenes, named_systems, path_of
     from tetherfmu.study.advice.scene_build import advised
+    from tetherfmu.study.measuring.system_flights import is_system
 
+    with prefixed("", WrongUse):
+        path = path_of(wanted.scene, named_scenes() | named_systems())
+    if is_system(path):
+        return build_for_system_of(wanted, path)
     now(f"flying {wanted.scene} with candidates and with a finer model")
     text, met, name, options = advised(wanted.scene, wanted.shape_points, wanted.platforms, lean_of(wanted))
     print(text)
@@ -259,19 +289,29 @@ def build(wanted, name, options):
     show(made, options.platforms, wanted.header)
 
 
+def list_variables(wanted, lean, segments):
+    """Print the variables of the FMUs that are named, without names those of `LISTED`. wanted : as `parse` returns it."""
+    for name in wanted.names or LISTED:
+        with said(name):
+            table = variables(SLAVES[name], wanted.shape_points, (("segments", segments),), wanted.wind_points)
+            print(f"{name}:", *lean.listed(table), sep="\n")
+    return 0
+
+
 @command
 def main(arguments=None, prog="tetherfmu build"):
     """Build what was asked for; returns the exit status, 0 only if all was built."""
     wanted = parse(arguments, prog)
     if wanted.system is not None:
-        return build_for_system(wanted)
+        return build_for_system(wanted, wanted.system)
     if wanted.scene is not None:
         return build_for_scene(wanted)
+    segments, lean = wanted.segments or BuildOptions.segments, lean_of(wanted)
+    lean = replace(lean, starts=(*starts_of(wanted.diameter, wanted.material), *lean.starts))
+    if wanted.list:
+        return list_variables(wanted, lean, segments)
     chosen, platforms = wanted.names or list(SLAVES), wanted.platforms
     ready.folders([library_of(SLAVES[name]) for name in chosen], platforms)  # all at once is faster
-    segments = wanted.segments or BuildOptions.segments
-    lean = lean_of(wanted)
-    lean = replace(lean, starts=(*starts_of(wanted.diameter, wanted.material), *lean.starts))
     options = BuildOptions(segments, wanted.shape_points, platforms, lean, wind_points=wanted.wind_points)
     about = {}
     try:

@@ -31,8 +31,9 @@ def main(arguments=None, prog="tetherfmu sweep"):
     parser.add_choice("--method", ("latin_hypercube", "sobol"), default="latin_hypercube", help=about)
     option("--seed", type=number(0, 2**31, whole=True), default=1, metavar="N", help="seed of the samples (default: 1)")
     parser.add_settings()
-    about = "outputs with statistics, separated by commas (default: kite_tension,ground_tension)"
-    option("--outputs", type=names, default=("kite_tension", "ground_tension"), metavar="NAME,...", help=about)
+    usual = ("kite_tension", "ground_tension", "power", "payout")
+    about = f"outputs with statistics, or power and payout of the winch, separated by commas (default: {','.join(usual)})"
+    option("--outputs", type=names, default=usual, metavar="NAME,...", help=about)
     about = "percentiles of each output (default: 5,50,95)"
     option("--percentiles", type=numbers, default=(5.0, 50.0, 95.0), metavar="P,...", help=about)
     about = "output whose cycles are counted by rainflow (default: ground_tension)"

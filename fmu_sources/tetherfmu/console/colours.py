@@ -26,7 +26,8 @@ REFERENCE = GREY
 #: colour of the ground under a tether
 GROUND = "#8C6D46"
 OF_FMUS = {class_name(variant): colour for variant, colour in COLOUR.items()}
-OTHERS = (VERMILLION, BLUE, GREEN, ORANGE, PURPLE, SKY_BLUE)
+# of anything else in its order: after the palette three of that of Tol (2021)
+OTHERS = (VERMILLION, BLUE, GREEN, ORANGE, PURPLE, SKY_BLUE, "#882255", "#332288", "#999933")
 
 
 def coloured(flights):

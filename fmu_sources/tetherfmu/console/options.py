@@ -133,6 +133,18 @@ def folder(text):
     return path
 
 
+def new_file(text):
+    """Type of an option that is a file to write, in a folder that is there."""
+    path = Path(text)
+    if path.is_dir() or not text:
+        raise argparse.ArgumentTypeError(f"{text!r} is a folder; it must be a file")
+    if not path.parent.is_dir():
+        raise argparse.ArgumentTypeError(f"{text!r} cannot be written: there is no folder {path.parent}")
+    if not os.access(path if path.exists() else path.parent, os.W_OK):
+        raise argparse.ArgumentTypeError(f"{text!r} cannot be written: nobody may write it here")
+    return path
+
+
 def names(text):
     """Type of a list of names, separated by commas."""
     return tuple(each.strip() for each in text.split(","))

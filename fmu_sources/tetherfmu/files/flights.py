@@ -254,22 +254,22 @@ class FreeEnd(Flight):
         """Where the ground end is at the start: where the free end is follows from the tether, see `at_rest`."""
         return tuple(each + 0.0 * time for each in self.ground(0.0 * time))
 
-    def load(self):
+    def load(self, time=0.0):
         """Constant force on the mass besides its weight [N], array (3,)."""
         return self.pull * np.array((np.cos(self.elevation), 0.0, np.sin(self.elevation)))
 
-    def at_rest(self, tether, gravity):
+    def at_rest(self, tether, gravity, load=None, ground=None):
         """Where the free end rests [m], array (3,): along the sum of the forces, with half of the weight of the tether.
 
         The stretch is that of the mean tension, T L/EA; what the other half of the weight bends is left to the wave times
-        that do not count.
+        that do not count.  load [N], ground [m] : at the start; None: those of the flight.
         """
         mass = self.kite_mass + 0.5 * tether.mass_per_length * tether.initial_length
-        force = self.load() - (0.0, 0.0, mass * gravity)
+        force = (self.load() if load is None else load) - (0.0, 0.0, mass * gravity)
         tension = float(np.linalg.norm(force))
         along = force / tension if tension else np.array((0.0, 0.0, -1.0))
         length = tether.initial_length * (1.0 + tension / tether.axial_stiffness)
-        return np.array(self.ground(0.0), float) + length * along
+        return np.array(self.ground(0.0) if ground is None else ground, float) + length * along
 
 
 KINDS = {re.sub(r"\B([A-Z])", r"_\1", kind.__name__).lower(): kind for kind in Flight.__subclasses__()}

@@ -69,6 +69,22 @@ class Lean:
             raise ValueError("an FMU without inputs, outputs and parameters is none: name at least one of them")
         return tuple(found)
 
+    def listed(self, table: Sequence) -> list:
+        """Lines for people on the variables of a table that the FMU has: inputs, outputs, parameters, with unit and start.
+
+        Errors as of `left_out` and `start_values`.
+        """
+        without, starts = set(self.left_out(table)), dict(self.start_values(table))
+        lines = []
+        for key, causalities in LISTS.items():
+            kept = [each for each in table if each.causality in causalities and each.name not in without]
+            vectors = dict.fromkeys(each.name.partition("[")[0] for each in kept)
+            lines.append(f"{key}: {len(vectors)}, {len(kept)} with the elements of vectors" if kept else f"{key}: none")
+            for name in vectors:
+                own = [each for each in kept if each.name.partition("[")[0] == name]
+                lines.append(f"  {in_words(name, own, starts)}")
+        return lines
+
     def start_values(self, table: Iterable) -> tuple:
         """Pairs (name, number) of the start values in SI units; ValueError names one that is not allowed.
 
@@ -90,6 +106,17 @@ class Lean:
         return tuple(found.items())
 
 
+def in_words(name, elements, starts):
+    """Name of a variable or a vector, its start value and unit, and what it is; starts : other ones than its own, dict."""
+    declared, values = elements[0].quantity, [starts.get(each.name, each.start) for each in elements]
+    choices = {number: choice for choice, number in declared.numbers.items()} if declared.choices else {}
+    texts = [str(choices.get(each, f"{each:g}")) for each in values if each is not None]
+    start = f" = {', '.join(texts)}" if texts else ""
+    unit = f" [{declared.unit}]" if declared.unit else ""
+    meaning = declared.meaning.removesuffix(", x") if len(elements) > 1 else declared.meaning
+    return f"{name}{start}{unit}: {meaning}"
+
+
 def scaled(given, starts, line=""):
     """Stiffness and damping that a diameter alone scales, dict by name, from the start values (dict) of an FMU.
 
@@ -105,23 +132,34 @@ _OF_POINTS = ("position", "velocity", "load")  # in a system
 _ROPE = ("initial_length", "diameter", "density", "axial_stiffness", "axial_damping", "segments")
 _AIR = ("drag_coefficient", "wind_profile", "wind_exponent", "wind_reference_height")
 _FORCES = ("ground_force", "kite_force", "ground_tension", "kite_tension", "force", "tension_from", "tension_to")
-_LENGTHS = ("tether_length", "kite_position", "kite_velocity", "position", "velocity")
-_START = ("initial_kite_position", "initial_position")
+_LENGTHS = ("tether_length", "winch_speed", "payout", "kite_position", "kite_velocity", "position", "velocity")
+_WINCH_INPUTS = ("reel_out_speed", "winch_force", "winch_length")
+_WINCH = ("winch_control", "winch_start", "winch_mass", "winch_damping", "winch_friction")
+_START = ("initial_kite_position", "initial_position", "kite_start", "start")
 PRESETS = {  # what a scene of a kind needs, as far as an FMU has it
     "kite": {
-        "inputs": ("kite_position", "kite_velocity", "kite_load", "reel_out_speed", "wind_velocity", *_OF_POINTS),
+        "inputs": ("kite_position", "kite_velocity", "kite_load", *_WINCH_INPUTS, "wind_velocity", *_OF_POINTS),
         "outputs": (*_FORCES, "peak_tension", *_LENGTHS),
-        "parameters": (*_ROPE, *_AIR, "kite_mass", "mass", *_START),
+        "parameters": (*_ROPE, *_AIR, "kite_mass", "mass", *_START, *_WINCH),
     },
     "crane": {
-        "inputs": ("ground_position", "ground_velocity", "kite_load", "reel_out_speed", *_OF_POINTS),
+        "inputs": ("ground_position", "ground_velocity", "kite_load", *_WINCH_INPUTS, *_OF_POINTS),
         "outputs": (*_FORCES, "peak_tension", *_LENGTHS),
-        "parameters": (*_ROPE, "kite_mass", "mass", *_START),
+        "parameters": (*_ROPE, "kite_mass", "mass", *_START, *_WINCH),
     },
     "drone": {
-        "inputs": (*_ENDS, "kite_load", "reel_out_speed", "wind_velocity", *_OF_POINTS),
+        "inputs": (*_ENDS, "kite_load", *_WINCH_INPUTS, "wind_velocity", *_OF_POINTS),
         "outputs": (*_FORCES, *_LENGTHS, "grounded_length"),
-        "parameters": (*_ROPE, "drag_coefficient", "kite_mass", "mass", *_START, "ground_contact", "ground_height"),
+        "parameters": (
+            *_ROPE,
+            "drag_coefficient",
+            "kite_mass",
+            "mass",
+            *_START,
+            "winch_control",
+            "ground_contact",
+            "ground_height",
+        ),
     },
 }
 

@@ -17,7 +17,7 @@ from tetherfmu.runtime.parameters import Environment, Ground, Tether, Winch
 from tetherfmu.runtime.plausibility import LARGEST_STRETCH, UNDER
 from tetherfmu.runtime.quantities import check, doubts_of, quantities, quantity
 
-from . import lean
+from . import driven, lean
 from .flights import KINDS
 from .lean import Lean
 from .named import path_of
@@ -28,6 +28,7 @@ from .winds import BoxedWind, Wind, read_wind
 OUTPUTS = ("kite_force", "kite_direction", "ground_force", "ground_direction", "peak_force", "power", "shape")
 EVERY = 0.1  # `every` of a scene [s], about
 NOT_OF_A_SCENE = ("segments", "control")
+NO_ADVICE = "series.release lets the tether go; only fly and sweep take that: what recoils has no error that converges"
 ENDS = ("kite_position", "kite_velocity", "ground_position", "ground_velocity")  # inputs, in the order of `Motion`
 WINCH = "winch_"  # begins the names of most quantities of a `Winch`
 REQUIRED = {
@@ -186,7 +187,7 @@ class Scene:
         motion = self.flight.motion(time)
         speed = (self.flight.motion(time + step).reeled - motion.reeled) / step if exact else motion.reel_out_speed
         if self.has_force or (self.flight.has_length and not exact):
-            speed = np.full_like(speed, speed[:1])  # with which the winch starts, and no more
+            speed = np.full_like(speed, self.start_speed(motion))  # with which the winch starts, and no more
         given = dict(zip(ENDS, motion[: len(ENDS)], strict=True))
         given |= {"reel_out_speed": speed[:, np.newaxis], "wind_velocity": self.wind(time + 0.5 * step * exact)}
         if self.has_force:
@@ -197,12 +198,22 @@ class Scene:
             given["release"] = (time >= self.flight.release_time - 1e-6)[:, np.newaxis]
         if self.kite_is_free:
             given["kite_position"] = self.flight.at_rest(self.tether, self.environment.gravity)
-            given["kite_load"] = self.flight.load()
+            given["kite_load"] = self.flight.load(time + 0.5 * step * exact)
         rows = np.zeros((len(time), COUNT))
         columns = by_name(rows)
         for name, numbers in given.items():
             columns[name][:] = numbers
         return rows
+
+    def start_speed(self, motion):
+        """Speed [m/s] with which a winch that no speed controls starts; motion : of the flight, from its start on.
+
+        A drum by force starts at the rate at which the ends part, unless the flight says it: it would have to be jerked.
+        """
+        if not self.has_force or self.kite_is_free or np.any(motion.reel_out_speed):
+            return motion.reel_out_speed[0]
+        apart, parting = motion.kite[0] - motion.ground[0], motion.kite_velocity[0] - motion.ground_velocity[0]
+        return float(apart @ parting / max(np.linalg.norm(apart), 1e-9))
 
     def wind_at(self, step, exact=False):
         """Wind at the wind points in all communication steps [m/s], array (steps, wind_points, 3); None if it has none.
@@ -232,12 +243,23 @@ def load(path, settings=(), *, quiet=False):
     return scene
 
 
+def load_for_advice(path, settings=()):
+    """The same of a scene that can be advised on; SceneError of one that lets its tether go, which has no error."""
+    scene = load(path, settings)
+    if scene.flight.has_release:
+        raise SceneError(f"{path}: {NO_ADVICE}")
+    return scene
+
+
 def read(table, folder, name):
     """`Scene` from the table of a file in a folder; ValueError names the key."""
     if "points" in table:
         raise ValueError("describes a system of tethers, no scene; tetherfmu fly, advise and build --system take it")
-    require(table, "", ("name", "duration", "flight", *RECORDS, "build"), REQUIRED[""])
+    require(table, "", ("name", "duration", "flight", "series", *RECORDS, "build"), REQUIRED[""])
     flight = read_flight(table["flight"], folder)
+    if "series" in table:
+        require(table["series"], "series", table["series"])
+        flight = driven.of_scene(table["series"], flight, folder)
     if flight.initial_length is not None and isinstance(table["tether"], dict):
         table = {**table, "tether": {"initial_length": flight.initial_length, **table["tether"]}}
     if finds_length(table, flight):
@@ -255,8 +277,6 @@ def read(table, folder, name):
         raise ValueError(
             "wind.file is given to a free end, of which it is not known where it will be; give wind.velocity alone"
         )
-    if flight.has_release:
-        raise ValueError("the series has a column release; only tetherfmu fly FLIGHT.csv takes one")
     length, first = records["tether"].initial_length, flight.initial_length
     if first is not None and not np.isclose(first, length, rtol=1e-6):
         raise ValueError(f"tether.initial_length is {length!r} m; tether_length of the series begins with {first!r} m")

@@ -21,6 +21,7 @@ from .lean import Lean
 from .toml_files import TABLE_OF_GROUND, ground_of, in_si, keys_of, record, require, tables_of, value_of, vector_in
 
 TABLES = ("points", "lines", "winches", "environment", "ground", "solver", "build")
+OF_THE_FLIGHT = ("duration", "wind", "loads", "series", "wanted")  # keys that say how it is flown; its FMU has none of that
 # names of variables and of the terminal that the whole system has, which no point and no line can have
 TAKEN = {"time", "wind", *(each.name for each in (*INPUT_TABLE, *OUTPUT_TABLE))} | {
     name for kind in (Environment, Solver, Ground) for name, _ in quantities(kind)
@@ -120,7 +121,7 @@ def read(table, name):
     """`SystemFile` from the table of a file; ValueError names the key. name : of the system, if the table has none."""
     if "flight" in table:
         raise ValueError("describes a scene, no system of tethers; tetherfmu fly, advise, sweep and build --scene take it")
-    require(table, "", ("name", *TABLES), ("points", "lines"))
+    require(table, "", ("name", *TABLES, *OF_THE_FLIGHT), ("points", "lines"))
     name = table.get("name", name)
     if not isinstance(name, str):
         raise ValueError(f"name is {name!r}; it must be a text")

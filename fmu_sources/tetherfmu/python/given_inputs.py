@@ -68,7 +68,7 @@ def starts(wind_points):
     return given | {WIND_AT.name: np.zeros((wind_points, 3))} if wind_points else given
 
 
-_LEADS = {  # the inputs that lead a winch: their choice of `winch_control`
+LEADS = {  # the inputs that lead a winch: their choice of `winch_control`
     "reel_out_speed": at.WINCH_BY_SPEED,
     "winch_force": at.WINCH_BY_FORCE,
     "winch_length": at.WINCH_BY_LENGTH,
@@ -83,8 +83,8 @@ def check_effect(name, value, parameters, at_start=False, label=""):
     if value is None:
         return
     control, why = parameters[at.WINCH_CONTROL], ""
-    if _LEADS.get(name, control) != control and not (at_start and name == "reel_out_speed"):
-        why = f"winch_control is {control:.0f}; it must be {_LEADS[name]}"
+    if LEADS.get(name, control) != control and not (at_start and name == "reel_out_speed"):
+        why = f"winch_control is {control:.0f}; it must be {LEADS[name]}"
     elif name == "kite_load" and parameters[at.KITE_IS_FREE] == 0.0:
         why = "the kite end is driven; it must be free, as that of TetherDynamicFree"
     elif name in ("kite_velocity", "ground_velocity") and parameters[at.END_VELOCITIES] == at.DERIVED:

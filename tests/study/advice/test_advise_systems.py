@@ -1,7 +1,10 @@
 """Advice for systems: its errors are those against formulas, it meets what is asked for, and wrong use is named."""
 
+import re
+
 import numpy as np
 import pytest
+from fmpy import read_model_description
 
 from tetherfmu import TetherCatenary
 from tetherfmu.__main__ import main
@@ -135,3 +138,16 @@ def test_what_no_number_of_segments_can_fly_is_refused(capsys):
     assert main(["advise", "hoist", "--fast", *settings]) == 2
     (line,) = capsys.readouterr().err.splitlines()
     assert "this system cannot be flown" in line
+
+
+def test_the_fmu_of_a_system_has_what_is_advised(place, capsys):
+    """`build --scene` with the file of a system: segments and tolerance as its advice prints them."""
+    path = place / "Line0.toml"
+    path.write_text('duration = 1.0\nwanted.allowed_error = "5 %"\n' + LINE.format(velocity=""))
+    assert main(["build", "--scene", str(path), "--out", str(place)]) == 0
+    said = capsys.readouterr().out
+    (count,) = re.findall(r"lines\.rope\.segments = (\d+)", said)
+    (tolerance,) = re.findall(r"relative_tolerance = (\S+)", said)
+    starts = {each.name: each.start for each in read_model_description(str(place / "Line0.fmu")).modelVariables}
+    assert starts["rope.segments"] == count
+    assert float(starts["relative_tolerance"]) == float(tolerance)

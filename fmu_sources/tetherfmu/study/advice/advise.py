@@ -8,7 +8,7 @@ from math import ceil, inf, sqrt
 from typing import NamedTuple
 
 from tetherfmu.console.progress import now
-from tetherfmu.files.scene_files import flown_from, load
+from tetherfmu.files.scene_files import flown_from, load_for_advice
 from tetherfmu.runtime.variants import TABLE
 from tetherfmu.study.measuring.errors import converged, worst
 from tetherfmu.study.measuring.runs import Config, fmu_of, least_cost
@@ -162,7 +162,7 @@ def advise_in_words(scene, budget=BUDGET):
 
 def run(options):
     """Print the advice for a scene file; returns 1 if nothing meets what it asks for."""
-    scene = load(options.scene, options.settings)
+    scene = load_for_advice(options.scene, options.settings)
     if not options.fast:
         now(f"flying {scene.name} with candidates and with a finer model")
     with flown_from(options.scene):

@@ -5,7 +5,7 @@ from dataclasses import replace
 from tetherfmu.export.archive import SLAVES
 from tetherfmu.export.build_options import BuildOptions, Purpose
 from tetherfmu.files.lean import Lean
-from tetherfmu.files.scene_files import flown_from, load
+from tetherfmu.files.scene_files import flown_from, load_for_advice
 from tetherfmu.study.measuring.fmus import inputs_of
 from tetherfmu.study.measuring.runs import fmu_of, parameters_of
 from tetherfmu.study.measuring.tables import percent
@@ -19,7 +19,7 @@ VECTORS = {  # outputs of the FMU that an output of a scene is made of, where th
     "kite_direction": {"kite_force"},
     "peak_force": {"kite_force"},
     "ground_direction": {"ground_force"},
-    "power": {"kite_force", "ground_tension"},
+    "power": {"kite_force", "ground_tension", "winch_speed"},
 }
 KEPT = inputs_at("kite", "winch")  # never left out: the motion of the kite or its load, and what any `winch_control` needs
 DIGITS = 12  # of start values: more are rounding
@@ -61,7 +61,7 @@ def advised(path, shape_points, platforms, given=Lean()):  # noqa: B008 (a const
     lists count before those of the file, and these before what the scene needs; its start values are settings of the scene.
     SceneError says in one line what is wrong with the file, or why its scene cannot be flown.
     """
-    scene = load(path, given.starts)
+    scene = load_for_advice(path, given.starts)
     with flown_from(path):
         advice, text = advise_in_words(scene)
     config = advice.point.config

@@ -5,7 +5,7 @@ from pathlib import Path
 import pandas as pd
 from markdown import markdown
 
-from tetherfmu.files.scene_files import OUTPUTS, flown_from, load
+from tetherfmu.files.scene_files import OUTPUTS, flown_from, load_for_advice
 from tetherfmu.study.measuring.errors import worst
 from tetherfmu.study.measuring.executors import executor_of
 from tetherfmu.study.measuring.runs import Config
@@ -56,7 +56,7 @@ def write(scene, reference, points, best, folder):
 
 def run(options):
     """Study the scene of a file, write and print the report."""
-    scene = load(options.scene, options.settings)
+    scene = load_for_advice(options.scene, options.settings)
     store = Store((options.out or Path("study") / scene.name) / POINTS)
     with flown_from(options.scene), keeping(), executor_of(options.dask, options.processes) as executor:
         reference, points = study(scene, store, executor)

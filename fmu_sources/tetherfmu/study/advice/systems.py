@@ -18,7 +18,7 @@ import pandas as pd
 
 from tetherfmu.console.progress import now
 from tetherfmu.files.named import named_scenes, named_systems, path_of
-from tetherfmu.files.scene_files import SceneError, flown_from
+from tetherfmu.files.scene_files import NO_ADVICE, SceneError, flown_from
 from tetherfmu.records.problems import StepRefused
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.naming import prefixed
@@ -170,15 +170,31 @@ def explain(flight, advice):
     return page("advice/system.txt.j2", flight=flight, advice=advice, **facts).rstrip("\n")
 
 
+def advised(path, settings=(), budget=of_scenes.BUDGET):
+    """`SystemFlight` of the file (Path) of a system, its `SystemAdvice`, and lines for people; arguments as of `advise`."""
+    flight = load(path, settings)
+    if "releases" in flight.series:
+        raise SceneError(f"{path}: {NO_ADVICE}")
+    now(f"flying {flight.found.name} with candidates and with a finer one")
+    with flown_from(path, "system"):
+        advice = advise(flight, budget)
+    return flight, advice, explain(flight, advice)
+
+
+def start_values(flight, advice):
+    """Start values of the FMU of a system with what is advised: pairs of a parameter and its value."""
+    config = advice.point.config
+    counts = flight.segments_of_lines(config.factor)
+    tolerance = [("relative_tolerance", config.tolerance)] if config.tolerance else []
+    return (*((f"{name}.segments", count) for name, count in counts.items()), *tolerance)
+
+
 def run_command(options):
     """Print the advice for the file of a system, or of a scene; returns 1 if nothing meets what is asked for."""
     with prefixed("", SceneError):
         path = path_of(options.scene, named_scenes() | named_systems())
     if not is_system(path):
         return of_scenes.run(options)
-    flight = load(path, options.settings)
-    now(f"flying {flight.found.name} with candidates and with a finer one")
-    with flown_from(path, "system"):
-        advice = advise(flight, of_scenes.FAST_BUDGET if options.fast else of_scenes.BUDGET)
-    print(explain(flight, advice))
+    _, advice, text = advised(path, options.settings, of_scenes.FAST_BUDGET if options.fast else of_scenes.BUDGET)
+    print(text)
     return 0 if advice.met else 1

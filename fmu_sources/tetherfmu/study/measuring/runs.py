@@ -58,6 +58,7 @@ class Run(NamedTuple):
     work: int  # internal steps, accepted and rejected, or Newton iterations for shapes
     calls: int  # communication steps
     implausible: tuple = ()  # sentences on what no tether and no kite does
+    length: float = 0.0  # unstretched, at the start [m]
 
 
 def regressors(config, calls, work):
@@ -127,8 +128,10 @@ def run(scene, config, exact=False):
     with catch_warnings(**UNWARNED):
         first = inputs[0], None if wind is None else wind[0]
         model = tether_at_start(scene, config.tolerance, config.variant, *first, **options, shape_points=SHAPE_POINTS)
+        length = model.outputs().tether_length
         try:
             flown = model.fly(inputs, config.step, every=round(scene.every / config.step), wind_at=wind)
         except StepRefused as refusal:
             raise StepRefused(f"{config.words()}: {refusal}") from None
-    return Run(flown._replace(positions=None), sum(model.counters.values()), len(inputs), tuple(model.implausible))
+    work = sum(model.counters.values())
+    return Run(flown._replace(positions=None), work, len(inputs), tuple(model.implausible), length)

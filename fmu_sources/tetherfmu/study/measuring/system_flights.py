@@ -1,4 +1,4 @@
-"""Flights of systems: driven points go straight on with their velocity, lines are paid out at their speed, a wind blows."""
+"""Flights of systems: what moves goes along the courses of the table [series], or else on as it starts; a wind blows."""
 
 from dataclasses import dataclass, field, replace
 from warnings import catch_warnings
@@ -6,20 +6,27 @@ from warnings import catch_warnings
 import numpy as np
 
 from tetherfmu.files import system_files as files
+from tetherfmu.files.courses import RELEASE, course
+from tetherfmu.files.driven import MOVED, WINCH
+from tetherfmu.files.driven import Path as Way
 from tetherfmu.files.scene_files import EVERY, SceneError
 from tetherfmu.files.settings import put, with_settings
-from tetherfmu.files.system_files import SystemFile
+from tetherfmu.files.system_files import OF_THE_FLIGHT, SystemFile
 from tetherfmu.files.toml_files import check_once, record, require, tables_of, value_of, vector_in
 from tetherfmu.files.winds import Wind
+from tetherfmu.python.given_inputs import LEADS
 from tetherfmu.python.system import TetherSystem
 from tetherfmu.records.problems import PlausibilityWarning
 from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.inputs import BY_NAME
 from tetherfmu.runtime.naming import meant_or_all, prefixed
 from tetherfmu.runtime.parameters import changed
-from tetherfmu.runtime.quantities import check, quantity
+from tetherfmu.runtime.quantities import check, quantities, quantity
 
-OF_THE_FLIGHT = ("duration", "wind", "loads", "wanted")  # begin the settings that no file of a system has
+from .system_start import motion_of_equilibrium, started
+
 STEP = 0.02  # communication step, where it is not given [s]
+ARGUMENTS = {name: f"{name}s" for name in (*WINCH, RELEASE)}  # of `TetherSystem.fly`, by the names of inputs
 
 
 @dataclass(frozen=True)
@@ -39,6 +46,7 @@ class SystemFlight:
     duration: float = quantity(20.0, "s", "of the flight", minimum=0.5, maximum=86400.0)
     wind: Wind = field(default_factory=Wind)
     loads: dict = field(default_factory=dict)  # constant forces on free points [N], by name
+    series: dict = field(default_factory=dict)  # what moves: by argument of `TetherSystem.fly` a function of time by name
     wanted: Wanted = Wanted()
     __post_init__ = check
 
@@ -62,10 +70,30 @@ class SystemFlight:
         lines = [replace(each, tether=changed(each.tether, {"segments": segments[each.name]})) for each in of.lines]
         system = TetherSystem(of.points, lines, of.environment, solver, of.ground, winches=of.winches)
         time, every = step * np.arange(self.calls(step)), round(self.every / step)
-        given = {"loads": self.loads, "every": every, "wind_velocity": self.wind(time + 0.5 * step * exact)}
+        wind = self.wind_at(time + 0.5 * step * exact)
         with catch_warnings(action="ignore", category=PlausibilityWarning):  # `implausible` has them
-            system.initialize(self.wind(0.0), loads=self.loads)
-            return system, system.fly(len(time), step, straight_on(of, time), **given)
+            self.start(system)
+            return system, system.fly(len(time), step, **self.given(time) | {"wind_velocity": wind}, every=every)
+
+    def wind_at(self, time):
+        """Wind [m/s] at times [s], array (times, 3)."""
+        return self.series.get("wind_velocity", self.wind)(time)
+
+    def given(self, time):
+        """Arguments of `TetherSystem.fly` at times [s], a dict; of `step` and `initialize` at a time."""
+        found = {"wind_velocity": self.wind_at(time), "loads": dict(self.loads)}
+        found["positions"] = straight_on(self.found, time)
+        for what, own in self.series.items():
+            if what != "wind_velocity":
+                found[what] = found.get(what, {}) | {name: each(time) for name, each in own.items()}
+        return found
+
+    def start(self, system):
+        """Initialize a `TetherSystem` in motion (modified); its `SystemOutputs`."""
+        given = started(self.found, self.given(0.0))
+        for what, own in motion_of_equilibrium(self.found, given).items():
+            given[what] = given.get(what, {}) | own
+        return system.initialize(**given)
 
     @property
     def flown_time(self):
@@ -105,17 +133,72 @@ def load(path, settings=()):
     of_flight = [pair for pair in settings if pair[0].partition(".")[0] in OF_THE_FLIGHT]
     with prefixed(f"{path}: ", SceneError):
         check_once(name for name, _ in settings)
-        table, flight = tables_of(path), with_settings({}, of_flight)
+        table = with_settings(tables_of(path), of_flight)
         for key, value in (pair for pair in settings if pair not in of_flight):
             put(table, key, value)
-        given = {"wind": record(Wind, flight.get("wind", {}), "wind")}
-        given["loads"] = loads_in(flight.get("loads", {}))
-        given["wanted"] = record(Wanted, flight.get("wanted", {}), "wanted")
-        if "duration" in flight:
-            given["duration"] = value_of(SystemFlight, "duration", flight["duration"], "")
-        found = SystemFlight(files.read(table, path.stem), **given)
-        refuse(found)
-        return found
+        found = files.read(table, path.stem)
+        series, end = series_in(table.get("series", {}), found, path.parent)
+        if "wind_velocity" in series and "wind" in table:
+            raise ValueError("wind is given here and as series.wind_velocity; it must be given once")
+        given = {"wind": record(Wind, table.get("wind", {}), "wind"), "series": series}
+        given["loads"] = loads_in(table.get("loads", {}))
+        given["wanted"] = record(Wanted, table.get("wanted", {}), "wanted")
+        if "duration" in table:
+            given["duration"] = value_of(SystemFlight, "duration", table["duration"], "")
+        elif end > 0.0:
+            given["duration"] = max(end, dict(quantities(SystemFlight))["duration"].minimum)
+        flight = SystemFlight(found, **given)
+        refuse(flight)
+        return flight
+
+
+def series_in(table, found, folder):
+    """What the table [series] of a file drives, as `SystemFlight.series`, and the last time of a row [s].
+
+    found : `SystemFile`.  folder : of CSV files.  ValueError names the key.
+    """
+    require(table, "series", table)
+    known, series, end = driven_by(found), {}, 0.0
+    ways = {}
+    for name, own in table.items():
+        if name == "wind_velocity":
+            series[name] = course("series.wind_velocity", own, name, "m/s", 3, folder)
+            end = max(end, series[name].times[-1])
+            continue
+        if name not in known:
+            raise ValueError(f"unknown key series.{name}{meant_or_all(name, [*known, 'wind_velocity'], 'known are {}')}")
+        require(own, f"series.{name}", known[name])
+        for what, value in own.items():
+            made = course(f"series.{name}.{what}", value, what, *known[name][what], folder)
+            end = max(end, made.times[-1])
+            if what in MOVED:
+                ways.setdefault(name, {})[what] = made
+            else:
+                series.setdefault({"load": "loads"}.get(what) or ARGUMENTS[what], {})[name] = made
+    starts = {each.name: each.position for each in found.points}
+    for name, courses in ways.items():
+        with prefixed(f"series.{name} "):
+            way = Way(courses, starts[name])
+        series.setdefault("positions", {})[name] = way.position
+        series.setdefault("velocities", {})[name] = way.velocity
+    return series, float(end)
+
+
+def driven_by(found):
+    """What the table [series] of a `SystemFile` may have, by name of a point, a line or a winch: unit and size by input."""
+    known = {}
+    for each in found.points:
+        known[each.name] = dict(MOVED) if each.is_driven else {"load": ("N", 3)}
+    held = {name for winch in found.winches for name in winch.lines}
+    units = {name: BY_NAME[name].unit for name in WINCH}
+    for line in found.lines:
+        known[line.name] = {RELEASE: ("", 1)}
+        if line.name not in held:
+            name = next(name for name, control in LEADS.items() if control == line.winch.winch_control)
+            known[line.name][name] = (units[name], 1)
+    for winch in found.winches:
+        known[winch.name] = {winch.input: (units[winch.input], 1)}
+    return known
 
 
 def loads_in(table):
@@ -130,10 +213,15 @@ def loads_in(table):
 
 def refuse(flight):
     """ValueError if a winch of a `SystemFlight` needs a force, which nothing gives here, or a load is on no free point."""
+    forces = flight.series.get("winch_forces", {})
     for each in flight.found.lines:
-        if each.winch.winch_control == at.WINCH_BY_FORCE:
-            raise ValueError(f"lines.{each.name}.winch_control is force, and nothing gives that; it must be speed or length")
+        if each.winch.winch_control == at.WINCH_BY_FORCE and each.name not in forces:
+            raise ValueError(
+                f"lines.{each.name}.winch_control is force, and nothing gives that; give series.{each.name}.winch_force"
+            )
     free = [each.name for each in flight.found.points if not each.is_driven]
     for name in flight.loads:
         if name not in free:
             raise ValueError(f"loads.{name} is given, and {name} is no free point{meant_or_all(name, free, 'those are {}')}")
+        if name in flight.series.get("loads", {}):
+            raise ValueError(f"loads.{name} and series.{name}.load are both given; give one of them")

@@ -1,7 +1,10 @@
-"""What a sweep writes: tables, a figure for each pair of a varied value and a statistic, one page; and its command."""
+"""What a sweep writes: tables, figures of what people ask first, one page with the worst flights; and its command."""
 
+import shlex
 import sys
+from contextlib import suppress
 from importlib.util import find_spec
+from itertools import combinations
 from pathlib import Path
 
 import numpy as np
@@ -21,7 +24,9 @@ from .statistics import BINS_PER_DECADE
 from .sweep import config_of, sweep
 
 MOST_STEPS = 20  # different values that are joined by their medians
-SHOWN = ("peak_tension", "largest_cycle", "time_slack")  # figures on the page, with the largest value of each output
+# what people ask first, where it is not the same in all flights, and whether it is the worse the larger it is
+SHOWN = {"peak_tension": True, "power_mean": False, "largest_cycle": True, "time_slack": True}
+MOST_VARIED = 4  # columns of the figure
 
 
 def bins_of(table):
@@ -53,36 +58,99 @@ def with_unit(name, units):
     return f"{name} [{units[name]}]" if units.get(name) else name
 
 
-def draw(table, varied, statistic, path):
-    """Draw a statistic of all flights over a varied value, with medians where there are few values."""
-    figure = Figure(figsize=(5.6, 3.8))
-    axis, units, values = figure.add_axes((0.16, 0.15, 0.8, 0.8)), table.attrs["units"], table[varied]
+def places(values):
+    """Numbers of a varied value, and names at them where it has none."""
     if pd.api.types.is_numeric_dtype(values):
-        x = values.to_numpy(dtype=float)
-    else:
-        x, names = pd.factorize(values)
+        return values.to_numpy(dtype=float), None
+    return pd.factorize(values)
+
+
+def draw_over(axis, table, varied, statistic):
+    """Draw a statistic of all flights over a varied value, with medians where there are few values."""
+    x, names = places(table[varied])
+    if names is not None:
         axis.set_xticks(range(len(names)), names, rotation=30, ha="right", fontsize=8)
     axis.plot(x, table[statistic], ".", color=BLUE, markersize=4, alpha=0.5, label="flights")
     medians = table[statistic].groupby(x).median()
     if len(medians) <= MOST_STEPS and len(medians) < len(table):
         axis.plot(medians, "-o", color=VERMILLION, markersize=4, linewidth=1.2, label="medians")
-        axis.legend(frameon=False, fontsize=8)
-    axis.set(xlabel=with_unit(varied, units), ylabel=with_unit(statistic, units))
     axis.grid(alpha=0.3)
+
+
+def draw_response(table, varied, statistics, path):
+    """Draw statistics (rows) over varied values (columns) in one figure."""
+    units, varied = table.attrs["units"], varied[:MOST_VARIED]
+    figure = Figure(figsize=(1.0 + 3.6 * len(varied), 0.6 + 2.3 * len(statistics)), layout="constrained")
+    panels = figure.subplots(len(statistics), len(varied), sharex="col", sharey="row", squeeze=False)
+    for line, statistic in zip(panels, statistics, strict=True):
+        for axis, name in zip(line, varied, strict=True):
+            draw_over(axis, table, name, statistic)
+        line[0].set_ylabel(with_unit(statistic, units))
+    for axis, name in zip(panels[-1], varied, strict=True):
+        axis.set_xlabel(with_unit(name, units))
+    if panels[0, 0].get_legend_handles_labels()[1][1:]:
+        panels[0, 0].legend(frameon=False, fontsize=8)
     figure.savefig(path, dpi=90, metadata={"Software": None})
 
 
-def draw_all(table, varied, statistics, folder):
-    """Draw each pair of a varied value and a statistic that has numbers; paths in the folder, dict by pair."""
+def draw_surface(table, first, second, statistic, path):
+    """Draw a statistic as colour over two varied numbers; where flights were refused or broke, crosses."""
+    units, known = table.attrs["units"], table[table[statistic].notna()]
+    figure = Figure(figsize=(6.4, 4.4), layout="constrained")
+    axis = figure.subplots()
+    drawn = None
+    if known[first].nunique() > 2 and known[second].nunique() > 2 and len(known) > 5:
+        with suppress(RuntimeError, ValueError):  # of points that are on one line
+            drawn = axis.tricontourf(known[first], known[second], known[statistic], levels=12)
+    dots = axis.scatter(known[first], known[second], c=known[statistic], s=24, edgecolors="white", linewidths=0.5)
+    figure.colorbar(drawn or dots, ax=axis, label=with_unit(statistic, units))
+    for label, rows, marker in (("refused", table.refused != "", "x"), ("broke", table.broken == 1.0, "+")):
+        if rows.any():
+            axis.scatter(table[first][rows], table[second][rows], c=VERMILLION, marker=marker, s=40, label=label)
+            axis.legend(fontsize=8)
+    axis.set(xlabel=with_unit(first, units), ylabel=with_unit(second, units))
+    figure.savefig(path, dpi=90, metadata={"Software": None})
+
+
+def draw_all(table, varied, folder):
+    """Draw what is asked first; paths in the folder of the page, dict by title."""
     folder.mkdir(exist_ok=True)
-    drawn = {}
-    for name in varied:
-        for statistic in statistics:
-            if table[statistic].notna().any():
-                file = f"{statistic} over {name}.png".replace(" ", "_")
-                draw(table, name, statistic, folder / file)
-                drawn[name, statistic] = f"{folder.name}/{file}"
+    for name in ("response", "surface"):  # of a sweep that was continued with other values
+        (folder / f"{name}.png").unlink(missing_ok=True)
+    differs = [name for name in SHOWN if name in table and table[name].nunique() > 1]
+    shown, drawn = differs or ["peak_tension"], {}
+    if table[shown[0]].notna().any():
+        drawn["Over each varied value"] = f"{folder.name}/response.png"
+        draw_response(table, varied, shown, folder / "response.png")
+    numeric = [name for name in varied if pd.api.types.is_numeric_dtype(table[name]) and table[name].nunique() > 1]
+    for first, second in list(combinations(numeric, 2))[:1]:
+        if table[shown[0]].notna().any():
+            drawn[f"{shown[0]} over {first} and {second}"] = f"{folder.name}/surface.png"
+            draw_surface(table, first, second, shown[0], folder / "surface.png")
     return drawn
+
+
+def worst_flights(table, varied, scene, config, settings):
+    """The worst flight of each of what people ask first, and how to fly it again: a DataFrame.
+
+    scene : file or name.  config : `Config`, settings : pairs, of all flights.
+    """
+    rows, same = [], f" --tether {config.variant} --step {config.step:g}"
+    same += f" --set segments={config.segments}" if config.segments else ""
+    for name, is_large in SHOWN.items():
+        if name not in table or table[name].nunique() < 2:
+            continue
+        k = int(table[name].idxmax() if is_large else table[name].idxmin())
+        values = [*settings, *((each, table[each][k]) for each in varied)]
+        again = " ".join(f"--set {each}={shlex.quote(in_toml(value))}" for each, value in values)
+        row = {"worst": with_unit(name, table.attrs["units"]), "value": float(table[name][k]), "flight": k}
+        rows.append(row | {"to fly it": f"`tetherfmu fly {scene}{same} {again}`"})
+    return pd.DataFrame(rows)
+
+
+def in_toml(value):
+    """A value as --set takes it."""
+    return repr(value.item() if isinstance(value, np.generic) else value) if not isinstance(value, str) else value
 
 
 def overview(table, varied, statistics):
@@ -118,18 +186,19 @@ def reasons_of(table):
     return pd.DataFrame(sorted(rows, reverse=True), columns=["flights", "such as flight", "reason"])
 
 
-def write(table, scene, config, folder):
-    """Write all to a folder (Path): tables, figures, report.md and report.html; paths for people."""
+def write(table, scene, config, folder, asked=None, settings=()):
+    """Write all to a folder (Path): tables, figures, report.md and report.html; paths for people.
+
+    asked : file or name of the scene, None: its name.  settings : pairs, of all flights.
+    """
     varied = table.attrs["varied"]
     statistics = [name for name in table.attrs["units"] if name not in varied]
     written = write_tables(table, folder)
-    drawn = draw_all(table, varied, statistics, folder / "figures")
-    largest = [name for name in statistics if name.endswith("_max")]
-    shown = [name for name in (*SHOWN, *largest) if table[name].max() > 0.0]
-    facts = {"table": table, "scene": scene, "config": config, "reasons": reasons_of(table), "shown": shown}
-    facts |= {"names": varied, "statistics": statistics}
+    facts = {"table": table, "scene": scene, "config": config, "reasons": reasons_of(table)}
+    facts |= {"drawn": draw_all(table, varied, folder / "figures"), "files": [path.name for path in written]}
+    facts["worst"] = worst_flights(table, varied, asked or scene.name, config, settings)
     facts["varied"] = {with_unit(name, table.attrs["units"]): values_in_words(table, name) for name in varied}
-    text = page("sweeps/sweep.md.j2", overview=overview(table, varied, statistics), drawn=drawn, **facts)
+    text = page("sweeps/sweep.md.j2", overview=overview(table, varied, statistics), **facts)
     (folder / "report.md").write_text(text, encoding="utf-8")
     (folder / "report.html").write_text(html(f"Sweep of {scene.name}", text), encoding="utf-8")
     return [*written, folder / "figures", folder / "report.html"]
@@ -149,7 +218,8 @@ def run(options):
     except (TypeError, ValueError) as error:
         raise WrongUse(str(error)) from None
     now("drawing")
-    written = write(table, scene, config_of(scene, options.tether, options.segments, options.step), folder)
+    config = config_of(scene, options.tether, options.segments, options.step)
+    written = write(table, scene, config, folder, options.scene, options.settings)
     refused = int((table.refused != "").sum())
     duration = "" if "duration" in table.attrs["varied"] else f" of {scene.duration:g} s"
     broken = int(table.break_time.notna().sum())

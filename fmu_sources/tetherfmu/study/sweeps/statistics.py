@@ -13,11 +13,11 @@ from tetherfmu.files.scene_files import read
 from tetherfmu.files.settings import with_settings
 from tetherfmu.python.results import SCALARS
 from tetherfmu.runtime.naming import meant_or_all
-from tetherfmu.runtime.outputs import BY_NAME
+from tetherfmu.study.measuring import results
 from tetherfmu.study.measuring.runs import Config, run
 
 FORCES = ("kite_force", "ground_force")  # vectors, of which the magnitude is taken
-OUTPUTS = (*FORCES, *SCALARS)
+OUTPUTS = (*FORCES, *SCALARS, *results.DERIVED)
 BINS_PER_DECADE = 20  # of the ranges of cycles
 SMALLEST_RANGE = 1e-3  # of a cycle that is counted [N]
 
@@ -25,7 +25,7 @@ SMALLEST_RANGE = 1e-3  # of a cycle that is counted [N]
 class Statistics(NamedTuple):
     """What is wanted of each flight."""
 
-    outputs: tuple = ("kite_tension", "ground_tension")  # of `OUTPUTS`
+    outputs: tuple = ("kite_tension", "ground_tension", "power", "payout")  # of `OUTPUTS`
     percentiles: tuple = (5.0, 50.0, 95.0)
     cycles_of: str = "ground_tension"  # whose cycles are counted
     start: float = 0.0  # time that is left out before [s]
@@ -44,12 +44,15 @@ class Statistics(NamedTuple):
         """Names of the statistics of a flight, and their units, a dict."""
         found = {}
         for name in self.outputs:
-            parts = ("max", "mean", "rms", *(f"p{each:g}" for each in self.percentiles))
-            found |= {f"{name}_{part}": BY_NAME[name].quantity.unit for part in parts}
-        unit = BY_NAME[self.cycles_of].quantity.unit
-        return found | {"peak_tension": "N", "cycles": "", "largest_cycle": unit, "time_slack": "s", "break_time": "s"}
+            parts = ("max", "min", "mean", "rms", *(f"p{each:g}" for each in self.percentiles))
+            parts += PHASES if name == "power" else ()
+            found |= {f"{name}_{part}": results.unit_of(name) for part in parts}
+        unit = results.unit_of(self.cycles_of)
+        found |= {"peak_tension": "N", "cycles": "", "largest_cycle": unit, "time_slack": "s"}
+        return found | {"broken": "", "break_time": "s"}
 
 
+PHASES = ("mean_out", "mean_in")  # statistics of the power alone: means while the winch reels out and in
 USUAL = Statistics()
 
 
@@ -64,8 +67,12 @@ class Task(NamedTuple):
     flights: tuple  # pairs (key, values): pairs of name and value
 
 
-def values_of(flown, name):
-    """An output along a flight, array (rows,), of a force its magnitude."""
+def values_of(flown, name, length=0.0):
+    """An output along a flight, array (rows,), of a force its magnitude; length : of the tether at the start [m]."""
+    if name == "payout":
+        return flown.of("tether_length") - length
+    if name == "power":
+        return flown.of("ground_tension") * flown.of("winch_speed")
     return np.linalg.norm(getattr(flown, name), axis=1) if name in FORCES else flown.of(name)
 
 
@@ -83,22 +90,27 @@ def counted(series):
     return count, largest, bins
 
 
-def statistics_of(flown, wanted, step):
+def statistics_of(flown, wanted, step, length=0.0):
     """Statistics of a `Flown` with a row for each communication step [s], a dict of numbers by `Statistics.columns`.
 
-    And as `bins` those of `counted`.  wanted : `Statistics`.
+    And as `bins` those of `counted`.  wanted : `Statistics`.  length : of the tether at the start [m].
     """
     rows = slice(round(wanted.start / step), None)
     found: dict[str, Any] = {}
     for name in wanted.outputs:
-        values = values_of(flown, name)[rows]
-        found |= {f"{name}_max": values.max(), f"{name}_mean": values.mean(), f"{name}_rms": np.sqrt(np.mean(values**2))}
+        values = values_of(flown, name, length)[rows]
+        found |= {f"{name}_max": values.max(), f"{name}_min": values.min()}
+        found |= {f"{name}_mean": values.mean(), f"{name}_rms": np.sqrt(np.mean(values**2))}
+        if name == "power":
+            of_phases = results.phases(flown.of("winch_speed")[rows])
+            found |= {f"power_mean_{phase}": values[mask].mean() for phase, mask in of_phases.items() if mask.any()}
         shares = np.percentile(values, wanted.percentiles) if wanted.percentiles else ()
         found |= {f"{name}_p{each:g}": value for each, value in zip(wanted.percentiles, shares, strict=True)}
-    cycles, largest, bins = counted(values_of(flown, wanted.cycles_of)[rows])
+    cycles, largest, bins = counted(values_of(flown, wanted.cycles_of, length)[rows])
     found |= {"peak_tension": flown.of("peak_tension")[rows].max(), "cycles": cycles, "largest_cycle": largest}
     found["time_slack"] = step * np.count_nonzero(flown.of("slack_segments")[rows])
-    if flown.of("broken")[-1]:
+    found["broken"] = flown.of("broken")[-1]
+    if found["broken"]:
         found["break_time"] = flown.of("break_time")[-1]
     return {name: float(value) for name, value in found.items()} | {"bins": bins}
 
@@ -107,10 +119,10 @@ def fly(task, values):
     """Statistics of one flight of a `Task` with these values, a dict; of one that is refused `refused`, the reason."""
     try:
         scene = read(with_settings(task.table, values), task.folder, task.name)
-        flown = run(replace(scene, every=task.config.step), task.config).flown
+        found = run(replace(scene, every=task.config.step), task.config)
     except (ValueError, OSError) as error:  # also StepRefused and WrongUse
         return {"refused": one_line(error)}
-    return statistics_of(flown, task.statistics, task.config.step)
+    return statistics_of(found.flown, task.statistics, task.config.step, found.length)
 
 
 def fly_all(task):

@@ -124,10 +124,12 @@ def sweep(
 ):
     """Fly a scene with many values; a DataFrame with a row for each flight.
 
-    Columns: the varied values (SI units) by name; of each output its largest value, mean, root mean square and percentiles,
-    as ``kite_tension_max``, ``_mean``, ``_rms``, ``_p5``; ``peak_tension`` [N], the largest of all internal steps;
-    ``cycles`` and ``largest_cycle`` by rainflow counting; ``time_slack`` [s], with a slack segment; ``break_time`` [s] of a
-    tether that broke, NaN of others; ``refused``, why a flight could not be flown, whose statistics are NaN, or "".
+    Columns: the varied values (SI units) by name; of each output its largest and least value, mean, root mean square and
+    percentiles, as ``kite_tension_max``, ``_min``, ``_mean``, ``_rms``, ``_p5``; of the power also its means while the winch
+    reels out and in, ``power_mean_out`` and ``power_mean_in``; ``peak_tension`` [N], the largest of all internal steps;
+    ``cycles`` and ``largest_cycle`` by rainflow counting; ``time_slack`` [s], with a slack segment; ``broken``, 1 of a
+    tether that broke, and ``break_time`` [s], NaN of others; ``refused``, why a flight could not be flown, whose statistics
+    are NaN, or "".
     ``attrs["bins"]`` has the cycles of each flight by range, see `flights.counted`.
 
     The numbers do not depend on who does the work.  ValueError says in one line what is not possible, WorkersLost that
@@ -149,7 +151,8 @@ def sweep(
     settings : sequence of (str, value)
         Values in the place of those of the file, in all flights.
     outputs : sequence of str
-        Scalar outputs, or ``kite_force`` and ``ground_force``, of which the magnitude is taken.
+        Scalar outputs, ``kite_force`` and ``ground_force``, of which the magnitude is taken, ``power`` [W], the tension
+        at the winch times its speed, or ``payout`` [m] since the start.
     percentiles : sequence of float
         From 0 to 100.
     cycles_of : str

@@ -1,0 +1,168 @@
+"""What people report of a flight: its outputs as columns of a table, power and payout with them, and a summary in lines.
+
+Columns are a dict of arrays (rows,) by the names of variables (docs/use/interface.md), those of lines, points and winches of
+a system with their names before a dot; `time` is the first. Each row is a communication point, the first one the start.
+
+    power    tension where the tether leaves the winch times winch speed [W]; positive while the tether pulls rope out
+    payout   unstretched length less that at the start [m]
+
+The power of a winch that holds several lines is that of the sum of their tensions times their ratios.
+"""
+
+import csv
+import math
+
+import numpy as np
+
+from tetherfmu.files.toml_files import WrongUse
+from tetherfmu.runtime.naming import meant
+from tetherfmu.runtime.outputs import BY_NAME, PLACES
+from tetherfmu.wiring.selection import own_name
+from tetherfmu.wiring.system_variables import OF_A_LINE, OF_PORTIONS, OF_SHEAVES
+
+AT_WINCH = ("ground_tension", "tension_from")  # of a tether, of a line
+DERIVED = {"power": "W", "payout": "m"}  # columns that are no outputs of an FMU, and their units
+SHOWN = (*AT_WINCH, "kite_tension", "tension_to", "peak_tension", *DERIVED)  # rows of a summary
+STILL = 1e-3  # a winch that turns slower neither reels out nor in [m/s]
+SHOWN_DIGITS = 5  # of the largest number in a row of a summary
+DIGITS = "%.10g"  # of a number in a CSV file
+ROUNDING = 1e-9  # of times [s]
+
+
+def with_power(columns, winches=()):
+    """Columns with `power` and `payout` where they can be known; winches : of a system, `SharedWinch`."""
+    found = dict(columns)
+    for name, values in columns.items():
+        before, own = name[: len(name) - len(own_name(name))], own_name(name)
+        if own in AT_WINCH and f"{before}winch_speed" in columns:
+            found[f"{before}power"] = values * columns[f"{before}winch_speed"]
+        if own == "tether_length":
+            found[f"{before}payout"] = values - values[0]
+    for winch in winches:
+        pull = sum(ratio * columns[f"{line}.tension_from"] for line, ratio in winch.lines.items())
+        found[f"{winch.name}.power"] = pull * columns[f"{winch.name}.winch_speed"]
+    return found
+
+
+def of_system(time, start, flown):
+    """Columns of a flight of a system at these times [s], from its `SystemOutputs` at the start and its `SystemFlown`."""
+    found = {"time": time}
+
+    def put(name, first, rows):
+        values = np.concatenate([np.asarray(first, float)[None], rows])
+        parts = [f"{name}[{i + 1}]" for i in range(values.shape[1])] if values.ndim > 1 else [name]
+        found.update(zip(parts, np.atleast_2d(values.T), strict=True))
+
+    for point, rows in flown.points.items():
+        for what in rows._fields:
+            put(f"{point}.{what}", getattr(start.points[point], what), getattr(rows, what))
+    for line, rows in flown.outputs.items():
+        for name, own in OF_A_LINE.items():
+            put(f"{line}.{own}", getattr(start.lines[line], name), rows[:, PLACES[name]])
+        for field, name in zip(rows_of_portions(), (*OF_PORTIONS, *OF_SHEAVES), strict=True):
+            if line in flown.portions:
+                put(f"{line}.{name}", getattr(start.portions[line], field), getattr(flown.portions[line], field))
+    for winch, rows in flown.winches.items():
+        for what in rows._fields:
+            put(f"{winch}.{what}", getattr(start.winches[winch], what), getattr(rows, what))
+    return found
+
+
+def rows_of_portions():
+    """Fields of `PortionOutputs` in the order of the outputs of the FMU."""
+    return "length", "tension_from", "tension_to", "payout", "speed"
+
+
+def since(columns, begin):
+    """Rows of columns from a time on [s]; WrongUse if there are none."""
+    time = columns["time"]
+    if begin > time[-1] + ROUNDING:
+        raise WrongUse(f"--from is {begin:g} s; it must be at most the end of the flight, {time[-1]:g} s")
+    return {name: values[time >= begin - ROUNDING] for name, values in columns.items()}
+
+
+def chosen(columns, names):
+    """Columns of these names: of a variable, of a vector, or of those of all lines and points; None: all but shapes."""
+    if names is None:
+        return {name: values for name, values in columns.items() if not own_name(name).startswith("shape")}
+    found = {"time": columns["time"]}
+    for text in names:
+        known = {name: vector_of(name) for name in columns}
+        mine = [name for name, vector in known.items() if text in (name, vector, own_name(vector))]
+        if not mine:
+            raise WrongUse(f"--outputs: this flight has no {text}{meant(text, {*known.values(), *map(own_name, known)})}")
+        found |= {name: columns[name] for name in mine}
+    return found
+
+
+def vector_of(name):
+    """Name of the vector that an element belongs to."""
+    return name.partition("[")[0]
+
+
+def write_csv(columns, path):
+    """Write columns to a CSV file: a header of names, SI units."""
+    with path.open("w", encoding="utf-8", newline="") as file:
+        csv.writer(file, lineterminator="\n").writerow(columns)
+        np.savetxt(file, np.column_stack([*columns.values()]).astype(float), fmt=DIGITS, delimiter=",")
+
+
+def unit_of(own):
+    """Unit of an output of a tether or of a line, or of what is made of them."""
+    names = {line: tether for tether, line in OF_A_LINE.items()}
+    return DERIVED.get(own) or BY_NAME[names.get(own, own)].quantity.unit
+
+
+def phases(speed):
+    """Masks of the rows in which a winch of this speed [m/s] reels out and in, by their names."""
+    return {"out": speed > STILL, "in": speed < -STILL}
+
+
+def summary(columns):
+    """Lines for people: mean, least and largest value of what they report, and when; power by phase; slack; breaks."""
+    time, rows, notes = columns["time"], [], []
+    for name, values in columns.items():
+        own = own_name(name)
+        if own in SHOWN and (own not in DERIVED or np.any(values)):
+            low, high = values.argmin(), values.argmax()
+            mean, least, largest = alike((values.mean(), values[low], values[high]))
+            when = [f"{time[k]:.6g} s" if least != largest else "" for k in (low, high)]
+            rows.append((f"{name} [{unit_of(own)}]", mean, least, when[0], largest, when[1]))
+        before = name[: len(name) - len(own)]
+        if own == "power" and np.any(values):
+            notes += phases_in_words(before, values, columns[f"{before}winch_speed"])
+        if own == "slack_segments" and np.any(values > 0):
+            share, first = 100.0 * np.mean(values > 0), time[np.argmax(values > 0)]
+            notes.append(f"{before}slack: a segment at least {share:.3g} % of the time, first at {first:.6g} s")
+        if own == "broken" and values[-1]:
+            when = columns.get(f"{before}break_time")
+            notes.append(f"{before}broken or let go{f' at {when[-1]:.6g} s' if when is not None else ''}")
+    return [*aligned([("", "mean", "least", "at", "largest", "at"), *rows]), *notes] if rows else notes
+
+
+def phases_in_words(before, power, speed):
+    """A line on the mean power in the phases of a winch; before : what its names begin with."""
+    parts = [
+        f"{power[rows].mean():.5g} W reeling {phase} ({100.0 * rows.mean():.3g} % of the time)"
+        for phase, rows in phases(speed).items()
+        if rows.any()
+    ]
+    return [f"{before}power: {', '.join(parts)}"] if parts else []
+
+
+def alike(numbers):
+    """Texts of numbers with as many decimals as five digits of the largest one have."""
+    largest = max(map(abs, numbers))
+    decimals = max(0, SHOWN_DIGITS - 1 - math.floor(math.log10(largest))) if largest > 0.0 else 0
+    return [f"{round(each, decimals) + 0.0:.{decimals}f}" for each in map(float, numbers)]
+
+
+def aligned(rows):
+    """Lines of a table, the first column to the left, numbers to the right."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    return [
+        "  ".join(
+            cell.rjust(width) if k else cell.ljust(width) for k, (cell, width) in enumerate(zip(row, widths, strict=True))
+        )
+        for row in rows
+    ]
