@@ -11,7 +11,10 @@ from isolation import in_own_process
 from study.scenes_of_tests import SCENE, written
 from tetherfmu.files.scene_files import load
 from tetherfmu.study.advice.advise import advise
+from tetherfmu.study.advice.scene_build import needed
+from tetherfmu.study.measuring.fmus import inputs_of
 from tetherfmu.study.measuring.runs import run
+from tetherfmu.wiring.variables import variables
 
 WINCH = ("reel_out_speed", "winch_force", "winch_length")
 
@@ -27,6 +30,14 @@ def folder(tmp_path_factory):
 def fmu(folder):
     (path,) = folder.glob("*_short.fmu")
     return path
+
+
+def test_a_scene_that_asks_for_power_keeps_what_it_is_made_of():
+    """Tension and speed at the winch; without `winch_speed` nobody could compute it."""
+    scene = load("reel")
+    assert "power" in scene.wanted.outputs
+    _, asked = needed(scene, inputs_of(scene, 0.1), variables("dynamic", 0))
+    assert {"ground_tension", "winch_speed", "kite_force"} <= {*asked}
 
 
 def test_only_what_the_scene_needs(fmu):

@@ -6,10 +6,14 @@ import sys
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from tetherfmu.files.system_files import TableOfPoint
+from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.outputs import PLACES
 from tetherfmu.runtime.parameters import Solver, Winch
 from tetherfmu.runtime.quantities import quantities
+from tetherfmu.study.measuring.system_flights import load
 
 DOCS = Path(__file__).parents[2] / "docs"
 PAGE, KEYS = ((DOCS / folder / "systems.md").read_text(encoding="utf-8") for folder in ("use", "reference"))
@@ -42,6 +46,20 @@ def test_the_examples_of_the_page_run(tmp_path, monkeypatch):
     command = [sys.executable, "-m", "tetherfmu", *advice.split(), "--set", "duration=2"]
     said = subprocess.run(command, capture_output=True, text=True, check=True).stdout
     assert "\n  use       Crane.fmu\n            lines.rope.segments = " in said
+
+
+def test_what_moves_on_the_page_moves(tmp_path):
+    """The crane with the rows of the page: what the winch pays out is the area below them, and the tag line lets go."""
+    crane, *_ = re.findall(r"```toml\n(.*?)```", PAGE, re.DOTALL)
+    rows = re.search(r"## What moves.*?```toml\n(.*?)```", PAGE, re.DOTALL)[1]
+    (tmp_path / "crane.toml").write_text(crane + rows, encoding="utf-8")
+    flight = load(tmp_path / "crane.toml")
+    assert flight.duration == 13.0
+    segments = flight.segments_of_lines(1.0)
+    _, flown = flight.fly(segments, flight.found.solver, 0.02)
+    assert flown.outputs["rope"][-1, at.TETHER_LENGTH] == pytest.approx(20.0 + 0.5 + 5.0 + 0.25, abs=1e-3)
+    assert flown.outputs["tag"][-1, PLACES["break_time"]] == pytest.approx(12.0)
+    assert flown.points["drone"].position[-1] - flown.points["drone"].position[0] == pytest.approx([0, 0.5 * 12.9, 0])
 
 
 def test_the_table_has_the_keys():

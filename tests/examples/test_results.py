@@ -137,6 +137,13 @@ def test_the_summary_says_what_goes_slack_and_breaks():
     assert results.summary(results.since(columns, 1.2))[0].endswith("50 % of the time, first at 1.5 s")
 
 
+def test_a_small_mean_of_large_values_has_digits():
+    """Power of a winch that reels out and in again; without any mean it is 0."""
+    assert results.alike(-1.0387, -23396.1, 23396.4) == ["-1.04", "-23396", "23396"]
+    assert results.alike(1e-12, -23396.1, 23396.4) == ["0", "-23396", "23396"]
+    assert results.alike(2.5, 0.0, 5.0) == ["2.5000", "0.0000", "5.0000"]
+
+
 WRONG = {
     "hoist --duration 0.6 --csv none/table.csv": "there is no folder none",
     "hoist --duration 0.6 --outputs power": "--outputs chooses columns of --csv; it goes with it",

@@ -45,7 +45,9 @@ def test_an_fmu_of_the_scene_has_what_it_lacks_built_in(tmp_path):
     assert done.returncode == 0, done.stderr
     assert "no variable" not in done.stderr
     assert re.match(rf"{fmu.stem}: \|ground\| 3\d\d\d\.\d N, ", done.stdout)
-    lean = ("--preset", "kite", "--set", "winch_control=force")
+    inputs = "kite_position,kite_velocity,wind_velocity,reel_out_speed"
+    rope = "initial_length,diameter,wind_profile,winch_mass"
+    lean = ("--preset", "kite", "--inputs", inputs, "--parameters", rope, "--set", "winch_control=force")
     whole = (*lean, "--set", "winch_force=3000", "--set", "winch_start=equilibrium", "--set", "gravity=1.6")
     for chosen, words in (
         (lean, "has winch_force = 0 and no variable for it; it is 3000 in this scene"),

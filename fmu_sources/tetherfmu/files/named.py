@@ -45,4 +45,9 @@ def listed():
     scenes, systems = named_scenes(), named_systems()
     width = max(map(len, (*scenes, *systems))) + 2
     found = [f"{name:<{width}}{about(path)}; {tables_of(path)['duration']}" for name, path in scenes.items()]
-    return found + [f"{name:<{width}}{about(path)}; a system, whose driven points rest" for name, path in systems.items()]
+    for name, path in systems.items():
+        rests = (
+            "whose driven points rest" if "series" not in (table := tables_of(path)) else table.get("duration", "in motion")
+        )
+        found.append(f"{name:<{width}}{about(path)}; a system, {rests}")
+    return found

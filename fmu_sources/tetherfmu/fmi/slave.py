@@ -8,6 +8,7 @@ from ..runtime.instance import Instance, zeros
 from ..runtime.kernel_library import load
 from ..runtime.parameters import DEFAULT_TOLERANCE
 from ..runtime.plan_layout import DRIVEN
+from ..runtime.polygons import Watched
 from ..runtime.quantities import NOT_WHOLE, checked, is_beyond
 from ..runtime.saved_state import STEPPING, SavedState
 from ..wiring.fmu import of_system, of_tether
@@ -39,7 +40,7 @@ class TetherSlave(BaseSlave):
     def __init__(self, **kwargs):
         super().__init__(**kwargs)
         options = self.options()
-        self._importer_tolerance, self._doubts = 0.0, ()
+        self._importer_tolerance, self._doubts, self._watch = 0.0, (), None
         if self.variant is None:
             given = options["left_out"], options["starts"]
             self._wiring = of_system(structure_of(options["system"]), *given)
@@ -61,8 +62,7 @@ class TetherSlave(BaseSlave):
         self._kite_is_free = self._is_direct and wiring.record.kite_is_free
         room = count - self._parameters_at if self._is_direct else 0
         self._instance = Instance(self._kernels(), wiring.lines, wiring.free, wiring.band, room)
-        if self._is_direct:
-            self.advance = self._instance.advance  # at once: one call less in each step
+        self._watch_positions()
         first = self._instance.outputs_at
         found = [(reference, [first + place for place in places]) for reference, places in wiring.outputs]
         self._sums = [each for each in found if len(each[1]) > 1]
@@ -72,6 +72,21 @@ class TetherSlave(BaseSlave):
             values[reference] = value
         self.constants = wiring.constants
         self.declare(wiring.shown, values, wiring.shown_at, options)
+
+    def _watch_positions(self):
+        """Look for polygons in the positions of a driven kite end of a tether alone, from the next step on."""
+        if self._is_direct:
+            self.advance = self._instance.advance  # at once: one call less in each step
+            self._watch = None if self._kite_is_free else Watched(self._instance)
+            if self._watch:
+                self.advance = self._watch.advance
+
+    def _about_positions(self):
+        """Sentences on what has been found in the positions; once nothing more is looked for, steps go without it."""
+        watch = self._watch
+        if watch.is_over:
+            self._watch, self.advance = None, self._instance.advance
+        return watch.sentences("kite_position")
 
     def _kernels(self):
         """Load the compiled library now: the folder of the FMU may vanish later. A failure is reported at the start."""
@@ -100,6 +115,7 @@ class TetherSlave(BaseSlave):
         except ValueError as error:
             return str(error)
         given = ((self.values[reference], *row) for reference, *row in self._wiring.doubtful)
+        self._watch_positions()
         self._doubts = tuple(said.format(value=value) for value, *bound, said in given if is_beyond(value, *bound))
         return self._first_shape()
 
@@ -125,6 +141,8 @@ class TetherSlave(BaseSlave):
     def warnings(self):
         """Sentences on what is implausible, each once since the start."""
         doubts, self._doubts = self._doubts, ()
+        if self._watch:
+            doubts = (*doubts, *self._about_positions())
         return (*doubts, *self._instance.warnings()) if doubts else self._instance.warnings()
 
     def _packed(self, values, tolerance):
@@ -230,6 +248,8 @@ class TetherSlave(BaseSlave):
         self.values[first:end] = zeros(end - first)
         self.values[end:] = saved.values[end:]
         if packed:
+            if self._watch:
+                self._watch.forget()
             self._set_up(packed)
             self._instance.take(saved.state)
             if self._shown(self._instance.take_outputs()) != status.OK:

@@ -24,9 +24,9 @@ AT_WINCH = ("ground_tension", "tension_from")  # of a tether, of a line
 DERIVED = {"power": "W", "payout": "m"}  # columns that are no outputs of an FMU, and their units
 SHOWN = (*AT_WINCH, "kite_tension", "tension_to", "peak_tension", *DERIVED)  # rows of a summary
 STILL = 1e-3  # a winch that turns slower neither reels out nor in [m/s]
-SHOWN_DIGITS = 5  # of the largest number in a row of a summary
+SHOWN_DIGITS, MEAN_DIGITS = 5, 3  # of the largest number in a row of a summary, and at least of the mean
 DIGITS = "%.10g"  # of a number in a CSV file
-ROUNDING = 1e-9  # of times [s]
+ROUNDING = 1e-9  # of times [s], and of a mean, part of the largest value
 
 
 def with_power(columns, winches=()):
@@ -125,7 +125,7 @@ def summary(columns):
         own = own_name(name)
         if own in SHOWN and (own not in DERIVED or np.any(values)):
             low, high = values.argmin(), values.argmax()
-            mean, least, largest = alike((values.mean(), values[low], values[high]))
+            mean, least, largest = alike(values.mean(), values[low], values[high])
             when = [f"{time[k]:.6g} s" if least != largest else "" for k in (low, high)]
             rows.append((f"{name} [{unit_of(own)}]", mean, least, when[0], largest, when[1]))
         before = name[: len(name) - len(own)]
@@ -150,11 +150,17 @@ def phases_in_words(before, power, speed):
     return [f"{before}power: {', '.join(parts)}"] if parts else []
 
 
-def alike(numbers):
-    """Texts of numbers with as many decimals as five digits of the largest one have."""
-    largest = max(map(abs, numbers))
-    decimals = max(0, SHOWN_DIGITS - 1 - math.floor(math.log10(largest))) if largest > 0.0 else 0
-    return [f"{round(each, decimals) + 0.0:.{decimals}f}" for each in map(float, numbers)]
+def alike(mean, low, high):
+    """Texts of numbers with as many decimals as five digits of the largest one have; of a small mean three of its own."""
+    size = max(abs(low), abs(high))
+    decimals = decimals_of(size, SHOWN_DIGITS)
+    own = max(decimals, decimals_of(mean, MEAN_DIGITS)) if abs(mean) > ROUNDING * size else decimals
+    return [f"{round(float(each), n) + 0.0:.{n}f}" for each, n in ((mean, own), (low, decimals), (high, decimals))]
+
+
+def decimals_of(number, digits):
+    """Decimals with which a number has so many digits."""
+    return max(0, digits - 1 - math.floor(math.log10(abs(number)))) if number else 0
 
 
 def aligned(rows):

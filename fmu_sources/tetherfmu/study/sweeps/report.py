@@ -223,7 +223,8 @@ def run(options):
     refused = int((table.refused != "").sum())
     duration = "" if "duration" in table.attrs["varied"] else f" of {scene.duration:g} s"
     broken = int(table.break_time.notna().sum())
-    broke = f", {broken} broke, as in flight {table.break_time.first_valid_index()}" if broken else ""
+    how = "broke or let go" if scene.flight.has_release else "broke"
+    broke = f", {broken} {how}, as in flight {table.break_time.first_valid_index()}" if broken else ""
     print(f"{len(table)} flights{duration}, {refused} of them refused{broke}")
     if refused < len(table):
         k = int(table.peak_tension.idxmax())
