@@ -124,6 +124,7 @@ def steps_of_one_size(monkeypatch, segments, part, last_error=0.0):
     monkeypatch.setattr(adaptive_steps, "has_coordinates", lambda system: False)
     monkeypatch.setattr(adaptive_steps, "turn_drums", lambda *arguments: True)
     monkeypatch.setattr(adaptive_steps, "part_to_event", lambda *arguments: inf)
+    monkeypatch.setattr(adaptive_steps, "part_to_slack", lambda *arguments: inf)
     monkeypatch.setattr(adaptive_steps, "is_idle", lambda system: True)
     monkeypatch.setattr(adaptive_steps, "accept", lambda *arguments: None)
     monkeypatch.setattr(adaptive_steps, "state_of", lambda system, k: system.state)

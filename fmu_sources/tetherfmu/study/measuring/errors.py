@@ -107,9 +107,9 @@ def write_reference(path, reference):
 def read_reference(path):
     """The `Reference` in a file; one of `DAMAGED` if it has none."""
     with np.load(path, allow_pickle=False) as file:
-        config, (work, calls, implausible), seconds, space, time, spent = json.loads(str(file["facts"]))
+        config, (work, calls, implausible, length), seconds, space, time, spent = json.loads(str(file["facts"]))
         flown = Flown(file["outputs"], file["peak"], None, seconds, (), file["time"])
-    return Reference(Config(*config), Run(flown, work, calls, tuple(implausible)), space, time, spent)
+    return Reference(Config(*config), Run(flown, work, calls, tuple(implausible), length), space, time, spent)
 
 
 def fine_enough(own, shown):
