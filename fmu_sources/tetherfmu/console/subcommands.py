@@ -35,7 +35,7 @@ SUBCOMMANDS = {
         "tetherfmu sweep circle --vary 'tether.diameter=3 mm..6 mm:4' --vary wind.speed=6,9,12",
     ),
     "import": Subcommand(
-        "convert KiteUtils.jl settings to a scene, or a line file of MoorDyn or CableDyn to a system",
+        "convert KiteUtils.jl settings to a scene, MoorDyn or CableDyn decks to a system",
         "tetherfmu import examples/systems/moored.txt --out moored.toml",
         "tetherfmu.commands.importing",
     ),
