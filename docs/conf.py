@@ -7,6 +7,8 @@ from importlib.metadata import distribution
 from pathlib import Path
 
 from docutils import nodes
+from pygments.lexers.special import TextLexer
+from sphinx.highlighting import lexers
 from sphinx.util.osutil import relative_uri
 
 DOCS = Path(__file__).resolve().parent
@@ -16,6 +18,8 @@ import course_pages  # noqa: E402
 from tetherfmu.libraries import webassembly  # noqa: E402
 from tetherfmu.runtime import __version__ as release  # noqa: E402
 from tetherfmu.web import page  # noqa: E402
+
+lexers["csv"] = TextLexer()  # which Pygments does not know
 
 project, author, copyright = "TetherFMU", "TetherFMU developers", "TetherFMU developers"
 version = release
