@@ -203,7 +203,7 @@ def test_ways_are_all_in_the_figure():
     assert len(set(COLOURS.values())) == len(WAYS)
 
 
-@pytest.mark.filterwarnings("ignore::tetherfmu.python.results.PlausibilityWarning")  # what grows is part of the question
+@pytest.mark.filterwarnings("ignore::tetherfmu.records.problems.PlausibilityWarning")  # what grows is part of the question
 @pytest.mark.parametrize("continuation", delayed_load.CONTINUATIONS)
 @pytest.mark.parametrize("kite", delayed_load.KITES)
 @pytest.mark.parametrize(("part", "grows"), [(0.9, False), (1.1, True)])
