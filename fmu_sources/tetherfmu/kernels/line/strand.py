@@ -81,17 +81,26 @@ def is_driven(conditions, end):
 
 @kernel
 def residual(strand, chain, time):
-    """Forces at a stage, a time [s], into w.force, R and T of both ends into the numbers (all modified); stage_z is known."""
+    """Forces at a stage, a time [s], into w.force, R of both ends into the numbers (all modified); stage_z is known."""
     w = strand.w
+    take_pulls(strand, chain)
     if feels_rope(chain.parameters):
-        assembly.find_segments(chain.n, w.stage_x, False, w.segments)
-        sum_forces(strand, chain)
         if has_ground(chain.parameters):
             contact.add_forces(chain, w)
         load = pair(NEUTRAL_VECTOR, load_during(strand.conditions, time))
         put_interleaved(w.force, 0, add(get_interleaved(w.force, 0), load))
     else:
         rosenbrock.stage_force(strand.conditions, chain, time, w)
+
+
+@kernel
+def take_pulls(strand, chain):
+    """R of both ends (modified), and by the strain_rate law the forces without ground and load into w.force (modified)."""
+    w = strand.w
+    if feels_rope(chain.parameters):
+        assembly.find_segments(chain.n, w.stage_x, False, w.segments)
+        sum_forces(strand, chain)
+    else:
         strand.numbers[PULL] = first_tension(chain, w.modes[0], w.stage_x, w.stage_v)
 
 

@@ -24,12 +24,11 @@ from ..equations.drum import HELD, direction_of, drum_of, is_at_stop, stop_ahead
 from ..equations.free_points import free_points, is_at_point, point_at
 from ..equations.lines import conditions_of, lines_of, motion_of, note_line, parameters_of, segments_of
 from ..equations.rope import feels_rope
-from ..equations.ropes import is_turned
-from ..line.drum_events import OVERLOAD, SLOW, part_of_piece
+from ..line.drum_events import SLOW, part_of_piece
 from ..line.massless_drum import Instant, project, tension_at_rest
 from ..line.rodas4p import GAMMA
 from ..line.step_control import DrumError, allowed_errors
-from ..line.strand_room import BY_GAIN, LENGTH, RATE, TENSION, rope_in
+from ..line.strand_room import LENGTH, RATE, TENSION, rope_in
 from ..line.taut_slack import keep_energy_of_drum, wrong_impulse
 from ..linear_algebra import profile
 from ..linear_algebra.vectors import add_at, get, scale
@@ -43,6 +42,7 @@ from ..points.room import (
     globals_of,
     growth_of,
     has_free_nodes,
+    has_longest,
     has_rope,
     integrator_of,
     is_free,
@@ -63,12 +63,6 @@ AT_ONCE = 1e-6  # part of the communication step in which a drum without mass ma
 RESTS, FORWARDS, BACKWARDS, STOPS_FORWARDS, STOPS_BACKWARDS, NO_EVENT = range(6)
 
 # --- stops
-
-
-@kernel
-def has_longest(system, k):
-    """Whether a drum pays out line k, up to a longest length."""
-    return is_turned(system, k) or has_own_drum(system, k)
 
 
 @kernel
@@ -169,26 +163,12 @@ def jump_ends(system, k, changes):
 
 
 @kernel
-def urges(system, j, behind, ahead, loss):
-    """Forces [N] with which tensions pull a coordinate forwards and backwards beyond what holds it; a margin of these.
-
-    behind, ahead : what sets against a drum and what its ropes pull, or T_1 and T_2 of a sheave [N].  loss : E of it.
-    """
-    own = coordinate_at(system, j)
-    if own[room.IS_DRUM] != 0.0:
-        pull, friction = ahead - behind, own[room.FRICTION]
-        return pull - friction, -pull - friction, OVERLOAD * own[room.MAGNITUDE]
-    margin = OVERLOAD * (abs(behind) + abs(ahead))
-    return ahead - behind - (loss - 1.0) * max(behind, 0.0), behind - ahead - (loss - 1.0) * max(ahead, 0.0), margin
-
-
-@kernel
 def urges_now(system, j):
     """The same with the tensions that are known."""
     own, k = coordinate_at(system, j), line_of(system, j)
     if own[room.IS_DRUM] != 0.0:
-        return urges(system, j, own[room.AGAINST], own[room.PULLED], 1.0)
-    return urges(system, j, numbers_of(system, k)[TENSION + 1], numbers_of(system, k + 1)[TENSION], own[room.LOSS])
+        return net.urges(system, j, own[room.AGAINST], own[room.PULLED], 1.0)
+    return net.urges(system, j, numbers_of(system, k)[TENSION + 1], numbers_of(system, k + 1)[TENSION], own[room.LOSS])
 
 
 @kernel
@@ -329,24 +309,6 @@ def project_massless(system, time, h):
 # --- errors of a step
 
 
-@kernel
-def mass_at(system, j, k):
-    """Mass [kg] of a coordinate with that of the rope of line k which moves past nodes at rest."""
-    total = coordinate_at(system, j)[room.MASS]
-    for end in range(2):
-        total -= weight_of(system, j, k, end) ** 2 * numbers_of(system, k)[BY_GAIN + 3 * end]
-    return total
-
-
-@kernel
-def inertia_of(system, j):
-    """The same of all lines."""
-    total = coordinate_at(system, j)[room.MASS]
-    for k in range(lines_of(system)):
-        total += mass_at(system, j, k) - coordinate_at(system, j)[room.MASS]
-    return total
-
-
 @view
 def drum_error(system, k):
     """`DrumError` of line k: with the mass of a drum of its own."""
@@ -358,7 +320,7 @@ def drum_error(system, k):
     if has_own_drum(system, k):
         j, _ = room.holder(system, k, 0, 0)
         if is_free(system, j):
-            mass = mass_at(system, j, k)
+            mass = net.mass_at(system, j, k)
     return DrumError(length, growth, mass)
 
 
@@ -378,7 +340,7 @@ def error_of_coordinate(system, j, h):
                 worst = max(worst, weight * abs(own[room.WRONG_SPEED]) / velocity_scale)
                 if has_own_drum(system, k):
                     impulse = wrong_impulse(0, chain_at_stage(system, k), h, integrator_of(system, k))
-                    transition = impulse / mass_at(system, j, k) / velocity_scale
+                    transition = impulse / net.mass_at(system, j, k) / velocity_scale
                     worst = max(worst, transition * transition if transition > 1.0 else 0.0)
     return worst
 
@@ -403,7 +365,7 @@ def mass_of_rate(system, k):
     for j in range(count_of(system)):
         growth = growth_of(system, j, k)
         if is_free(system, j) and growth != 0.0:
-            inertia = inertia_of(system, j)
+            inertia = net.inertia_of(system, j)
             mobility += growth * growth / inertia if inertia > 0.0 else 0.0
     return 1.0 / mobility if mobility > 0.0 else 0.0
 
@@ -436,7 +398,7 @@ def keep_energy(system, k, chain, w):
         for j in range(count_of(system)):
             growth = growth_of(system, j, k)
             if is_free(system, j) and growth != 0.0:
-                coordinate_at(system, j)[room.SPEED_NOW] += change * mass * growth / inertia_of(system, j)
+                coordinate_at(system, j)[room.SPEED_NOW] += change * mass * growth / net.inertia_of(system, j)
 
 
 @kernel

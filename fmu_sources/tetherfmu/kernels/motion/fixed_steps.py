@@ -1,17 +1,317 @@
-"""Stub."""
+"""Fixed steps: three stages of all lines (`second_order.py`), or backward Euler (`backward_euler.py`).
+
+What makes a step of one line one of backward Euler (a drum that comes to rest, a stiffness, a stage that does not converge,
+energy that nobody put in) makes that of all lines one, see `fallback.py`.
+"""
+
+from math import inf, sqrt
 
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime.limits import LAST_ITERATIONS, STAGES, most_of_a_step
-from tetherfmu.runtime.status import STATE_NOT_FINITE
+from tetherfmu.runtime import plausibility as limits
+from tetherfmu.runtime.limits import FINEST, LAST_ITERATIONS, MOST_ITERATIONS, STAGES, most_of_a_step
+from tetherfmu.runtime.status import FIXED_STEPS_TOO_MANY, OK, STATE_NOT_FINITE
 
+from ..arrays import copy
 from ..compilation import kernel
-from ..line import backward_euler
+from ..equations import segment
+from ..equations.boundary import chain_during
+from ..equations.lines import conditions_of, lines_of, motion_of, state_of
+from ..line import backward_euler, second_order
+from ..line.backward_euler import EXPECTED, STAGE, WHOLE
+from ..line.second_order import ENDS, GAMMA, TO_NEXT
+from ..line.strand_room import UNCONVERGED
+from ..notes import note, note_peak
+from ..points import fixed
+from ..points.descent import (
+    EARLY,
+    HELD,
+    LATE,
+    STUCK,
+    descend,
+    holds,
+    is_unconverged,
+    rests_on_ground,
+    unconverged_lines,
+)
+from ..points.guess import begin_as_expected, guess, start
+from ..points.room import (
+    Step,
+    attempt_of,
+    chain_of_state,
+    count_of,
+    has_rope,
+    moves,
+    numbers_of,
+    scratch_of,
+    stages_of,
+)
+from . import events, turning
+from .adaptive_steps import work_of
+from .breaks import begin_breaks, break_lines, can_any_break, place_all_ends
+from .fallback import (
+    ASKED,
+    AT_STOP,
+    HARD,
+    ON_GROUND,
+    RESOLVED,
+    WELL_RESOLVED,
+    bounces,
+    count_fallback,
+    crosses,
+    hard_at,
+    is_explained,
+    stiff_swing,
+)
+
+HELD_FROM = LAST_ITERATIONS - MOST_ITERATIONS  # of the iterations of the finest parts: so that they come to an end
+
+# --- backward Euler
+
+
+@kernel
+def note_unconverged(system, all_of_them, taken):
+    """Count a step that was ended before it converged in the numbers (modified) of the lines that had not, or of all.
+
+    taken : part of the last move.
+    """
+    for k in range(lines_of(system)):
+        if moves(system, k) and (all_of_them or is_unconverged(system, k, taken)):
+            numbers_of(system, k)[UNCONVERGED] += 1.0
+
+
+@kernel
+def take_all(system, step):
+    """Let all lines (modified) have the result of the iteration."""
+    for k in range(lines_of(system)):
+        if moves(system, k):
+            x, v = motion_of(system, k)
+            backward_euler.take(attempt_of(system, k, step), step.time, step.kind, x, v, scratch_of(system, k))
+
+
+@kernel
+def count_unconverged(system, step, taken):
+    """Number of lines and coordinates that have not converged; taken : part of the last move."""
+    return unconverged_lines(system, taken) + fixed.unconverged(system, step)
+
+
+@kernel
+def take_step(system, step, most, in_any_case):
+    """A step of backward Euler of all lines (modified): whether it was taken, and the iterations, negative if singular.
+
+    most : iterations at most.  in_any_case : whether to take a result that has not converged.  Coordinates do not
+    get its result.
+    """
+    start(system, step)
+    iterations, taken, unconverged, phi = 0, inf, 1, 0.0
+    if step.kind == EXPECTED:
+        phi, taken = begin_as_expected(system, step)
+        iterations = 1
+        unconverged = count_unconverged(system, step, taken) if taken < inf else 1
+    else:
+        phi = guess(system, step)
+    phase = EARLY
+    while iterations < most and not (step.turns and taken == STUCK):
+        if unconverged == 0 and (phase == HELD or rests_on_ground(system, step)) and holds(system, step):
+            break
+        phase = (EARLY if iterations < MOST_ITERATIONS else LATE) if iterations < HELD_FROM else HELD
+        phi, taken = descend(system, step, phi, phase)
+        iterations += 1
+        if taken == inf:
+            return False, -1
+        unconverged = count_unconverged(system, step, taken)
+    has_converged = unconverged == 0 and taken != STUCK and (phase == HELD or rests_on_ground(system, step))
+    if not (in_any_case or has_converged):
+        return False, iterations
+    note_unconverged(system, False, taken)
+    take_all(system, step)
+    return True, iterations
+
+
+@kernel
+def take_in_any_case(system, time, h):
+    """A step of backward Euler of h [s] of all lines (modified) at a time [s], taken as it is after some iterations: these.
+
+    Where it does not converge with drums, the lines take it alone with their last speeds, in as many iterations again.
+    """
+    iterations = 0
+    if count_of(system) > 0:
+        taken, iterations = take_step(system, Step(time, h, WHOLE, True), LAST_ITERATIONS, False)
+        if taken or iterations < 0:
+            return iterations
+        note_unconverged(system, True, 0.0)
+        fixed.keep_lengths(system, Step(time, h, WHOLE, False))
+    _, more = take_step(system, Step(time, h, WHOLE, False), LAST_ITERATIONS, True)
+    return more if more < 0 else iterations + more
+
+
+@kernel
+def subdivided_step(system, time, h):
+    """One step of h [s] of all lines (modified) at a time [s], in parts where it does not converge as a whole.
+
+    Returns the number of iterations, at most `limits.WORST_SUBDIVIDED`, with drums WORST_SUBDIVIDED_WITH_DRUM; negative if
+    a matrix is singular.
+    """
+    iterations, done, size = 0, 0, FINEST
+    while done < FINEST:
+        own = Step(time + h * done / FINEST, h * size / FINEST, WHOLE, count_of(system) > 0)
+        turning.attempt_whole_step(system, own.time, own.h)
+        taken, more = True, 0
+        if size == 1:
+            more = take_in_any_case(system, own.time, own.h)
+        else:
+            taken, more = take_step(system, own, MOST_ITERATIONS, False)
+        if more < 0:
+            return more
+        if taken:
+            turning.end_whole_step(system, own.time, own.h)
+        iterations += more
+        done, size = backward_euler.next_part(done, size, taken)
+    return iterations
+
+
+# --- the stages
+
+
+@kernel
+def begin_stage(system, i, known):
+    """Put all lines (modified), the results of the stage before, where stage i starts, with the accelerations to expect.
+
+    known : as for `second_order.expect`.  Before the first stage their motion is kept.
+    """
+    for k in range(lines_of(system)):
+        w, (x, v) = stages_of(system, k), motion_of(system, k)
+        if i == 0:
+            copy(x, w.x)
+            copy(v, w.v)
+        elif moves(system, k):
+            second_order.go_on(i, x, v, w)
+        if moves(system, k) and known > 0:
+            second_order.expect(TO_NEXT[i], known, w)
+
+
+@kernel
+def go_back(system):
+    """Put all lines, drums and ropes (modified) back to the start of the step."""
+    for k in range(lines_of(system)):
+        w, (x, v) = stages_of(system, k), motion_of(system, k)
+        copy(w.x, x)
+        copy(w.v, v)
+
+
+@kernel
+def stages(system, time, h, known):
+    """One step of h [s] of all lines (modified) at a time [s]: why it is not to be taken, 0 if it is; its iterations.
+
+    known : how many accelerations of stages before are known.
+    """
+    reach, iterations, does_cross = GAMMA * h, 0, False
+    for i in range(STAGES):
+        begin_stage(system, i, known)
+        own = Step(time + (ENDS[i] - GAMMA) * h, reach, EXPECTED if known > 0 else STAGE, count_of(system) > 0)
+        turning.begin_stage(system, i, own.time, reach, known)
+        taken, more = take_step(system, own, MOST_ITERATIONS, False)
+        iterations += max(more, 0)
+        if not taken:
+            return hard_at(system), iterations
+        if not turning.end_stage(system):
+            return AT_STOP, iterations
+        if i < STAGES - 1:
+            does_cross = does_cross or crosses(system, time, time + ENDS[i] * h)
+        known += 1
+    if not turning.turn_smoothly(system):
+        return AT_STOP, iterations
+    if bounces(system, h):
+        return ON_GROUND, iterations
+    place_all_ends(system, time + h)
+    does_cross = does_cross or crosses(system, time, time + h)
+    is_smooth = not does_cross and iterations <= 2 * STAGES
+    return 0 if is_smooth or is_explained(system, time, h) else hard_at(system), iterations
+
+
+@kernel
+def step(system, method, time, h, known):
+    """One step of h [s] of all lines (modified) at a time [s]: its iterations, and why it is not one of three stages, or 0.
+
+    method : of `backward_euler.FixedSteps`.  known : as for `stages`.
+    At most `limits.WORST_WORK` iterations, each with one factorization, with drums WORST_WORK_WITH_DRUM; negative where a
+    matrix is singular.
+    """
+    if method == at.BACKWARD_EULER:
+        return subdivided_step(system, time, h), ASKED
+    why, iterations = stages(system, time, h, known)
+    if why == 0:
+        turning.end_stages(system, time, h)
+        return iterations, 0
+    go_back(system)
+    more = subdivided_step(system, time, h)
+    return more if more < 0 else iterations + more, why
+
+
+@kernel
+def truncated_step(system, time, h):
+    """One step of backward Euler of all lines (modified), taken as it is: its iterations. All lines count as unconverged."""
+    turning.attempt_whole_step(system, time, h)
+    iterations = take_in_any_case(system, time, h)
+    turning.end_whole_step(system, time, h)
+    note_unconverged(system, True, 0.0)
+    return iterations
+
+
+@kernel
+def note_peaks(system, time):
+    """Keep the largest tensions of all lines at a time [s] of the communication step in their states (modified)."""
+    for k in range(lines_of(system)):
+        conditions, (x, v) = conditions_of(system, k), motion_of(system, k)
+        chain = chain_of_state(system, k, time) if has_rope(system, k) else chain_during(conditions, time)
+        note_peak(state_of(system, k), segment.largest_tension(chain, x, v))
 
 
 @kernel
 def integrate(system, steps, duration):
-    """Stub."""
-    return STATE_NOT_FINITE
+    """Advance all lines (modified) over a communication step of `duration` [s] with `backward_euler.FixedSteps`.
+
+    A communication step that is no multiple is divided evenly into steps of at most their size. Once the budget of
+    iterations is spent, which takes hard steps, the others are ended after `limits.LAST_ITERATIONS` of backward Euler.
+    Counters stand in the state of the first line, how often iterations were ended in the numbers of each. Returns a status:
+    OK, FIXED_STEPS_TOO_MANY, STATE_NOT_FINITE or, about a line, NO_LENGTH or REELED_TOO_SHORT.
+    """
+    budget = at.ITERATION_BUDGET // work_of(system)
+    count = backward_euler.count_of_steps(steps, duration, budget)
+    if count == 0:
+        return FIXED_STEPS_TOO_MANY
+    h = duration / count
+    for k in range(lines_of(system)):
+        numbers_of(system, k)[UNCONVERGED] = 0.0
+    memory, spent, known, method = state_of(system, 0), 0, 0, steps.method
+    if method != at.BACKWARD_EULER:
+        swing = h * sqrt(stiff_swing(system, h))
+        note(memory, limits.STIFF_STEP, h * h if swing > WELL_RESOLVED else 0.0, 0.0)
+        method = at.BACKWARD_EULER if swing > RESOLVED else method
+    may_break = begin_breaks(system)
+    for i in range(count):
+        if spent > STAGES * budget:
+            iterations, why = truncated_step(system, i * h, h), HARD
+        else:
+            iterations, why = step(system, method, i * h, h, known)
+        if iterations < 0:
+            return STATE_NOT_FINITE
+        status = turning.balance(system, i * h + h, GAMMA * h if why == 0 else h)
+        if status == OK:
+            status = turning.check(system)
+        if status != OK:
+            return status
+        known = 3 if why == 0 else 0
+        spent += iterations
+        if steps.method != at.BACKWARD_EULER:
+            count_fallback(memory, why)
+        if i < count - 1:
+            note_peaks(system, i * h + h)
+        if may_break and break_lines(system, i * h + h):
+            may_break, known = can_any_break(system), 0
+    events.begin_directions(system)  # which of them move at the end
+    memory[at.STEPS] += count
+    memory[at.ITERATIONS] += spent
+    return OK
 
 
 # --- the bound

@@ -54,9 +54,11 @@ from .room import (
     strand_of,
     take_rates,
     unknowns_of,
+    weight_of,
 )
 
 MOST_CORRECTIONS, BALANCED = 8, 1e-13  # of Newton's method for u'; what is left over the tensions when it has converged
+OVERLOAD = 1e-8  # of its forces: with how much more than its friction a coordinate begins to move
 TINY = 1e-200  # what keeps a quotient from 0/0
 
 # --- what a coordinate has of its own
@@ -97,6 +99,39 @@ def take_damping(system, j):
         behind, ahead = losses_beside(system, j)
         density = property_of(conditions_of(system, line_of(system, j)), 0, at.LINE_DENSITY)
         own[room.BY_SPEED] += 2.0 * (ahead - behind) * density * own[room.SPEED_NOW]
+
+
+@kernel
+def mass_at(system, j, k):
+    """Mass [kg] of a coordinate with that of the rope of line k which moves past nodes at rest."""
+    total = coordinate_at(system, j)[room.MASS]
+    for end in range(2):
+        total -= weight_of(system, j, k, end) ** 2 * numbers_of(system, k)[BY_GAIN + 3 * end]
+    return total
+
+
+@kernel
+def inertia_of(system, j):
+    """The same of all lines."""
+    mass = coordinate_at(system, j)[room.MASS]
+    total = mass
+    for k in range(lines_of(system)):
+        total += mass_at(system, j, k) - mass
+    return total
+
+
+@kernel
+def urges(system, j, behind, ahead, loss):
+    """Forces [N] with which tensions pull a coordinate forwards and backwards beyond what holds it; a margin of these.
+
+    behind, ahead : what sets against a drum and what its ropes pull, or T_1 and T_2 of a sheave [N].  loss : E of it.
+    """
+    own = coordinate_at(system, j)
+    if own[room.IS_DRUM] != 0.0:
+        pull, friction = ahead - behind, own[room.FRICTION]
+        return pull - friction, -pull - friction, OVERLOAD * own[room.MAGNITUDE]
+    margin = OVERLOAD * (abs(behind) + abs(ahead))
+    return ahead - behind - (loss - 1.0) * max(behind, 0.0), behind - ahead - (loss - 1.0) * max(ahead, 0.0), margin
 
 
 # --- losses of sheaves
@@ -168,21 +203,31 @@ def stiffness_at(system, k, end):
 
 @kernel
 def take_tension(system, k, end, pull):
-    """T [N] of an end of line k from R [N], what it counts and the slope of that by R (modified)."""
+    """T [N] of an end of line k from R [N], and with what factor it counts (modified)."""
     numbers = numbers_of(system, k)
+    numbers[TENSION + end], numbers[FACTOR + end] = pull, 1.0
     if rope.feels_rope(parameters_of(system, k)):
-        stiffness = stiffness_at(system, k, end)
-        tension = rope.tension_of(stiffness, pull)
-        numbers[TENSION + end], numbers[FACTOR + end] = tension, loss_at(system, k, end, tension)
-        numbers[SLOPE + end] = numbers[FACTOR + end] * rope.slope_of(stiffness, tension)
-    else:
-        numbers[TENSION + end], numbers[FACTOR + end], numbers[SLOPE + end] = pull, 1.0, 1.0
+        numbers[TENSION + end] = rope.tension_of(stiffness_at(system, k, end), pull)
+        numbers[FACTOR + end] = loss_at(system, k, end, numbers[TENSION + end])
 
 
 @kernel
-def count_tension(system, k, end):
-    """`take_tension` of what stands there."""
-    take_tension(system, k, end, numbers_of(system, k)[PULL + end])
+def take_slope(system, k, end):
+    """Slope of what it counts by R (modified), which stays as it is at the start of a step."""
+    numbers = numbers_of(system, k)
+    numbers[SLOPE + end] = numbers[FACTOR + end]
+    if rope.feels_rope(parameters_of(system, k)):
+        numbers[SLOPE + end] *= rope.slope_of(stiffness_at(system, k, end), numbers[TENSION + end])
+
+
+@kernel
+def count_tensions(system):
+    """Tensions of all ends that are held at a stage (modified), whose pulls are known."""
+    take_losses(system)
+    for k in range(lines_of(system)):
+        for end in range(2):
+            if is_held(system, k, end):
+                take_tension(system, k, end, numbers_of(system, k)[PULL + end])
 
 
 # --- what a line adds
@@ -475,6 +520,7 @@ def pull_with_accelerations(system, k):
                     pull += dot(col, acceleration_of_point(system, point))
                     add_to_unknown(system, point, scale(own.numbers[HELD_GAIN + end], col), right)
             take_tension(system, k, end, pull)
+            take_slope(system, k, end)
             for i in range(holders_of(system, k, end)):
                 j, weight = holder(system, k, end, i)
                 coordinate_at(system, j)[room.PULLED] += weight * own.numbers[FACTOR + end] * own.numbers[TENSION + end]
@@ -515,7 +561,6 @@ def finish_accelerations(system, k):
             by_gain = rope_in(n, own.ropes, end).by_gain
             for i in range(n + 1):
                 add_to_node(n, i, scale(gain, get(by_gain, i)), own.w.force)
-    ends = get_interleaved(own.stage_z, 0)
     for i in range(n // 2 + 1):
         mass = number_at(own.w.stage_mass, 0, (i, n - i))
         put_interleaved(own.z, i, scale(1.0 / mass, get_interleaved(own.w.force, i)))

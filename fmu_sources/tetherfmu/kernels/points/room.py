@@ -121,7 +121,7 @@ Room.__doc__ = """Scratch arrays of a line.
 
 numbers : see `line/strand_room.py`.  columns : of its ends, see `linear_algebra.condensed`.  weights, ropes : see there.
 z, stage_z : accelerations of the nodes at the start of the step and at a stage [m/s2], interleaved.
-own : of the method, a Rosenbrock step or a fixed one.
+own : of the methods, see `own_size`.
 """
 Globals = namedtuple("Globals", "header right solution accelerations mass matrix coordinates")
 Globals.__doc__ = """Scratch arrays of m = 3 (free points) + coordinates unknowns.
@@ -135,8 +135,15 @@ matrix : `Profile`.  coordinates : numbers of all coordinates.
 
 @kernel
 def own_size(n):
-    """Length of the room of the method: of a Rosenbrock step, or of a fixed step."""
-    return max(rosenbrock.workspace_size(n), second_order.workspace_size(n))
+    """Length of the room of both methods: of a Rosenbrock step, whose arrays have columns and rows of all, and of a fixed one."""
+    return fixed_at(n) + second_order.workspace_size(n)
+
+
+@kernel
+def fixed_at(n):
+    """Place of the arrays of a fixed step in it, an even number."""
+    size = rosenbrock.workspace_size(n)
+    return size + size % 2
 
 
 @kernel
@@ -223,7 +230,8 @@ def integrator_of(system, k):
 @view
 def stages_of(system, k):
     """`second_order.Workspace` of line k."""
-    return second_order.workspace(segments_of(system, k), room_in_step(system, k).own)
+    n = segments_of(system, k)
+    return second_order.workspace(n, behind(fixed_at(n), room_in_step(system, k).own))
 
 
 @view
@@ -549,6 +557,13 @@ def chain_now(system, k, time):
 
 
 @view
+def chain_reached(system, k, time, which):
+    """`Chain` of line k with rope that its coordinates have let in, one of their numbers; at a time [s], as if at rest."""
+    conditions = conditions_of(system, k)
+    return chain_with(conditions, winch.length_at(conditions.reeling, time) + let_in_over_both(system, k, which), 0.0)
+
+
+@view
 def chain_of_state(system, k, time):
     """`Chain` of line k in its state, at a time [s] of the communication step."""
     conditions = conditions_of(system, k)
@@ -565,6 +580,12 @@ def has_free_nodes(system, k):
     """Whether any node of line k moves freely."""
     conditions = conditions_of(system, k)
     return conditions.first <= conditions.last
+
+
+@kernel
+def has_longest(system, k):
+    """Whether a drum pays out line k, up to a longest length."""
+    return is_turned(system, k) or has_own_drum(system, k)
 
 
 @kernel

@@ -216,16 +216,6 @@ def start_stage(system, k, stage, time, h):
 
 
 @kernel
-def start_tensions(system):
-    """Tensions of all ends that are held at a stage (modified), whose pulls are known."""
-    net.take_losses(system)
-    for k in range(lines_of(system)):
-        for end in range(2):
-            if room.is_held(system, k, end):
-                net.count_tension(system, k, end)
-
-
-@kernel
 def reduce_line(system, k, stage, time, h):
     """Right-hand side of a stage of line k, condensed, and what is left of it into that of the global unknowns (modified)."""
     n, w = segments_of(system, k), integrator_of(system, k)
@@ -276,7 +266,7 @@ def step(system, time, h):
                 if moves(system, k) and not start_stage(system, k, stage, now, h):
                     return False
             if is_rope:
-                start_tensions(system)
+                net.count_tensions(system)
         solve_stage(system, stage, time, now, h)
     return take_results(system, time + h)
 
