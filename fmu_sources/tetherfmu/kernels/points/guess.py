@@ -147,7 +147,7 @@ def guess(system, step):
 
 @kernel
 def begin_as_expected(system, step):
-    """The first iteration of all lines (modified) with the accelerations that are expected; see `system_descent.descend`.
+    """The first iteration of all lines (modified) with the accelerations that are expected; see `descent.descend`.
 
     Where no node moves by more than one that has converged Phi is not asked, and inf. Elsewhere, if Phi is lower with the
     lines carried along, the results are that of a new `guess` and inf.
