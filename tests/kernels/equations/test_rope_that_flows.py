@@ -200,11 +200,11 @@ def test_slopes_of_forces(end):
 
     def both(rest=REST, rates=RATES, gains=GAINS):
         pull = tension(rest, rates) * e
-        inertia = 0.5 * DENSITY * rest * (Z + (0.0, 0.0, G))
+        inertia = 0.5 * DENSITY * rest * np.add(Z, (0.0, 0.0, G))
         return np.array([pull, -pull]) - inertia + element(rest, rates, gains, R, U, Z, ANY_SIDES)[1]
 
     by_rest = slope(lambda rest: tension(rest[0], RATES), [REST])[0]
-    loads = [tuple(z + (0.0, 0.0, G)) for z in Z]
+    loads = [tuple(np.add(z, (0.0, 0.0, G))) for z in Z]
     found = rope.column(piece, flowing, by_rest, tuple(e), tuple(R), tuple(U), ANY_SIDES[end], loads)
     share = ANY_SIDES[end].share
     np.testing.assert_allclose(found[0], share * slope(lambda rest: both(rest=rest[0]), [REST])[0], rtol=1e-6, atol=1e-4)

@@ -5,7 +5,6 @@ over n internal steps (adaptive), or `limits.MOST_BUDGETS` times as many unless 
 `layout.ITERATION_BUDGET` over n iterations, plus those of one fixed step. `bounds.most_work` adds them up.
 """
 
-
 from types import SimpleNamespace
 
 import numpy as np

@@ -1,7 +1,7 @@
 """One segment of rope that flows: its force on both nodes, its pull at both ends of its line, and their slopes.
 
-Rope comes into a line over its first node at the rate a_0 and over its last one at the rate a_1, both counted inwards: what a
-drum pays out is a_0, what a sheave takes away at the end is -a_1, and L' = a_0 + a_1. A line is the same seen from either
+Rope comes into a line over its first node at the rate a_0 and over its last one at the rate a_1, both counted inwards: what
+a drum pays out is a_0, what a sheave takes away at the end is -a_1, and L' = a_0 + a_1. A line is the same seen from either
 end. A segment between the nodes p and q grows by its shares g_0, g_1 of both, and past a node i flows, from p to q,
 
     l0' = g_0 a_0 + g_1 a_1,   c_i = W_i0 a_0 + W_i1 a_1

@@ -36,9 +36,7 @@ WHOLE, STAGE, EXPECTED = 0, 1, 2  # steps, stages of `second_order.py`, those of
 
 FixedSteps = namedtuple("FixedSteps", "size method")
 FixedSteps.__doc__ = "Fixed steps: their size [s], 0 for adaptive ones, and `fixed_step_method`, as an enumeration."
-Workspace = namedtuple(
-    "Workspace", "x trial old free drag slope move acceleration flow matrix mass modes held pressed"
-)
+Workspace = namedtuple("Workspace", "x trial old free drag slope move acceleration flow matrix mass modes held pressed")
 Workspace.__doc__ = """Scratch arrays of a step; 3 (n + 1) numbers where nothing else is said.
 
 x : positions of the iteration [m].  trial : positions to try [m].  old : positions before the step [m].
@@ -79,8 +77,9 @@ def flight(x, v, h, acceleration):
 def start(attempt, before, time, kind, x, w):
     """Fill masses, old positions, free flight and modes of the dampers into w for a step from x [m] at a time [s].
 
-    before : `Chain` at its start. No load in the free flight, and no drag yet, or that of before with EXPECTED. kind : WHOLE, where driven ends go to where
-    their curves are; STAGE or EXPECTED, where they go from x with their velocity after the step, see `second_order.py`.
+    No load in the free flight, and no drag yet, or that of before with EXPECTED.  before : `Chain` at its start.
+    kind : WHOLE, where driven ends go to where their curves are; STAGE or EXPECTED, where they go from x with their velocity
+    after the step, see `second_order.py`.
     """
     conditions, chain, h, v = attempt
     n = chain.n

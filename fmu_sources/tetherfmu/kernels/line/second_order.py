@@ -76,8 +76,8 @@ def workspace(n, work):
 def energy_and_power(conditions, chain, time, x, v, mass):
     """Energy [J] at a time [s]; the power [W] that the rest of the world puts in is at most the second number.
 
-    Of nodes of the `Chain` there, of these masses [kg] at x [m] with the velocities v [m/s]: kinetic, elastic, of weight and ground. The power
-    counts the magnitudes of forces and velocities.
+    Of nodes of the `Chain` there, of these masses [kg] at x [m] with the velocities v [m/s]: kinetic, elastic, of weight and
+    ground. The power counts the magnitudes of forces and velocities.
     """
     n = conditions.n
     energy = 0.0

@@ -1,10 +1,9 @@
 """A line over whose ends coordinates let rope in: residual of a stage, derivatives, right-hand sides.
 
-Its equations are 0 = r(q, v, z, t) with q' = v, v' = z, of its nodes M(q) z = F(q, v, z, t), where rope that gains speed is in
-F, and of each end the tension T(R) that its coordinates feel. Condensed to its ends (`linear_algebra.condensed`) it is a
+Its equations are 0 = r(q, v, z, t) with q' = v, v' = z, of its nodes M(q) z = F(q, v, z, t), where rope that gains speed is
+in F, and of each end the tension T(R) that its coordinates feel. Condensed to its ends (`linear_algebra.condensed`) it is a
 substructure of all others: `points/net.py`. By the stretch_rate law no momentum flows, and T is that of the first segment.
 """
-
 
 from ..arrays import clear, copy
 from ..compilation import kernel, view
@@ -53,7 +52,9 @@ def sides_at(n, s, weights):
     """`Side`s of segments s and n - 1 - s, from both ends inwards: of the end on their own side, and of the other one."""
     both, p, q, mirrored_p, mirrored_q = (s, n - 1 - s), s, s + 1, n - s, n - s - 1
     w, v = weights.first, weights.last
-    own = Side(pair(weights.growth_first[s], weights.growth_last[both[1]]), pair(w[p], -v[mirrored_p]), pair(w[q], -v[mirrored_q]))
+    own = Side(
+        pair(weights.growth_first[s], weights.growth_last[both[1]]), pair(w[p], -v[mirrored_p]), pair(w[q], -v[mirrored_q])
+    )
     shares = pair(weights.growth_last[s], weights.growth_first[both[1]])
     return own, Side(shares, pair(v[p], -w[mirrored_p]), pair(v[q], -w[mirrored_q]))
 
@@ -114,7 +115,7 @@ def first_tension(chain, mode, x, v):
 
 @kernel
 def sum_forces(strand, chain):
-    """The loop of `residual`, from both ends inwards; p is the outer node of a segment in both halves, `own` the end there."""
+    """The loop of `take_pulls`, from both ends inwards; p is the outer node of a segment in both halves, `own` its end."""
     n, w, numbers, weights = chain.n, strand.w, strand.numbers, strand.weights
     from_outside = pair(ZERO_VECTOR, ZERO_VECTOR)
     x_p, v_p, z_p = get_interleaved(w.stage_x, 0), get_interleaved(w.stage_v, 0), get_interleaved(strand.stage_z, 0)
@@ -224,12 +225,17 @@ def take_gain_columns(strand, chain):
         put(a, n // 2, add(first(below_own), second(below_other)))
         put(b, n // 2, add(first(below_other), second(below_own)))
     own, between = of_own + swapped(of_other), first(crossed) + second(crossed)
-    numbers[BY_GAIN], numbers[BY_GAIN + 1], numbers[BY_GAIN + 2], numbers[BY_GAIN + 3] = first(own), between, between, second(own)
+    numbers[BY_GAIN], numbers[BY_GAIN + 1], numbers[BY_GAIN + 2], numbers[BY_GAIN + 3] = (
+        first(own),
+        between,
+        between,
+        second(own),
+    )
 
 
 @view
 def put_of_ends(n, s, own, other, a, b):
-    """Vectors of nodes s and n - s, of the end on their own side and of the other one, into arrays of both ends (modified)."""
+    """Vectors of nodes s and n - s, of their own end and of the other one, into the arrays of both ends (modified)."""
     put_two(a, s, n - s, pair(first(own), second(other)))
     put_two(b, s, n - s, pair(first(other), second(own)))
 
@@ -355,7 +361,12 @@ def loop_of_end(strand, chain, end, d, own):
         count = 0.5 if 2 * s + 1 == n else 1.0
         below = -1.0 * (side.share * piece.half * piece.gravity)
         weight, heights = (nothing, nothing, below), heights - 2.0 * count * below
-        x_row, v_row, rate_p, length_p = add(sub(x_row, by_r), weight), sub(v_row, by_u), add(rate_p, p_r), add(length_p, p_l)
+        x_row, v_row, rate_p, length_p = (
+            add(sub(x_row, by_r), weight),
+            sub(v_row, by_u),
+            add(rate_p, p_r),
+            add(length_p, p_l),
+        )
         put_two(own.by_rate, s, n - s, rate_p)
         put_two(own.solved, s, n - s, add_scaled(rate_p, d, length_p))
         put_two(own.row, s, n - s, add_scaled(v_row, d, x_row))
@@ -376,7 +387,10 @@ def loop_of_end(strand, chain, end, d, own):
         own.row[i] += own.by_gain[i] / d
         own.solved[i] += own.by_gain[i] / d
     density = 2.0 * half_density(chain, (n - 1) * end)
-    numbers[BY_LENGTH + 3 * end], numbers[BY_LENGTH + 1 + end] = first(by_own) + second(by_own), first(by_other) + second(by_other)
+    numbers[BY_LENGTH + 3 * end], numbers[BY_LENGTH + 1 + end] = (
+        first(by_own) + second(by_own),
+        first(by_other) + second(by_other),
+    )
     numbers[BY_RATE + 3 * end] = first(of_own) + second(of_own) + density * numbers[RATE + end]
     numbers[BY_RATE + 1 + end] = first(of_other) + second(of_other)
 
@@ -424,7 +438,7 @@ def let_go(curve, i, time, d, own):
 
 @kernel
 def add_rates_of_winch(strand, chain, time, d, x, v):
-    """Add the rates of forces and of R [N/s] by rope that a winch lets in as a function of time to w.q, OF_TIME (modified)."""
+    """Add the rates of forces and of R [N/s] by rope that a winch lets in with time to w.q and OF_TIME (modified)."""
     reeling, n, w, numbers = strand.conditions.reeling, chain.n, strand.w, strand.numbers
     speed, gain, jerk = winch.rate_at(reeling, time), winch.acceleration_at(reeling, time), winch.jerk_at(reeling, time)
     own = rope_in(n, strand.ropes, 0)

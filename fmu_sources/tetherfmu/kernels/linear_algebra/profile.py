@@ -1,7 +1,7 @@
 """Dense equations with a profile: L U without pivoting; nothing is stored in a row before its first entry.
 
-The profile is symmetric: row i of L begins in the same column as column i of U begins in its row. Both stand side by side, so
-that every inner product runs through two arrays from place to place:
+The profile is symmetric: row i of L begins in the same column as column i of U begins in its row. Both stand side by side,
+so that every inner product runs through two arrays from place to place:
 
     lower : rows of L with the diagonal of U;  upper : columns of U above it;  a place of row i is `start[i]` + column
 """

@@ -1,7 +1,8 @@
 """When a segment breaks within a communication step: as soon as its tension reaches its breaking force.
 
-Steps of the adaptive solver end there, as at an event of a coordinate (`events.py`); fixed steps break at their ends, which keeps
-their work bounded. A line breaks once, at the segment that lacks least. Its winch is braked, and so is the rope that flows.
+Steps of the adaptive solver end there, as at an event of a coordinate (`events.py`); fixed steps break at their ends, which
+keeps their work bounded. A line breaks once, at the segment that lacks least. Its winch is braked, and so is the rope that
+flows.
 """
 
 from math import inf
@@ -37,10 +38,12 @@ from ..linear_algebra.both_ends import interleave
 from ..linear_algebra.vectors import add_at, dot, get, scale, sub
 from ..notes import note, note_peak
 from ..points.room import (
+    IS_KNOWN,
     any_line,
     chain_now,
     chain_of_state,
     count_of,
+    globals_of,
     integrator_of,
     moves,
     numbers_of,
@@ -154,6 +157,7 @@ def break_line(system, k, s, tension, time):
     stop_winch(system, k, time)
     torn.tear(segments_of(system, k), s, parameters_of(system, k))
     take_holders(system, k)
+    globals_of(system).header[IS_KNOWN] = 0.0
     for j in range(count_of(system)):
         take_brake(system, j)
 

@@ -93,12 +93,15 @@ def has_to_stop(system, j):
 
 @kernel
 def stop(system, time):
-    """Stop all coordinates that have to (modified), with the jumps of the velocities of nodes and points (modified)."""
+    """Stop all coordinates that have to (modified), with the jumps of nodes and points (modified); whether any has to.
+
+    All are as in the state.
+    """
     stops = 0
     for j in range(count_of(system)):
         stops += has_to_stop(system, j)
     if stops == 0:
-        return
+        return False
     go_to_state(system, time)
     evaluate(system, time, False)
     whole, m, points = globals_of(system), unknowns_of(system), 3 * free_points(system)
@@ -111,7 +114,7 @@ def stop(system, time):
             profile.hold_row(whole.matrix, m, points + j)
             whole.right[points + j] = -own[room.SPEED]
     if not profile.factorize(whole.matrix, m):
-        return
+        return False
     profile.solve(whole.matrix, m, whole.right, whole.solution)
     for k in range(lines_of(system)):
         if has_rope(system, k):
@@ -125,6 +128,8 @@ def stop(system, time):
             hold(own)
             own[room.SPEED] = 0.0
             place_at_stop(system, j)
+    go_to_state(system, time)
+    return True
 
 
 @kernel
@@ -240,9 +245,10 @@ def turn(system, time, duration):
     for j in range(count_of(system)):
         if coordinate_at(system, j)[room.IS_MASSLESS] != 0.0 and not turn_massless(system, j, time, duration):
             return False
-    begin_directions(system)
-    stop(system, time)
-    if begin_directions(system) > 0:
+    undecided = begin_directions(system)
+    if stop(system, time):
+        undecided = begin_directions(system)
+    if undecided > 0:
         for j in range(count_of(system)):
             coordinate_at(system, j)[room.STARTED] = 0.0
         if globals_of(system).header[room.IS_KNOWN] == 0.0 or count_free(system) > 0:
@@ -292,7 +298,7 @@ def turn_massless(system, j, time, duration):
 
 @kernel
 def project_massless(system, time, h):
-    """Let drums without mass (modified) have their balance in the result of a step of h [s] to a time [s]; whether all do."""
+    """Let drums without mass (modified) have their balance after a step of h [s] to a time [s]; whether all do."""
     for j in range(count_of(system)):
         own, k = coordinate_at(system, j), line_of(system, j)
         if own[room.IS_MASSLESS] != 0.0 and is_free(system, j):
@@ -504,4 +510,3 @@ def accept(system, time):
             own[room.TURNED_BACK] = 1.0 if turns_round else 0.0
     go_to_state(system, time)
     stop(system, time)
-    go_to_state(system, time)

@@ -11,19 +11,19 @@ from ..equations.free_points import is_at_point, point_at
 from ..equations.ground import has_ground
 from ..equations.lines import conditions_of, lines_of, motion_of, segments_of, state_of
 from ..equations.rope import feels_rope, tension_of
-from ..equations.ropes import goes_on, has_coordinates, is_freed, is_portion, is_turned
+from ..equations.ropes import goes_on, has_coordinates, is_freed, is_portion
 from ..line import contact, rosenbrock, strand
 from ..line.strand_room import CORNER, DRUM, GAIN, HELD_GAIN, LENGTH, PULL, RATE, SHEAVE, TENSION, rope_in
 from ..linear_algebra.both_ends import interleave
 from ..linear_algebra.vectors import dot, get, put_at
 from ..notes import note
 from ..points import net, room
-from ..points.coordinates import has_own_drum
 from ..points.room import (
     chain_at_stage,
     coordinate_at,
     count_of,
     globals_of,
+    has_longest,
     has_rope,
     integrator_of,
     is_held,
@@ -139,7 +139,9 @@ def end_tension(system, k, end):
     own, n = strand_of(system, k), segments_of(system, k)
     total = own.numbers[PULL + end] + own.numbers[CORNER + 1] * own.numbers[HELD_GAIN + 1 - end]
     if is_at_point(system, k, end):
-        total += dot(get(rope_in(n, own.ropes, end).by_gain, n * end), net.acceleration_of_point(system, point_at(system, k, end)))
+        total += dot(
+            get(rope_in(n, own.ropes, end).by_gain, n * end), net.acceleration_of_point(system, point_at(system, k, end))
+        )
     return tension_of(net.stiffness_at(system, k, end), total)
 
 
@@ -153,9 +155,8 @@ def tension_at(system, k, end):
 def write_ends(system, k):
     """Tensions at the ends of line k into its state (modified), after `evaluate`; none at a sheave is noted."""
     state = state_of(system, k)
-    if is_held(system, k, 0) and (is_turned(system, k) or has_own_drum(system, k)):
-        if feels_rope(conditions_of(system, k).parameters):
-            state[at.TENSION_AT_DRUM] = numbers_of(system, k)[TENSION]
+    if has_longest(system, k) and feels_rope(conditions_of(system, k).parameters):
+        state[at.TENSION_AT_DRUM] = numbers_of(system, k)[TENSION]
     if not is_portion(system, k):
         return
     state[at.TENSION_FROM] = tension_at(system, k, 0)

@@ -87,7 +87,11 @@ def accept(system):
     """Let all coordinates (modified) have what the step has led to."""
     for j in range(count_of(system)):
         own = coordinate_at(system, j)
-        own[room.PASSED], own[room.SPEED], own[room.ACCELERATION] = own[room.PASSED_NOW], own[room.SPEED_NOW], own[room.GAIN_NOW]
+        own[room.PASSED], own[room.SPEED], own[room.ACCELERATION] = (
+            own[room.PASSED_NOW],
+            own[room.SPEED_NOW],
+            own[room.GAIN_NOW],
+        )
 
 
 @kernel
@@ -98,7 +102,6 @@ def end_whole_step(system, time, h):
         go_to_state(system, time + h)
         events.begin_directions(system)
         events.stop(system, time + h)
-        go_to_state(system, time + h)
 
 
 # --- stages
@@ -114,7 +117,12 @@ def begin_stage(system, i, time, reach, known):
         begin(system)
     for j in range(count_of(system)):
         own = coordinate_at(system, j)
-        speed, passed, start, from_start = own[room.SPEED_NOW], own[room.PASSED_NOW], own[room.START_SPEED], own[room.START_PASSED]
+        speed, passed, start, from_start = (
+            own[room.SPEED_NOW],
+            own[room.PASSED_NOW],
+            own[room.START_SPEED],
+            own[room.START_PASSED],
+        )
         guess = speed + (TO_NEXT[i] * (speed - own[room.BEFORE]) if known > 0 else 0.0)
         own[room.LONG_BEFORE], own[room.BEFORE] = own[room.BEFORE], speed
         if i == 1:
@@ -175,7 +183,11 @@ def go_to_start(system, time):
     """Let coordinates and lines (modified) be where a step of three stages started, at a time [s]; `come_back` undoes it."""
     for j in range(count_of(system)):
         own = coordinate_at(system, j)
-        own[room.KEPT], own[room.KEPT + 1], own[room.KEPT + 2] = own[room.PASSED_NOW], own[room.SPEED_NOW], own[room.GAIN_NOW]
+        own[room.KEPT], own[room.KEPT + 1], own[room.KEPT + 2] = (
+            own[room.PASSED_NOW],
+            own[room.SPEED_NOW],
+            own[room.GAIN_NOW],
+        )
         own[room.PASSED_NOW], own[room.SPEED_NOW], own[room.GAIN_NOW] = own[room.START_PASSED], own[room.START_SPEED], 0.0
     fixed.place_lines(system, time)
 
@@ -185,7 +197,11 @@ def come_back(system, time):
     """Let coordinates and lines (modified) be where that step ended, at a time [s]."""
     for j in range(count_of(system)):
         own = coordinate_at(system, j)
-        own[room.PASSED_NOW], own[room.SPEED_NOW], own[room.GAIN_NOW] = own[room.KEPT], own[room.KEPT + 1], own[room.KEPT + 2]
+        own[room.PASSED_NOW], own[room.SPEED_NOW], own[room.GAIN_NOW] = (
+            own[room.KEPT],
+            own[room.KEPT + 1],
+            own[room.KEPT + 2],
+        )
     fixed.place_lines(system, time)
 
 

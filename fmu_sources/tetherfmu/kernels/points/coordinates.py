@@ -30,7 +30,7 @@ def carries_drum(system, k):
 
 @kernel
 def has_own_drum(system, k):
-    """Whether line k alone hangs on a drum: its winch is controlled by force in a system without sheaves and shared drums."""
+    """Whether line k has a drum to itself: a winch controlled by force, in a system without sheaves and shared drums."""
     return winch.follows_force(parameters_of(system, k)) and not has_coordinates(system)
 
 

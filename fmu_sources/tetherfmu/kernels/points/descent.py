@@ -128,7 +128,12 @@ def descend(system, step, before, phase):
     taken = direction(system, step, phase)
     if taken == 0.0:
         return before, inf
-    if (step.turns and fixed.has_changed(system)) or before == inf or has_ground(parameters_of(system, 0)) or does_any_flow(system, step):
+    if (
+        (step.turns and fixed.has_changed(system))
+        or before == inf
+        or has_ground(parameters_of(system, 0))
+        or does_any_flow(system, step)
+    ):
         before, _ = potential(system, step, False)
     return go_along(system, step, taken, before)
 

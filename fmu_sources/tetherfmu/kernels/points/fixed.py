@@ -2,12 +2,12 @@
 
     sum over their ends of E (T - mu u^2) - c u - F sign(u) - W = m (u - u0)/h,   q = q0 + h u,   all at the end of the step
 
-Lines and points have the matrix and the gradient of the incremental potential, columns and rows are those of `line/strand.py`
-at the iterate, with v = (x - x0)/h, v' = (v - v0)/h and u' = (u - u0)/h. One solution gives moves and changes of all speeds
-together. A coordinate moves forwards or backwards, which only friction tells apart, is held while it does not pull, or runs
-at a limit of its speed: where a line gets as short or as long as it may be. Which of these it is shows only in the solution:
-it is sought as it moves now, then as it was found, until all are found as they were sought. If they are not after
-`MOST_TRIES`, the speeds that were found last are taken: no convergence.
+Lines and points have the matrix and the gradient of the incremental potential, columns and rows are those of
+`line/strand.py` at the iterate, with v = (x - x0)/h, v' = (v - v0)/h and u' = (u - u0)/h. One solution gives moves and
+changes of all speeds together. A coordinate moves forwards or backwards, which only friction tells apart, is held while it
+does not pull, or runs at a limit of its speed: where a line gets as short or as long as it may be. Which of these it is
+shows only in the solution: it is sought as it moves now, then as it was found, until all are found as they were sought. If
+they are not after `MOST_TRIES`, the speeds that were found last are taken: no convergence.
 """
 
 from math import inf

@@ -3,10 +3,10 @@
     point        M v' = load + sum over its lines of the force on their ends
     coordinate   m u' + c u + F sign(u) + W = sum over the ends of lines into which it lets rope of weight E (T - mu u^2)
 
-E is the loss of a sheave on the side to which it adds tension, 1 elsewhere: there mu u^2 of both sides is the same and cancels
-(`E counts` below). T of an end depends on accelerations by T(R), see `line/strand.py`. What a line is to others is added up
-here: blocks between its points, and a column and a row for each end that is held, times the weights. The matrix has a profile
-(`linear_algebra.profile`); a coordinate that is held has the row of the unit matrix.
+E is the loss of a sheave on the side to which it adds tension, 1 elsewhere: there mu u^2 of both sides is the same and
+cancels (`E counts` below). T of an end depends on accelerations by T(R), see `line/strand.py`. What a line is to others is
+added up here: blocks between its points, and a column and a row for each end that is held, times the weights. The matrix has
+a profile (`linear_algebra.profile`); a coordinate that is held has the row of the unit matrix.
 """
 
 from math import atan2, exp
@@ -36,7 +36,7 @@ from ..line.strand_room import (
     rope_in,
 )
 from ..linear_algebra import condensed, profile
-from ..linear_algebra.both_ends import add_to_node, get_interleaved, get_node, put_interleaved
+from ..linear_algebra.both_ends import get_interleaved, get_node, get_two, put_interleaved
 from ..linear_algebra.pairs import first, load_pair, number_at, pair, second
 from ..linear_algebra.vectors import ZERO_VECTOR, add, add_at, add_scaled, cross, dot, get, norm, put, scale, sub
 from . import room
@@ -292,8 +292,8 @@ def place_corner(system, k, end, other, slope):
     whole, points = globals_of(system).matrix, 3 * free_points(system)
     for i in range(holders_of(system, k, end)):
         j, of_row = holder(system, k, end, i)
-        for l in range(holders_of(system, k, other)):
-            o, of_column = holder(system, k, other, l)
+        for place in range(holders_of(system, k, other)):
+            o, of_column = holder(system, k, other, place)
             entry = of_row * numbers_of(system, k)[SLOPE + end] * of_column * slope
             profile.add_entry(whole, points + j, points + o, -entry)
 
@@ -360,7 +360,7 @@ def solve(system):
 
 @kernel
 def sum_masses(system, at_stage):
-    """Masses of the free points [kg] from the ends of their lines (modified); at_stage : or those at the start of the step."""
+    """Masses of the free points [kg] from the ends of their lines (modified); at_stage : else at the start of the step."""
     points = points_of(system)
     clear(points.mass)
     for k in range(lines_of(system)):
@@ -394,19 +394,25 @@ def find_accelerations(system, time, is_rope):
 
 @kernel
 def take_inner_response(own, rows):
-    """Let PULL and CORNER of a line (modified) have what its inner nodes do, which give way."""
+    """Let PULL and CORNER of a line (modified) have what its inner nodes do, which give way; from both ends at once."""
     n, w, numbers, ends = own.n, own.w, own.numbers, (rope_in(own.n, own.ropes, 0), rope_in(own.n, own.ropes, 1))
-    a, b = ends[0].by_gain, ends[1].by_gain
-    pull_a, pull_b, of_aa, of_ab, of_bb = 0.0, 0.0, numbers[BY_GAIN], numbers[BY_GAIN + 1], numbers[BY_GAIN + 3]
-    for i in range(rows.first, rows.last + 1):
-        share, col_a, col_b = 1.0 / w.stage_mass[i], get(a, i), get(b, i)
-        force = get_node(n, i, w.force)
+    a, b, nothing = ends[0].by_gain, ends[1].by_gain, pair(0.0, 0.0)
+    pull_a, pull_b, of_aa, of_ab, of_bb = nothing, nothing, nothing, nothing, nothing
+    for i in range(n // 2 + 1):
+        share = 1.0 / number_at(w.stage_mass, 0, (i, n - i))
+        if i == 0:
+            share = share * pair(1.0 if rows.first == 0 else 0.0, 1.0 if rows.last == n else 0.0)
+        elif 2 * i == n:
+            share = 0.5 * share
+        col_a, col_b, force = get_two(a, i, n - i), get_two(b, i, n - i), get_interleaved(w.force, i)
         pull_a, pull_b = pull_a + share * dot(col_a, force), pull_b + share * dot(col_b, force)
         of_aa, of_ab = of_aa + share * dot(col_a, col_a), of_ab + share * dot(col_a, col_b)
-        of_bb += share * dot(col_b, col_b)
-    numbers[PULL] += pull_a
-    numbers[PULL + 1] += pull_b
-    numbers[CORNER], numbers[CORNER + 1], numbers[CORNER + 2], numbers[CORNER + 3] = of_aa, of_ab, of_ab, of_bb
+        of_bb = of_bb + share * dot(col_b, col_b)
+    numbers[PULL] += first(pull_a) + second(pull_a)
+    numbers[PULL + 1] += first(pull_b) + second(pull_b)
+    numbers[CORNER] = numbers[BY_GAIN] + first(of_aa) + second(of_aa)
+    numbers[CORNER + 1] = numbers[CORNER + 2] = numbers[BY_GAIN + 1] + first(of_ab) + second(of_ab)
+    numbers[CORNER + 3] = numbers[BY_GAIN + 3] + first(of_bb) + second(of_bb)
 
 
 @kernel
@@ -555,15 +561,12 @@ def place_masses(system):
 def finish_accelerations(system, k):
     """Accelerations of the nodes of line k, and forces with those of coordinates (modified)."""
     own, n = strand_of(system, k), segments_of(system, k)
-    for end in range(2):
-        gain = own.numbers[HELD_GAIN + end]
-        if gain != 0.0:
-            by_gain = rope_in(n, own.ropes, end).by_gain
-            for i in range(n + 1):
-                add_to_node(n, i, scale(gain, get(by_gain, i)), own.w.force)
+    a, b = rope_in(n, own.ropes, 0).by_gain, rope_in(n, own.ropes, 1).by_gain
     for i in range(n // 2 + 1):
-        mass = number_at(own.w.stage_mass, 0, (i, n - i))
-        put_interleaved(own.z, i, scale(1.0 / mass, get_interleaved(own.w.force, i)))
+        force = add_scaled(get_interleaved(own.w.force, i), own.numbers[HELD_GAIN], get_two(a, i, n - i))
+        force = add_scaled(force, own.numbers[HELD_GAIN + 1], get_two(b, i, n - i))
+        put_interleaved(own.w.force, i, force)
+        put_interleaved(own.z, i, scale(1.0 / number_at(own.w.stage_mass, 0, (i, n - i)), force))
     for end in range(2):
         if strand.is_driven(own.conditions, end):
             for axis in range(3):
@@ -632,7 +635,7 @@ def begin_right(system, stage, time, h):
 
 @kernel
 def place_right(system, k, matrix, q, per):
-    """Add what is left of line k to the right-hand side (modified), once its inner nodes are solved in q; per : see above."""
+    """Add what is left of line k to the right-hand side (modified), once its inner nodes are solved in q; per : as above."""
     n, right, points = segments_of(system, k), globals_of(system).right, 3 * free_points(system)
     numbers, ropes = numbers_of(system, k), room.room_in_step(system, k).ropes
     for end in range(2):
@@ -649,7 +652,12 @@ def place_right(system, k, matrix, q, per):
 @kernel
 def take_solution(system, k, q):
     """Solution in all nodes of line k (modified) from that of the global unknowns."""
-    n, rows, solution, conditions = segments_of(system, k), rows_of(system, k), globals_of(system).solution, conditions_of(system, k)
+    n, rows, solution, conditions = (
+        segments_of(system, k),
+        rows_of(system, k),
+        globals_of(system).solution,
+        conditions_of(system, k),
+    )
     for end in range(2):
         if is_at_point(system, k, end):
             put(q, n * end, get(solution, point_at(system, k, end)))

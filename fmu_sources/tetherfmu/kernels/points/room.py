@@ -1,9 +1,9 @@
 """Scratch space in a step: of each line, and of the global unknowns, which are free points and rope coordinates.
 
-What stands where, once a communication step has begun (`begin_coordinates`). A line knows which coordinates let rope into its
-ends, its holders, with which weights: +1 of a drum of its own, the ratio of a shared one, and of a sheave -1 into the end of
-the portion before it and +1 into the start of the one behind it. A line without holders is a chain of which the length is a
-polynomial of time (`equations/winch.py`); with holders, that polynomial plus what they let in.
+What stands where, once a communication step has begun (`begin_coordinates`). A line knows which coordinates let rope into
+its ends, its holders, with which weights: +1 of a drum of its own, the ratio of a shared one, and of a sheave -1 into the
+end of the portion before it and +1 into the start of the one behind it. A line without holders is a chain of which the
+length is a polynomial of time (`equations/winch.py`); with holders, that polynomial plus what they let in.
 """
 
 from collections import namedtuple
@@ -20,6 +20,7 @@ from ..equations.free_points import free_points, is_at_point, point_at
 from ..equations.lines import (
     CONDITIONS,
     conditions_of,
+    hold_length,
     lines_of,
     motion_of,
     number_in,
@@ -135,7 +136,7 @@ matrix : `Profile`.  coordinates : numbers of all coordinates.
 
 @kernel
 def own_size(n):
-    """Length of the room of both methods: of a Rosenbrock step, whose arrays have columns and rows of all, and of a fixed one."""
+    """Length of the room of both methods: a Rosenbrock step, whose arrays hold rows and columns of both, and a fixed one."""
     return fixed_at(n) + second_order.workspace_size(n)
 
 
@@ -426,7 +427,7 @@ def hold_by(system, k, end, j, weight):
 
 @kernel
 def take_holders(system, k):
-    """Holders of both ends of line k (modified)."""
+    """Holders of both ends of line k (modified). What they pay out is no function of time."""
     numbers, parameters = numbers_of(system, k), parameters_of(system, k)
     numbers[HOLDERS] = numbers[HOLDERS + 1] = 0.0
     numbers[FACTOR] = numbers[FACTOR + 1] = 1.0
@@ -441,6 +442,8 @@ def take_holders(system, k):
                 hold_by(system, k, 0, numbers_of(system, carrier - 1)[DRUM], parameters[at.HELD_RATIO + i])
     if goes_on(system, k):
         hold_by(system, k, 1, numbers[SHEAVE], -1.0)
+    if is_held(system, k, 0):
+        hold_length(system, k, conditions_of(system, k).reeling[0])
 
 
 @kernel
@@ -485,8 +488,8 @@ def join_ends(system, k, end, other, matrix):
         j, _ = holder(system, k, end, i)
         if is_at_point(system, k, other):
             profile.join(matrix, points + j, 3 * point_at(system, k, other))
-        for l in range(holders_of(system, k, other)):
-            o, _ = holder(system, k, other, l)
+        for place in range(holders_of(system, k, other)):
+            o, _ = holder(system, k, other, place)
             profile.join(matrix, points + j, points + o)
 
 

@@ -7,8 +7,9 @@ q changes by d y in a stage, v by V = y - rest, with the sums of `line/rosenbroc
     z_i = OF_START_i z_0 + sum_j OF_SPEEDS_ij V_j/h
 
 are the accelerations at a stage, so that no matrix of masses is solved there. z_0 is found once in a step, and only where it
-counts (`net.find_accelerations`). A line without ropes takes no accelerations: the rows of its nodes are multiplied by m_0/m,
-with the masses of the start and of the stage, by which z drops out. Its ends at free points, which other lines share, have them.
+counts (`net.find_accelerations`). A line without ropes takes no accelerations: the rows of its nodes are multiplied by
+m_0/m, with the masses of the start and of the stage, by which z drops out. Its ends at free points, which other lines share,
+have them.
 
 A free point stands at the end of each of its lines: same numbers, same arithmetic, same motion.
 """
@@ -217,7 +218,7 @@ def start_stage(system, k, stage, time, h):
 
 @kernel
 def reduce_line(system, k, stage, time, h):
-    """Right-hand side of a stage of line k, condensed, and what is left of it into that of the global unknowns (modified)."""
+    """Right-hand side of a stage of line k, condensed; what is left of it into that of the global unknowns (modified)."""
     n, w = segments_of(system, k), integrator_of(system, k)
     if has_rope(system, k):
         strand.right_hand_side(strand_of(system, k), stage, h)
