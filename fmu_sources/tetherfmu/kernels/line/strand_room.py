@@ -17,6 +17,8 @@ from ..linear_algebra.both_ends import interleaved_size
     WEIGHT,
     SHEAVE,  # number of the coordinate of the sheave at its end, of the drum that it carries; -1 without
     DRUM,
+    RUNS,  # 1 if any of its holders may move in this piece of time; else it is a chain without ropes
+    FIRST_LENGTH,  # at the start of the communication step [m]
     LENGTH,  # L [m] at a stage
     RATE,  # rates of rope that comes in [m/s] and their rates, with the jump of a winch [m/s2]
     GAIN,
@@ -41,7 +43,7 @@ from ..linear_algebra.both_ends import interleaved_size
     KEPT_REELING,  # how the line reeled before it broke, see `motion/breaks.py`
     _,
     NUMBERS,
-) = places_of(2, 2 * at.MOST_HOLDERS, 2 * at.MOST_HOLDERS, 1, 1, 1, *[2] * 9, *[4] * 4, 2, 2, 1, 1, 1, 2, 7, 1)
+) = places_of(2, 2 * at.MOST_HOLDERS, 2 * at.MOST_HOLDERS, 1, 1, 1, 1, 1, *[2] * 9, *[4] * 4, 2, 2, 1, 1, 1, 2, 7, 1)
 
 Weights = namedtuple("Weights", "first last growth_first growth_last")
 Weights.__doc__ = """W_i0 and W_i1 of the nodes, n + 1; g_0 and g_1 of the segments, n; see `equations/rope.py`."""

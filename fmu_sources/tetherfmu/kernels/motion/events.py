@@ -22,8 +22,17 @@ from tetherfmu.runtime import layout as at
 from ..compilation import kernel, view
 from ..equations.drum import HELD, direction_of, drum_of, is_at_stop, stop_ahead
 from ..equations.free_points import free_points, is_at_point, point_at
-from ..equations.lines import conditions_of, lines_of, motion_of, note_line, parameters_of, segments_of
+from ..equations.lines import (
+    conditions_of,
+    lines_of,
+    motion_of,
+    note_line,
+    parameters_of,
+    put_reeling,
+    segments_of,
+)
 from ..equations.rope import feels_rope
+from ..equations.winch import from_length
 from ..line.drum_events import SLOW, part_of_piece
 from ..line.massless_drum import Instant, project, tension_at_rest
 from ..line.rodas4p import GAMMA
@@ -46,6 +55,7 @@ from ..points.room import (
     has_rope,
     integrator_of,
     is_free,
+    is_rope,
     line_of,
     numbers_of,
     strand_of,
@@ -135,11 +145,12 @@ def stop(system, time):
 @kernel
 def place_at_stop(system, j):
     """Let the line of a drum of its own (modified) be exactly as long as at the stop that it has come to."""
-    k, own = line_of(system, j), coordinate_at(system, j)
+    k = line_of(system, j)
     if has_own_drum(system, k):
-        length = numbers_of(system, k)[LENGTH]
+        length, reeling = numbers_of(system, k)[LENGTH], conditions_of(system, k).reeling
         shortest, longest = shortest_of(system, k), longest_of(system, k)
-        own[room.PASSED] += (longest if abs(longest - length) < abs(shortest - length) else shortest) - length
+        exact = longest if abs(longest - length) < abs(shortest - length) else shortest
+        put_reeling(system, k, from_length(exact, reeling))
 
 
 @kernel
@@ -289,7 +300,8 @@ def turn_massless(system, j, time, duration):
     own[room.SIGN], own[room.IS_HELD] = direction, 1.0 if direction == HELD else 0.0
     own[room.PASSED] += length - now.length
     own[room.SPEED] = speed
-    own[room.PASSED_NOW], own[room.SPEED_NOW] = own[room.PASSED], speed
+    room.settle(system)
+    own[room.PASSED_NOW], own[room.SPEED_NOW] = 0.0, speed
     take_rates(system, k, time)
     if not found:
         note_line(system.plan, k)
@@ -482,7 +494,7 @@ def part_to_event(system, time, h, weight):
             least = min(least, part_of_piece(weight * room_until(system, j, event, False), over))
     keep_results(system, False)
     for k in range(lines_of(system)):
-        if has_rope(system, k):
+        if is_rope(system, k):
             take_rates(system, k, time + h)
     return least
 
@@ -505,8 +517,8 @@ def accept(system, time):
     for j in range(count_of(system)):
         own = coordinate_at(system, j)
         if is_free(system, j):
-            turns_round = own[room.SIGN] * own[room.SPEED_NOW] < 0.0
+            turns_round = own[room.FRICTION] != 0.0 and own[room.SIGN] * own[room.SPEED_NOW] < 0.0
             own[room.PASSED], own[room.SPEED] = own[room.PASSED_NOW], 0.0 if turns_round else own[room.SPEED_NOW]
-            own[room.TURNED_BACK] = 1.0 if turns_round else 0.0
+            own[room.TURNED_BACK] = 1.0 if turns_round else 0.0  # of a drum without mass
     go_to_state(system, time)
     stop(system, time)

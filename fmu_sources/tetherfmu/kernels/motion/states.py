@@ -25,8 +25,9 @@ from ..points.room import (
     globals_of,
     has_longest,
     has_rope,
+    holders_of,
     integrator_of,
-    is_held,
+    is_rope,
     numbers_of,
     strand_of,
     take_rates,
@@ -43,11 +44,12 @@ def nodes_of(system, k, is_after):
 @kernel
 def go_to_state(system, time):
     """Let coordinates and lines (modified) be at a stage as in their state, at a time [s]."""
+    room.settle(system)
     for j in range(count_of(system)):
         own = coordinate_at(system, j)
         own[room.PASSED_NOW], own[room.SPEED_NOW], own[room.GAIN_NOW] = own[room.PASSED], own[room.SPEED], 0.0
     for k in range(lines_of(system)):
-        if has_rope(system, k):
+        if is_rope(system, k):
             take_rates(system, k, time)
 
 
@@ -59,6 +61,7 @@ def evaluate(system, time, is_after):
     """
     for j in range(count_of(system)):
         coordinate_at(system, j)[room.GAIN_NOW] = 0.0
+    room.let_all_run(system)
     for k in range(lines_of(system)):
         x, v = nodes_of(system, k, is_after)
         if has_rope(system, k):
@@ -97,7 +100,7 @@ def end_lengths(system, time):
     """Let the states (modified) have the lengths of lines with ropes at the end of a communication step [s]."""
     go_to_state(system, time)
     for k in range(lines_of(system)):
-        if has_rope(system, k):
+        if is_rope(system, k):
             numbers, state = numbers_of(system, k), state_of(system, k)
             state[at.LENGTH], state[at.REELING] = numbers[LENGTH], numbers[RATE] + numbers[RATE + 1]
 
@@ -123,13 +126,13 @@ def write_coordinates(system, k):
     numbers, state = numbers_of(system, k), state_of(system, k)
     if numbers[SHEAVE] >= 0.0:
         own = coordinate_at(system, int(numbers[SHEAVE]))
-        state[at.PAYOUT] += own[room.PASSED]
+        state[at.PAYOUT] += own[room.TOTAL]
         state[at.SHEAVE_SPEED], state[at.SHEAVE_ACCELERATION] = own[room.SPEED], own[room.GAIN_NOW]
     if numbers[DRUM] >= 0.0 and has_coordinates(system):
         own = coordinate_at(system, int(numbers[DRUM]))
-        state[at.DRUM_PAYOUT] += own[room.PASSED]
+        state[at.DRUM_PAYOUT] += own[room.TOTAL]
         state[at.DRUM_SPEED], state[at.DRUM_ACCELERATION] = own[room.SPEED], own[room.GAIN_NOW]
-    if has_rope(system, k) and feels_rope(conditions_of(system, k).parameters):
+    if is_rope(system, k) and feels_rope(conditions_of(system, k).parameters):
         state[at.ACCELERATION] = numbers[GAIN] + numbers[GAIN + 1]
 
 
@@ -148,7 +151,7 @@ def end_tension(system, k, end):
 @kernel
 def tension_at(system, k, end):
     """Tension [N] at any end of line k."""
-    return numbers_of(system, k)[TENSION + end] if is_held(system, k, end) else end_tension(system, k, end)
+    return numbers_of(system, k)[TENSION + end] if holders_of(system, k, end) > 0 else end_tension(system, k, end)
 
 
 @kernel

@@ -21,7 +21,7 @@ from ..line.second_order import TO_NEXT, start_of_second, start_of_third
 from ..line.strand_room import LENGTH, SHEAVE, TENSION
 from ..linear_algebra.vectors import dot, get, sub
 from ..points import fixed, room
-from ..points.coordinates import shortest_of
+from ..points.coordinates import has_own_drum, shortest_of
 from ..points.room import (
     chain_at_stage,
     chain_with_rope,
@@ -226,12 +226,14 @@ def energy_and_power(system, k, x, v):
         pull += abs(segment.tension_of(chain, s, segment.BY_LENGTH, length, dot(e, sub(v_q, v_p)))) * length / chain.length
         part -= property_of(chain, s, at.SHARE)
     density = property_of(chain, 0, at.LINE_DENSITY)
+    tension, comes_from_winch = max(numbers[TENSION], 0.0), not room.is_held(system, k, 0)
+    strain = pull if comes_from_winch else 0.5 * tension * tension / property_of(chain, 0, at.STIFFNESS)
+    brought = density * (0.5 * into * into + chain.gravity * abs(x[2]) + dot(get(v, 0), get(v, 0)))
+    if has_own_drum(system, k):
+        return energy, abs(into) * (brought + strain)
     power = flow.most_power(chain, x, v) + density * abs(leaving) * dot(get(v, n), get(v, n))
     power += density * abs(into) * (into * into + dot(get(v, 0), get(v, 0)))
-    comes_from_winch = not room.is_held(system, k, 0)
     if has_longest(system, k) or comes_from_winch:
-        tension = max(numbers[TENSION], 0.0)
-        strain = pull if comes_from_winch else 0.5 * tension * tension / property_of(chain, 0, at.STIFFNESS)
         power += abs(into) * (strain + density * chain.gravity * abs(x[2]))
     return energy, power
 

@@ -365,15 +365,16 @@ def left_over(system, j, time, h, way, change):
 
 
 @kernel
-def way_of_held(system, j, time):
-    """Which way coordinate j, which is held, goes next with the changes of the tensions, at a time [s]."""
+def way_of_held(system, j, time, h):
+    """Which way coordinate j, which is held, goes next with the changes of the tensions, at a time [s]; h [s]."""
     own, (behind, ahead) = coordinate_at(system, j), tensions_at(system, j)
     if own[room.IS_DRUM] != 0.0:
         behind += own[room.LOAD] + time * own[room.LOAD_RATE]
     forwards, backwards, margin = net.urges(system, j, behind, ahead, own[room.LOSS])
-    if own[room.HIGHEST] > 0.0 and forwards > margin:
+    going_on = own[room.MASS] * own[room.REACHED_SPEED] / h  # of what it loses by being held
+    if own[room.HIGHEST] > 0.0 and forwards + going_on > margin:
         return FORWARDS
-    if own[room.LOWEST] < 0.0 and backwards > margin:
+    if own[room.LOWEST] < 0.0 and backwards - going_on > margin:
         return BACKWARDS if own[room.FRICTION] != 0.0 else FORWARDS
     return HELD
 
@@ -400,7 +401,7 @@ def next_way(system, j, time, h, change):
     if is_moving(own):
         return way_of_moving(own, own[room.SPEED_NOW] + change)
     if way == HELD:
-        return way_of_held(system, j, time)
+        return way_of_held(system, j, time, h)
     sign = -1.0 if own[room.FRICTION] != 0.0 and own[room.SOUGHT] < 0.0 else 1.0
     left = left_over(system, j, time, h, sign, change)
     return way if (left >= 0.0 if way == AT_HIGHEST else left <= 0.0) else sign

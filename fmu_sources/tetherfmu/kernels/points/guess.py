@@ -6,13 +6,11 @@ carried along by their ends, free points by the mean of their neighbours, where 
 
 from math import inf
 
-from tetherfmu.runtime import layout as at
-
 from ..arrays import clear, copy
 from ..compilation import kernel
 from ..equations.boundary import chain_during
 from ..equations.free_points import free_points, is_at_point, point_at
-from ..equations.lines import conditions_of, lines_of, motion_of, segments_of, state_of
+from ..equations.lines import conditions_of, lines_of, motion_of, segments_of
 from ..line import backward_euler
 from ..line.strand_room import GOAL
 from ..linear_algebra import profile
@@ -65,7 +63,7 @@ def move_of_driven(system, k, end):
 @kernel
 def add_weight(system, k, whole):
     """Add line k to the equations of the mean moves of the free points (modified); whether one of its points is driven."""
-    weight = 1.0 / state_of(system, k)[at.LENGTH] if has_rope(system, k) else 1.0 / conditions_of(system, k).reeling[0]
+    weight = 1.0 / conditions_of(system, k).reeling[0]
     for end in range(2):
         if is_at_point(system, k, end):
             here = 3 * point_at(system, k, end)

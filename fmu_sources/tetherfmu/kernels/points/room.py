@@ -25,6 +25,7 @@ from ..equations.lines import (
     motion_of,
     number_in,
     parameters_of,
+    put_reeling,
     room_of,
     segments_of,
     state_of,
@@ -39,6 +40,7 @@ from ..line.rodas4p import STAGES
 from ..line.strand_room import (
     DRUM,
     FACTOR,
+    FIRST_LENGTH,
     GAIN,
     HELD_GAIN,
     HOLDER,
@@ -48,6 +50,7 @@ from ..line.strand_room import (
     NUMBERS,
     RATE,
     REST,
+    RUNS,
     SHEAVE,
     WEIGHT,
     Strand,
@@ -70,7 +73,7 @@ from .coordinates import carries_drum, has_own_drum
     LOAD,
     LOAD_RATE,
     FRICTION,  # F of a drum [N]; of a sheave 1 if it has losses, else 0
-    PASSED,  # rope since the start of the communication step [m], its rate [m/s], the rate of that [m/s2]: in the state
+    PASSED,  # rope since `settle` [m], its rate [m/s], the rate of that [m/s2]: in the state
     SPEED,
     ACCELERATION,
     PASSED_NOW,  # the same at a stage, and in the end after the step
@@ -82,6 +85,7 @@ from .coordinates import carries_drum, has_own_drum
     WRONG,  # error estimates of the rope over d and of the speed [m/s]
     WRONG_SPEED,
     BY_SPEED,  # what sets against it by its speed, at the start of the step [N s/m]
+    TOTAL,  # rope that passed before, since the start of the communication step [m]
     IS_MASSLESS,  # 1: a drum without mass that feels the tension of the first segment only
     TURNED_BACK,  # 1: such a drum has turned round under friction, which holds it
     SIGN,  # of the speed that friction knows; 0 without friction, and where either may be
@@ -113,7 +117,7 @@ from .coordinates import carries_drum, has_own_drum
     IS_FOUND,  # 1 if it was found as it was sought, and the tensions are close; else 0
     _,
     COORDINATE,
-) = places_of(*[1] * 15, STAGES, *[1] * 15, 3, *[1] * 15, 1)
+) = places_of(*[1] * 15, STAGES, *[1] * 16, 3, *[1] * 15, 1)
 
 COUNT, IS_KNOWN, HEADER = 0, 1, 2  # of the global unknowns: how many coordinates; whether tensions are those of the states
 
@@ -307,14 +311,21 @@ def count_free(system):
 
 @kernel
 def is_held(system, k, end):
-    """Whether a coordinate lets rope into line k over an end."""
-    return numbers_of(system, k)[HOLDERS + end] > 0.0
+    """Whether a coordinate lets rope into line k over an end, in a piece of time in which any of the line moves."""
+    numbers = numbers_of(system, k)
+    return numbers[HOLDERS + end] > 0.0 and numbers[RUNS] != 0.0
 
 
 @kernel
 def has_rope(system, k):
     """Whether one does over either end."""
-    return is_held(system, k, 0) or is_held(system, k, 1)
+    return numbers_of(system, k)[RUNS] != 0.0
+
+
+@kernel
+def is_rope(system, k):
+    """Whether line k has holders, at rest or not."""
+    return holders_of(system, k, 0) + holders_of(system, k, 1) > 0
 
 
 @kernel
@@ -385,7 +396,8 @@ def begin_coordinates(system):
     header[COUNT] = count
     for k in range(lines_of(system)):
         take_holders(system, k)
-        if has_rope(system, k):
+        numbers_of(system, k)[FIRST_LENGTH] = conditions_of(system, k).reeling[0]
+        if is_rope(system, k):
             take_weights(system, k)
     find_profile(system)
     for j in range(count):
@@ -442,7 +454,8 @@ def take_holders(system, k):
                 hold_by(system, k, 0, numbers_of(system, carrier - 1)[DRUM], parameters[at.HELD_RATIO + i])
     if goes_on(system, k):
         hold_by(system, k, 1, numbers[SHEAVE], -1.0)
-    if is_held(system, k, 0):
+    numbers[RUNS] = 1.0 if is_rope(system, k) else 0.0
+    if holders_of(system, k, 0) > 0:
         hold_length(system, k, conditions_of(system, k).reeling[0])
 
 
@@ -504,6 +517,43 @@ def take_brake(system, j):
     if held == 0:
         own[SPEED] = own[ACCELERATION] = own[SIGN] = 0.0
         own[IS_HELD] = 1.0
+
+
+# --- pieces of time
+
+
+@kernel
+def take_running(system):
+    """Let lines (modified) whose holders are all held in a piece of time be chains without ropes."""
+    for k in range(lines_of(system)):
+        if is_rope(system, k):
+            count = 0
+            for end in range(2):
+                for i in range(holders_of(system, k, end)):
+                    j, _ = holder(system, k, end, i)
+                    count += is_free(system, j)
+            numbers_of(system, k)[RUNS] = 1.0 if count > 0 else 0.0
+
+
+@kernel
+def let_all_run(system):
+    """Let all lines with holders (modified) have ropes."""
+    for k in range(lines_of(system)):
+        if is_rope(system, k):
+            numbers_of(system, k)[RUNS] = 1.0
+
+
+@kernel
+def settle(system):
+    """Let what has passed belong to the lengths of lines (modified), so that these hold without coordinates."""
+    for k in range(lines_of(system)):
+        if is_rope(system, k):
+            come_in, reeling = let_in_over_both(system, k, PASSED), conditions_of(system, k).reeling
+            put_reeling(system, k, winch.from_length(reeling[0] + come_in, reeling))
+    for j in range(count_of(system)):
+        own = coordinate_at(system, j)
+        own[TOTAL] += own[PASSED]
+        own[PASSED] = 0.0
 
 
 # --- chains
@@ -594,7 +644,7 @@ def has_longest(system, k):
 @kernel
 def moves(system, k):
     """Whether line k takes part in a step: a node moves freely, or rope may run in or out."""
-    return has_free_nodes(system, k) or has_rope(system, k)
+    return has_free_nodes(system, k) or is_rope(system, k)
 
 
 def any_line(holds):

@@ -112,6 +112,7 @@ def is_any_reeling(system):
 @kernel
 def prepare(system, time, h):
     """Matrix of a step of all lines and unknowns, with stage 0 begun; False if it is singular or a line has no length."""
+    room.take_running(system)
     is_rope = is_any_rope(system)
     coordinates_to_stage(system, 0, h)
     for k in range(lines_of(system)):

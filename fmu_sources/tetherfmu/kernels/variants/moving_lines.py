@@ -16,6 +16,7 @@ from ..equations.lines import (
     lines_of,
     motion_of,
     parameters_of,
+    put_reeling,
     room_of,
     segments_of,
     state_of,
@@ -23,9 +24,10 @@ from ..equations.lines import (
     with_states,
 )
 from ..equations.properties import chain_of
+from ..equations.winch import from_length
 from ..line import step_control
 from ..line.backward_euler import FixedSteps, given_steps
-from ..line.strand_room import UNCONVERGED
+from ..line.strand_room import FIRST_LENGTH, UNCONVERGED
 from ..motion import adaptive_steps, breaks, fallback, fixed_steps, states
 from ..notes import note
 from ..points import room
@@ -69,6 +71,8 @@ def go_back(system, step, before):
             state[i] = first[i]
         if has_own_drum(system, k):
             state[at.LENGTH], state[at.REELING] = first[at.LENGTH], first[at.REELING]
+        reeling = conditions_of(system, k).reeling
+        put_reeling(system, k, from_length(room.numbers_of(system, k)[FIRST_LENGTH], reeling))
     room.begin_coordinates(system)
 
 
