@@ -131,7 +131,8 @@ def take_step(system, step, most, in_any_case):
 def take_in_any_case(system, time, h):
     """A step of backward Euler of h [s] of all lines (modified) at a time [s], taken as it is after some iterations: these.
 
-    Where it does not converge with drums, the lines take it alone with their last speeds, in as many iterations again.
+    Where it does not converge with coordinates, lines take it alone, with speeds that are not above those before, in as many
+    iterations again.
     """
     iterations = 0
     if count_of(system) > 0:

@@ -117,8 +117,12 @@ def stop_what_exceeds(system, h):
 
 @kernel
 def keep_lengths(system, step):
-    """Let speeds (modified) that an iteration has left keep all lines within their lengths."""
+    """Let speeds (modified) that an iteration has left not exceed those of the start, and keep all lines in their lengths."""
     end = step.time + step.h
+    for j in range(count_of(system)):
+        own = coordinate_at(system, j)
+        if not abs(own[room.SPEED_NOW]) <= abs(own[room.REACHED_SPEED]):
+            put_speed(own, step.h, own[room.REACHED_SPEED])
     place_lines(system, end)
     for _ in range(count_of(system)):
         if stop_what_exceeds(system, step.h) > 0:
