@@ -117,7 +117,7 @@ def stop_what_exceeds(system, h):
 
 @kernel
 def keep_lengths(system, step):
-    """Let speeds (modified) that an iteration has left not exceed those at the start, nor take lines beyond their lengths."""
+    """Let speeds (modified) that an iteration has left not exceed those before, and keep all lines within their lengths."""
     end = step.time + step.h
     for j in range(count_of(system)):
         own = coordinate_at(system, j)

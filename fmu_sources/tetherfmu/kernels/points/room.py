@@ -128,11 +128,11 @@ numbers : see `line/strand_room.py`.  columns : of its ends, see `linear_algebra
 z, stage_z : accelerations of the nodes at the start of the step and at a stage [m/s2], interleaved.
 own : of the methods, see `own_size`.
 """
-Globals = namedtuple("Globals", "header right solution accelerations mass matrix coordinates")
+Globals = namedtuple("Globals", "header right solution accelerations mass matrix")
 Globals.__doc__ = """Scratch arrays of m = 3 (free points) + coordinates unknowns.
 
 header : COUNT, ...  right, solution, accelerations : of all, m.  mass : of points [kg], three times each.
-matrix : `Profile`.  coordinates : numbers of all coordinates.
+matrix : `Profile`. The numbers of all coordinates stand behind the header, see `coordinate_at`.
 """
 
 # --- sizes
@@ -251,17 +251,18 @@ def globals_of(system):
     points, count = free_points(system), most_coordinates(system)
     m, size = 3 * points + count, profile_size(points, number_in(system.plan, places.BAND), count)
     room = behind(number_in(system.plan, places.SHEAVES_WORK), system.work)
-    header, room = part(room, 0, HEADER), behind(HEADER, room)
+    header, room = part(room, 0, HEADER), behind(HEADER + COORDINATE * count, room)
     vectors = part(room, 0, m), part(room, m, m), part(room, 2 * m, m), part(room, 3 * m, m)
     first, start, room = part(room, 4 * m, m), part(room, 5 * m, m), behind(6 * m, room)
     matrix = Profile(first, start, part(room, 0, size), part(room, size, size))
-    return Globals(header, *vectors, matrix, part(room, 2 * size, COORDINATE * count))
+    return Globals(header, *vectors, matrix)
 
 
 @view
 def coordinate_at(system, j):
     """Numbers of coordinate j."""
-    return part(globals_of(system).coordinates, COORDINATE * j, COORDINATE)
+    first = number_in(system.plan, places.SHEAVES_WORK) + HEADER
+    return part(system.work, first + COORDINATE * j, COORDINATE)
 
 
 @view
@@ -273,7 +274,7 @@ def speeds_of(own):
 @kernel
 def count_of(system):
     """How many coordinates a system has, in a communication step that has begun."""
-    return int(globals_of(system).header[COUNT])
+    return int(system.work[number_in(system.plan, places.SHEAVES_WORK) + COUNT])
 
 
 @kernel
