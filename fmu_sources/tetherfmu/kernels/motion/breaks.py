@@ -103,18 +103,18 @@ def stop_winch(system, k, time):
     """Let line k (modified) keep its length from a time [s] of the communication step on."""
     chain, state = chain_of_state(system, k, time), state_of(system, k)
     if chain.reeling != 0.0 and feels_rope(chain.parameters):
-        jump_alone(system, k, chain, -chain.reeling)
+        jump_alone(system, k, chain, -chain.reeling, time)
     keep_reeling(system, k)
     hold_length(system, k, chain.length)
     state[at.LENGTH], state[at.REELING], state[at.ACCELERATION] = chain.length, 0.0, 0.0
 
 
 @kernel
-def push_point(system, point, impulse):
-    """Let a free point (modified, at the ends of all its lines) take an impulse [N s]."""
+def push_point(system, point, impulse, time):
+    """Let a free point (modified, at the ends of all its lines) take an impulse [N s] at a time [s]."""
     mass = 0.0
     for k in range(lines_of(system)):
-        chain = chain_of_state(system, k, 0.0)
+        chain = chain_of_state(system, k, time)
         for end in range(2):
             if point_at(system, k, end) == point:
                 s = (chain.n - 1) * end
@@ -127,8 +127,8 @@ def push_point(system, point, impulse):
 
 
 @kernel
-def jump_alone(system, k, chain, change):
-    """Let the nodes of line k (modified) take a change of the rate of rope at its start [m/s], as in `events.stop`."""
+def jump_alone(system, k, chain, change, time):
+    """Let the nodes of line k (modified) take a change of the rate at its start [m/s], as in `events.stop`."""
     own, (x, v) = strand_of(system, k), motion_of(system, k)
     interleave(own.n, x, own.w.stage_x)
     node_masses(chain, own.w.stage_mass)
@@ -138,7 +138,7 @@ def jump_alone(system, k, chain, change):
     for i in range(own.conditions.first, own.conditions.last + 1):
         impulse = scale(change, get(by_gain, i))
         if i == 0 and is_at_point(system, k, 0):
-            push_point(system, point_at(system, k, 0), impulse)
+            push_point(system, point_at(system, k, 0), impulse, time)
         elif not (i == own.n and is_at_point(system, k, 1)):
             add_at(v, i, scale(1.0 / own.w.stage_mass[i], impulse))
 

@@ -128,10 +128,10 @@ numbers : see `line/strand_room.py`.  columns : of its ends, see `linear_algebra
 z, stage_z : accelerations of the nodes at the start of the step and at a stage [m/s2], interleaved.
 own : of the methods, see `own_size`.
 """
-Globals = namedtuple("Globals", "header right solution accelerations mass matrix")
+Globals = namedtuple("Globals", "header right solution accelerations matrix")
 Globals.__doc__ = """Scratch arrays of m = 3 (free points) + coordinates unknowns.
 
-header : COUNT, ...  right, solution, accelerations : of all, m.  mass : of points [kg], three times each.
+header : COUNT, ...  right, solution, accelerations : of all, m.
 matrix : `Profile`. The numbers of all coordinates stand behind the header, see `coordinate_at`.
 """
 
@@ -163,7 +163,7 @@ def line_work_size(n):
 def globals_size(points, band, coordinates):
     """Length of what so many free points with this band, and coordinates at most, need of `work`."""
     m = 3 * points + coordinates
-    size = HEADER + 6 * m + 2 * profile_size(points, band, coordinates) + COORDINATE * coordinates
+    size = HEADER + 5 * m + 2 * profile_size(points, band, coordinates) + COORDINATE * coordinates
     return size + size % 2
 
 
@@ -252,8 +252,8 @@ def globals_of(system):
     m, size = 3 * points + count, profile_size(points, number_in(system.plan, places.BAND), count)
     room = behind(number_in(system.plan, places.SHEAVES_WORK), system.work)
     header, room = part(room, 0, HEADER), behind(HEADER + COORDINATE * count, room)
-    vectors = part(room, 0, m), part(room, m, m), part(room, 2 * m, m), part(room, 3 * m, m)
-    first, start, room = part(room, 4 * m, m), part(room, 5 * m, m), behind(6 * m, room)
+    vectors = part(room, 0, m), part(room, m, m), part(room, 2 * m, m)
+    first, start, room = part(room, 3 * m, m), part(room, 4 * m, m), behind(5 * m, room)
     matrix = Profile(first, start, part(room, 0, size), part(room, size, size))
     return Globals(header, *vectors, matrix)
 
@@ -397,7 +397,7 @@ def begin_coordinates(system):
     header[COUNT] = count
     for k in range(lines_of(system)):
         take_holders(system, k)
-        numbers_of(system, k)[FIRST_LENGTH] = conditions_of(system, k).reeling[0]
+        numbers_of(system, k)[FIRST_LENGTH] = numbers_of(system, k)[LENGTH] = conditions_of(system, k).reeling[0]
         if is_rope(system, k):
             take_weights(system, k)
     find_profile(system)
