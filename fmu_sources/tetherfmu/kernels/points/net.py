@@ -106,7 +106,9 @@ def mass_at(system, j, k):
     """Mass [kg] of a coordinate with that of the rope of line k which moves past nodes at rest."""
     total = coordinate_at(system, j)[room.MASS]
     for end in range(2):
-        total -= weight_of(system, j, k, end) ** 2 * numbers_of(system, k)[BY_GAIN + 3 * end]
+        weight = weight_of(system, j, k, end)
+        if weight != 0.0:  # else the line may not know its slopes
+            total -= weight * weight * numbers_of(system, k)[BY_GAIN + 3 * end]
     return total
 
 
