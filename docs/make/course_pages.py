@@ -7,8 +7,6 @@ import json
 import re
 from pathlib import Path
 
-from docutils import nodes
-
 ROOT = Path(__file__).resolve().parents[2]
 COURSE = "course"  # folder of the lessons, in docs and on the site
 CODE = re.compile(r"^```python\n(.*?)^```$", re.MULTILINE | re.DOTALL)
@@ -47,6 +45,8 @@ def write_notebooks(docs, folder):
 
 def add_link(app, doctree, docname):
     """Offer a lesson as a notebook, below its title."""
+    from docutils import nodes  # comes with Sphinx, which who runs a lesson need not have
+
     folder, _, name = docname.rpartition("/")
     if folder == COURSE and name[0].isdigit() and app.builder.format == "html":
         link = nodes.reference("", "Download this lesson as a notebook", refuri=f"{name}.ipynb", internal=True)
