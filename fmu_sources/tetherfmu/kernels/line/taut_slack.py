@@ -19,7 +19,6 @@ from ..equations.properties import rest_length
 from ..linear_algebra.vectors import add_scaled, dot, get, norm, put, sub
 
 TRANSITION = 0.05  # measured: 0.2 costs more rejections for the same error; with 0.01 an undamped tether may gain energy
-
 OVERSHOOT = 0.1  # part of the allowed error of a velocity that a damper may cause by being wrong beyond the transition
 ROUNDING = 1e-14  # of positions, relative: an overshoot that is smaller is not sought
 
@@ -39,21 +38,12 @@ def went_over(s, chain, w):
 
 
 @kernel
-def excess_stiffness(s, chain, w):
-    """Stiffness of segment s that the step held minus that on the other side of the transition [N/m]."""
+def excess(s, chain, w):
+    """Stiffness [N/m] and damping [N s/m] that the step held in segment s minus those beyond the transition."""
     rest = rest_length(chain, s)
-    held, _ = segment.stiffness(chain, s, w.modes[s], rest)
-    present, _ = segment.stiffness(chain, s, -w.modes[s], rest)
-    return held - present
-
-
-@kernel
-def excess_damping(s, chain, w):
-    """Damping of segment s that the step held minus that on the other side of the transition [N s/m]."""
-    rest = rest_length(chain, s)
-    _, held = segment.stiffness(chain, s, w.modes[s], rest)
-    _, present = segment.stiffness(chain, s, -w.modes[s], rest)
-    return held - present
+    held_k, held_c = segment.stiffness(chain, s, w.modes[s], rest)
+    present_k, present_c = segment.stiffness(chain, s, -w.modes[s], rest)
+    return held_k - present_k, held_c - present_c
 
 
 @kernel
@@ -65,7 +55,7 @@ def wrong_impulse(s, chain, h, w):
     if not went_over(s, chain, w):
         return 0.0
     over = abs(norm(sub(get(w.x, s + 1), get(w.x, s))) - rest_length(chain, s))
-    return TRANSITION * h * abs(excess_stiffness(s, chain, w)) * over
+    return TRANSITION * h * abs(excess(s, chain, w)[0]) * over
 
 
 @kernel
@@ -89,13 +79,13 @@ def part_to_transition(conditions, before, after, h, x, v, speed, w):
 
     before, after : `Chain` at the start and at the end of the step.  x, v : nodes at the start [m], [m/s].
     """
-    least, far = inf, get(x, 0 if norm(get(x, 0)) > norm(get(x, after.n)) else after.n)
+    least, rounding = inf, ROUNDING * max(norm(get(x, 0)), norm(get(x, after.n)))
     for s in range(after.n):
         if went_over(s, after, w):
             over = norm(sub(get(w.x, s + 1), get(w.x, s))) - rest_length(after, s)
-            excess, harmless = abs(excess_damping(s, after, w)), OVERSHOOT * speed * lighter_free_node(s, conditions, w)
-            if excess * abs(over) > harmless and abs(over) > ROUNDING * norm(far):
-                allowed = copysign(0.5 * max(harmless / excess, ROUNDING * norm(far)), over)
+            wrong, harmless = abs(excess(s, after, w)[1]), OVERSHOOT * speed * lighter_free_node(s, conditions, w)
+            if wrong * abs(over) > harmless and abs(over) > rounding:
+                allowed = copysign(0.5 * max(harmless / wrong, rounding), over)
                 length, e = segment.geometry(sub(get(x, s + 1), get(x, s)))
                 rest = rest_length(before, s)
                 rate = h * (dot(e, sub(get(v, s + 1), get(v, s))) - rest * before.reeling / before.length)
@@ -131,7 +121,7 @@ def keep_energy(conditions, chain, w):
                 mobility_p = 1.0 / w.mass[s] if s >= conditions.first else 0.0
                 mobility_q = 1.0 / w.mass[s + 1] if s + 1 <= conditions.last else 0.0
                 mobility = mobility_p + mobility_q
-                square = rate * rate + mobility * excess_stiffness(s, chain, w) * over * over
+                square = rate * rate + mobility * excess(s, chain, w)[0] * over * over
                 impulse = (copysign(sqrt(max(square, 0.0)), rate) - rate) / mobility
                 put(w.v, s, add_scaled(get(w.v, s), -impulse * mobility_p, e))
                 put(w.v, s + 1, add_scaled(above, impulse * mobility_q, e))
@@ -156,5 +146,5 @@ def keep_energy_of_drum(mass, chain, w):
     rate = dot(e, sub(get(w.v, 1), get(w.v, 0))) - speed
     if rate * over <= 0.0:
         return speed
-    square = rate * rate + excess_stiffness(0, chain, w) * over * over / mass
+    square = rate * rate + excess(0, chain, w)[0] * over * over / mass
     return speed + rate - copysign(sqrt(max(square, 0.0)), rate)
