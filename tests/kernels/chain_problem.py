@@ -6,7 +6,7 @@ from kernels.packed import packed
 from tetherfmu.kernels.arrays import nodes_end
 from tetherfmu.kernels.equations import end_motion, winch
 from tetherfmu.kernels.equations.boundary import BoundaryConditions, chain_during
-from tetherfmu.kernels.equations.lines import OneLine, System, store_conditions
+from tetherfmu.kernels.equations.lines import ONE_LINE_ROOM, OneLine, System, store_conditions
 from tetherfmu.kernels.line import backward_euler, rosenbrock
 from tetherfmu.kernels.variants.dynamic import work_size
 from tetherfmu.runtime import layout as at
@@ -69,5 +69,5 @@ class ChainProblem:
     def as_system(self):
         """The chain, which moves x and v, as a `System` of one line with these conditions."""
         work = np.zeros(work_size(self.n))
-        store_conditions(self.conditions, work)
+        store_conditions(self.conditions, work[ONE_LINE_ROOM:])
         return System(OneLine(self.n), self.parameters, np.zeros(0), self.state, work)

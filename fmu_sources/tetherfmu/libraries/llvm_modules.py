@@ -16,8 +16,13 @@ class Target(NamedTuple):
 ANY = Target("x86_64-unknown-linux-gnu", "x86-64")  # the first round of optimizing is for it, whatever the target
 
 # Kernels that keep a stack frame of their own, by numba's names: beyond 4096 bytes, the frame of a function that takes them
-# in would need a function of the C library on Windows. And two that are faster alone, by 1 to 2 % and 3 to 7 % of a step
-APART = ("rosenbrock4form", "assembly11node_forces", "step_control13error_of_step")
+# in would need a function of the C library on Windows. Two that are faster alone, by 1 to 2 % and 3 to 7 % of a step. And
+# large ones of lines with ropes, each of which is called from several places
+APART = (
+    *("rosenbrock4form", "assembly11node_forces", "step_control13error_of_step"),
+    *("strand10sum_forces", "strand11loop_of_end", "strand17take_gain_columns", "strand4form", "strand15right_hand_side"),
+    *("net18find_accelerations", "states8evaluate", "events4stop", "fixed9take_rope"),
+)
 
 
 def whole_module(code):

@@ -48,7 +48,7 @@ TORN_NOW = GROUND_IS_FREE + 4  # number of the segment that holds nothing, from 
 WHOLE_STIFFNESS, WHOLE_DAMPING, WHOLE_DRAG_WIDTH = TORN_NOW + 1, TORN_NOW + 2, TORN_NOW + 3  # what it had before
 WHOLE_CONTROL = TORN_NOW + 4  # `winch_control` before the winch was braked
 CAN_BREAK = TORN_NOW + 5  # 1 if any segment has a breaking force
-# of a portion of a line that runs over sheaves, see `kernels/points/sheave_room.py`; the sheave is that at its end
+# of a portion of a line that runs over sheaves, see `kernels/points/room.py`; the sheave is that at its end
 IS_PORTION = TORN_NOW + 6  # 1 of the first portion, 2 of those behind a sheave, else 0
 BEHIND_SHEAVE = 2.0
 ROUNDED_STOP = 1e-6  # of its length: how far below the shortest one it may have stopped

@@ -34,7 +34,7 @@ def attempt_of(reel_out_speed, law, slack):
     conditions = conditions_of_chain(N, parameters, parameters[at.INITIAL_SHAPE], given, state, x, v)
     w = backward_euler.workspace(N, work)
     attempt = incremental_potential.Attempt(conditions, chain_during(conditions, STEP), STEP, v)
-    backward_euler.start(attempt, 0.0, False, x, w)
+    backward_euler.start(attempt, chain_during(conditions, 0.0), 0.0, False, x, w)
     backward_euler.add_drag(attempt, x, w)
     # where the step may end, with segments turned by some degrees
     there = x + STEP * v + random.normal(0.0, 0.1, len(x))

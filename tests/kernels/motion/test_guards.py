@@ -5,7 +5,6 @@ over n internal steps (adaptive), or `limits.MOST_BUDGETS` times as many unless 
 `layout.ITERATION_BUDGET` over n iterations, plus those of one fixed step. `bounds.most_work` adds them up.
 """
 
-from math import inf
 from types import SimpleNamespace
 
 import numpy as np
@@ -104,7 +103,7 @@ def test_a_singular_matrix_makes_the_step_shorter():
 
 @pytest.mark.parametrize("solver", SOLVERS)
 def test_one_segment_between_driven_ends(solver):
-    """`system_room.does_any_move` in `moving_lines.advance`: no node is free, and T = EA (d/L - 1) holds at once."""
+    """`room.does_any_move` in `moving_lines.advance`: no node is free, and T = EA (d/L - 1) holds at once."""
     model = started(solver, segments=1, length=4.9)
     out = model.step(0.01, kite_position=KITE)
     np.testing.assert_allclose(out.max_tension, 614600.0 * (5.0 / 4.9 - 1.0), rtol=1e-12)
@@ -120,12 +119,9 @@ def steps_of_one_size(monkeypatch, segments, part, last_error=0.0):
     monkeypatch.setattr(adaptive_steps, "attempt", lambda *arguments: tried.append(arguments) or 1.0)
     monkeypatch.setattr(adaptive_steps, "next_step", lambda h, done, *others: max(h, done))
     monkeypatch.setattr(adaptive_steps, "begin_breaks", lambda system: False)
-    monkeypatch.setattr(adaptive_steps, "begin_drums", lambda system: None)
-    monkeypatch.setattr(adaptive_steps, "has_coordinates", lambda system: False)
-    monkeypatch.setattr(adaptive_steps, "turn_drums", lambda *arguments: True)
-    monkeypatch.setattr(adaptive_steps, "part_to_event", lambda *arguments: inf)
+    monkeypatch.setattr(adaptive_steps, "count_of", lambda system: 0)
+    monkeypatch.setattr(adaptive_steps, "count_free", lambda system: 0)
     monkeypatch.setattr(adaptive_steps, "part_to_slack", lambda *arguments: inf)
-    monkeypatch.setattr(adaptive_steps, "is_idle", lambda system: True)
     monkeypatch.setattr(adaptive_steps, "accept", lambda *arguments: None)
     monkeypatch.setattr(adaptive_steps, "state_of", lambda system, k: system.state)
     monkeypatch.setattr(adaptive_steps, "work_of", lambda system: segments)

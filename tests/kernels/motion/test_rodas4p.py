@@ -14,7 +14,8 @@ from kernels.chain_problem import ChainProblem
 from scenes import REFERENCE
 from tetherfmu.kernels.line import rodas4p
 from tetherfmu.kernels.motion import adaptive_steps
-from tetherfmu.kernels.points import system_step
+from tetherfmu.kernels.points import room
+from tetherfmu.kernels.points import step as system_step
 
 ROUNDING = 1e-12  # coefficients have 16 digits and are as large as 58
 
@@ -95,6 +96,7 @@ def march(steps, **motion):
     """Positions of a swinging chain with moving ends and a sheared wind after 0.4 s in equal steps."""
     problem = ChainProblem(**motion)
     system, h = problem.as_system(), 0.4 / steps
+    room.begin_coordinates(system)
     for k in range(steps):
         assert system_step.step(system, k * h, h)
         adaptive_steps.accept(system, k * h, h, True)

@@ -172,12 +172,18 @@ def linearize(chain, x, v, modes, segments, records, force_rate):
     segments (modified) : see `find_segments`.  force_rate : dF/dl0 dl0/dt of every node [N/s] at constant positions and
     velocities, a flat array.
     """
+    find_slopes(chain, x, v, modes, segments, records)
+    rate_from_reeling(chain, x, v, records, force_rate)
+
+
+@kernel
+def find_slopes(chain, x, v, modes, segments, records):
+    """The same without the rate."""
     find_segments(chain.n, x, True, segments)
     if has_drag(chain):
         linearize_segments(chain, True, x, v, modes, segments, records)
     else:
         linearize_segments(chain, False, x, v, modes, segments, records)
-    rate_from_reeling(chain, x, v, records, force_rate)
 
 
 @view

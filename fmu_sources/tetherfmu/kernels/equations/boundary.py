@@ -277,12 +277,3 @@ def place_ends(conditions, time, x, v):
     if conditions.last == conditions.n - 1:
         put(x, conditions.n, position_at(conditions.kite, time))
         put(v, conditions.n, velocity_at(conditions.kite, time))
-
-
-@kernel
-def hold_ends(conditions, a):
-    """Set the vectors of the driven ends to zero in an array of node vectors (modified)."""
-    if conditions.first == 1:
-        put(a, 0, ZERO_VECTOR)
-    if conditions.last == conditions.n - 1:
-        put(a, conditions.n, ZERO_VECTOR)

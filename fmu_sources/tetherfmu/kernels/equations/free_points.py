@@ -25,12 +25,11 @@ from .lines import (
     with_states,
 )
 
-Points = namedtuple("Points", "matrix right solution mass stage_mass mass_rate change load_rate")
+Points = namedtuple("Points", "matrix right solution mass change load_rate")
 Points.__doc__ = """Scratch arrays of F free points, m = 3 F.
 
-matrix : see `linear_algebra.point_blocks`.  right, solution : right-hand side of a stage [N], q [m/s], m.
-mass, stage_mass : of the point with its half segments at the start of the step and at a stage [kg], F.
-mass_rate : the rate of `mass` [kg/s], F.  change : of the velocities by what follows a step [m/s], m.
+matrix, right, solution : of the search at rest, see `linear_algebra.point_blocks`; m.
+mass : of the point with its half segments [kg], F.  change : of the velocities by what follows a step [m/s], m.
 load_rate : rates of the loads in the communication step [N/s], m.
 """
 
@@ -107,7 +106,7 @@ def take_loads(system, k, step, before):
 @kernel
 def points_size(points, band):
     """Length of what so many free points need of `work`, with this band of their matrix."""
-    return matrix_size(points, band) + 15 * points
+    return matrix_size(points, band) + 13 * points
 
 
 @view
@@ -118,8 +117,7 @@ def points_of(system):
     matrix, room = part(room, 0, size), behind(size, room)
     right, solution, change, room = split(m, room)
     load_rate, room = part(room, 0, m), behind(m, room)
-    masses = part(room, 0, count), part(room, count, count), part(room, 2 * count, count)
-    return Points(matrix, right, solution, *masses, change, load_rate)
+    return Points(matrix, right, solution, part(room, 0, count), change, load_rate)
 
 
 @kernel

@@ -28,7 +28,9 @@ OneLine.__doc__ = """The plan of a system of one line without points.
 What of its ends moves freely is a row of the line like the others, see `BoundaryConditions`.
 """
 
-# what `store_conditions` writes, and the room for it: an even number as in `system_room.line_work_size`
+ONE_LINE_ROOM = 128  # of `work` before the line, for the one coordinate that it may have, see `points/room.py`
+
+# what `store_conditions` writes, and the room for it: an even number as in `room.line_work_size`
 _CURVE, _REELING, _VECTOR = 18, 7, 3
 GROUND, KITE, REELING, WIND, LOAD, LOAD_RATE, FIRST, LAST, FORCE, FORCE_RATE, CONDITIONS = places_of(
     _CURVE, _CURVE, _REELING, _VECTOR, _VECTOR, _VECTOR, 1, 1, 1, 1
@@ -50,7 +52,7 @@ def number_in_one_line(plan, place):
         return plan.segments
     if place == places.PLAN_HEADER + places.START_POINT or place == places.PLAN_HEADER + places.END_POINT:
         return places.DRIVEN
-    return 0
+    return ONE_LINE_ROOM if place == places.PLAN_HEADER + places.WORK_AT else 0
 
 
 @kernel

@@ -6,8 +6,7 @@ from tetherfmu.runtime import plan_layout as places
 from ..arrays import outputs_size
 from ..compilation import kernel, view
 from ..flat_arrays import part
-from .lines import conditions_of, number_in, number_of_line, parameters_of
-from .properties import property_of
+from .lines import number_in, number_of_line, parameters_of
 from .winch import follows_force
 
 
@@ -68,12 +67,6 @@ def is_portion(system, k):
 
 
 @kernel
-def is_even(system, k):
-    """Whether all segments of line k are equal: it is a portion, and none is the gap of a line that has let go."""
-    return is_portion(system, k) and not is_freed(system, k)
-
-
-@kernel
 def is_turned(system, k):
     """Whether drums that turn beside sheaves, or hold several lines, pay out line k."""
     if not has_coordinates(system):
@@ -85,12 +78,6 @@ def is_turned(system, k):
 def is_rope(system, k):
     """Whether rope may run into line k or out of it, over a sheave or off such a drum."""
     return is_portion(system, k) or is_turned(system, k)
-
-
-@kernel
-def stiffness_of(system, k):
-    """EA [N] of the first segment of line k."""
-    return property_of(conditions_of(system, k), 0, at.STIFFNESS)
 
 
 @view

@@ -20,7 +20,7 @@ from ..arrays import behind, clear, copy, node_arrays, shared_arrays, shared_siz
 from ..compilation import kernel, view
 from ..equations import node_loads, segment
 from ..equations.assembly import node_masses
-from ..equations.boundary import chain_during, place_ends
+from ..equations.boundary import place_ends
 from ..equations.properties import property_of, rest_length, stiffest
 from ..flat_arrays import part
 from ..linear_algebra.block_tridiagonal import Matrix
@@ -36,9 +36,7 @@ WHOLE, STAGE, EXPECTED = 0, 1, 2  # steps, stages of `second_order.py`, those of
 
 FixedSteps = namedtuple("FixedSteps", "size method")
 FixedSteps.__doc__ = "Fixed steps: their size [s], 0 for adaptive ones, and `fixed_step_method`, as an enumeration."
-Workspace = namedtuple(
-    "Workspace", "x trial old free drag slope move acceleration flow row_of_drum matrix mass modes held pressed"
-)
+Workspace = namedtuple("Workspace", "x trial old free drag slope move acceleration flow matrix mass modes held pressed")
 Workspace.__doc__ = """Scratch arrays of a step; 3 (n + 1) numbers where nothing else is said.
 
 x : positions of the iteration [m].  trial : positions to try [m].  old : positions before the step [m].
@@ -47,14 +45,14 @@ free : y, where the nodes would fly freely [m].  drag : half drags F of the segm
 `arrays.shared_arrays`; masses at the end of the step.  modes : n, which damping each segment has, see `segment.TAUT`.
 held : n, l - l0 where the matrix was made [m]: its sign is the mode of the spring there.  acceleration : of the nodes in a
 stage [m/s2], before it what is expected.  flow : forces of the rope that flows in the iteration [N].
-row_of_drum : of a drum that feels it, dR/dx [N/m].  pressed : n + 1, a_n of the friction on the ground [m/s2].
+pressed : n + 1, a_n of the friction on the ground [m/s2].
 """
 
 
 @kernel
 def workspace_size(n):
     """Length of the work array that `workspace` needs."""
-    return shared_size(n) + 9 * 3 * (n + 1) + 10 * (n + 1) + 2 * n
+    return shared_size(n) + 8 * 3 * (n + 1) + 10 * (n + 1) + 2 * n
 
 
 @view
@@ -62,10 +60,10 @@ def workspace(n, work):
     """Cut the work array into the arrays of `Workspace`."""
     blocks, _, mass, room = shared_arrays(n, work)
     x, trial, old, free, drag, move, room = node_arrays(n, room)
-    flow, row, room = part(room, 0, 3 * (n + 1)), part(room, 3 * (n + 1), 3 * (n + 1)), behind(6 * (n + 1), room)
+    flow, room = part(room, 0, 3 * (n + 1)), behind(3 * (n + 1), room)
     acceleration, slope, room = part(room, 0, 3 * (n + 1)), part(room, 3 * (n + 1), 9 * (n + 1)), behind(12 * (n + 1), room)
     modes, held, pressed = part(room, 0, n), part(room, n, n), part(room, 2 * n, n + 1)
-    vectors = x, trial, old, free, drag, slope, move, acceleration, flow, row
+    vectors = x, trial, old, free, drag, slope, move, acceleration, flow
     return Workspace(*vectors, Matrix(*blocks), mass, modes, held, pressed)
 
 
@@ -76,11 +74,12 @@ def flight(x, v, h, acceleration):
 
 
 @kernel
-def start(attempt, time, kind, x, w):
+def start(attempt, before, time, kind, x, w):
     """Fill masses, old positions, free flight and modes of the dampers into w for a step from x [m] at a time [s].
 
-    No load in the free flight, and no drag yet, or that of before with EXPECTED. kind : WHOLE, where driven ends go to where
-    their curves are; STAGE or EXPECTED, where they go from x with their velocity after the step, see `second_order.py`.
+    No load in the free flight, and no drag yet, or that of before with EXPECTED.  before : `Chain` at its start.
+    kind : WHOLE, where driven ends go to where their curves are; STAGE or EXPECTED, where they go from x with their velocity
+    after the step, see `second_order.py`.
     """
     conditions, chain, h, v = attempt
     n = chain.n
@@ -98,9 +97,8 @@ def start(attempt, time, kind, x, w):
     clear(w.pressed)
     if kind != EXPECTED:
         clear(w.flow)
-    start = chain_during(conditions, time)
     for s in range(n):
-        taut = norm(sub(get(x, s + 1), get(x, s))) > rest_length(start, s)
+        taut = norm(sub(get(x, s + 1), get(x, s))) > rest_length(before, s)
         w.modes[s] = segment.TAUT if taut else segment.SLACK
         if kind != EXPECTED:
             put(w.drag, s, ZERO_VECTOR)

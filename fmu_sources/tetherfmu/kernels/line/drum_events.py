@@ -1,6 +1,6 @@
 """When the drum of a force-controlled winch begins to turn or comes to rest, and the piece of time to try that ends there.
 
-Of chains (`moving_drum.py`) and of tethers in equilibrium (`drum_in_equilibrium.py`) alike. Events are sought by the room
+Of chains (`motion/events.py`) and of tethers in equilibrium (`drum_in_equilibrium.py`) alike. Events are sought by the room
 that is left until they happen; a piece in which it falls below 0 is tried again, shorter.
 """
 

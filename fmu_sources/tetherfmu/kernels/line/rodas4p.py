@@ -69,6 +69,10 @@ R_BY_GAMMA = _by_stage(  # R_ij/gamma of the stages 1 to 5
 ALPHA = np.array((0.0, 0.75, 0.21, 0.63, 1.0, 1.0))  # alpha_i: times of the stages
 GAMMA_I = np.array((0.25, -0.5, -0.023504, -0.0362, 0.0, 0.0))  # gamma_i: factors of df/dt
 INERTIA = _by_stage(C, first=0) + R_BY_GAMMA / GAMMA  # factors of V_j in sum_j c_ij V_j + r_i/gamma
+# of a system 0 = r(q, v, z, t): z_i = OF_START_i z_0 + sum_j OF_SPEEDS_ij V_j/h, the accelerations of a stage
+_STAGE = _by_stage(A, first=0) @ np.linalg.inv(np.eye(STAGES) + _by_stage(A, first=0))
+OF_START = 1.0 - _STAGE @ np.ones(STAGES)
+OF_SPEEDS = _STAGE @ (np.eye(STAGES) / GAMMA - _by_stage(C, first=0))
 
 
 @kernel

@@ -16,7 +16,7 @@ docs/models/numerics.md, "Rosenbrock step".
 
 from collections import namedtuple
 
-from ..arrays import behind, clear, copy, shared_arrays, shared_size, split
+from ..arrays import behind, copy, shared_arrays, shared_size, split
 from ..compilation import kernel, view
 from ..equations import assembly, flow, winch
 from ..equations.boundary import chain_during, load_during, place_ends
@@ -106,10 +106,9 @@ def add_explicit_rates(conditions, chain, time, w):
 
 
 @kernel
-def form(conditions, chain, turns, time, h, x, v, w):
+def form(conditions, chain, time, h, x, v, w):
     """Matrix of the step from the `Chain` at its start, and the explicit time derivative of forces [N/s] into w.q.
 
-    turns : whether its length is an unknown, and no function of time.
     Modifies w.start_x, w.start_v, w.mass, w.modes, w.records, w.q and w.matrix.
     """
     n = conditions.n
@@ -117,15 +116,13 @@ def form(conditions, chain, turns, time, h, x, v, w):
     interleave(n, v, w.start_v)
     assembly.node_masses(chain, w.mass)
     assembly.linearize(chain, w.start_x, w.start_v, w.modes, w.segments, w.records, w.q)
-    if turns:
-        clear(w.q)
     acceleration = winch.acceleration_at(conditions.reeling, time)
     assembly.add_rate_from_acceleration(chain, acceleration, x, w.records, w.q)
-    if flow.flows(chain) and not turns:
+    if flow.flows(chain):
         flow.add_rates(chain, acceleration, winch.jerk_at(conditions.reeling, time), x, v, w.q)
     add_explicit_rates(conditions, chain, time, w)
     assemble(conditions, chain, GAMMA * h, x, v, w)
-    if has_ground(chain.parameters) and not turns:
+    if has_ground(chain.parameters):
         contact.add_rate(chain, x, v, w, w.q)
 
 
@@ -139,23 +136,6 @@ def assemble(conditions, chain, d, x, v, w):
     if has_ground(chain.parameters):
         contact.find(conditions, chain, x, v, w)
         contact.subtract_slopes(chain, d, x, v, w)
-
-
-@kernel
-def add_acceleration(conditions, chain, time, h, w):
-    """Add what rope that gains speed does to w.matrix and w.force_rate (modified), after stage 0 has begun without it.
-
-    chain : a `Chain` with the acceleration of its drum, and no speed.
-    """
-    if not flow.flows(chain):
-        return
-    n, ground, kite = conditions.n, conditions.ground, conditions.kite
-    flow.subtract_slopes(chain, 1.0, GAMMA * h, w.matrix)
-    if conditions.first == 1:
-        flow.add_end_motion(chain, False, velocity_at(ground, time), acceleration_at(ground, time), w.q)
-    if conditions.last == n - 1:
-        flow.add_end_motion(chain, True, velocity_at(kite, time), acceleration_at(kite, time), w.q)
-    interleave(n, w.q, w.force_rate)
 
 
 @kernel

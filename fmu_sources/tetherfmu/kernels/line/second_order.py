@@ -31,7 +31,7 @@ from collections import namedtuple
 from ..arrays import behind, split
 from ..compilation import kernel, view
 from ..equations import flow, node_loads, segment
-from ..equations.boundary import chain_during, load_during
+from ..equations.boundary import load_during
 from ..equations.properties import rest_length
 from ..flat_arrays import part
 from ..linear_algebra.vectors import dot, get, norm, sub
@@ -73,13 +73,13 @@ def workspace(n, work):
 
 
 @kernel
-def energy_and_power(conditions, time, x, v, mass):
+def energy_and_power(conditions, chain, time, x, v, mass):
     """Energy [J] at a time [s]; the power [W] that the rest of the world puts in is at most the second number.
 
-    Of nodes of these masses [kg] at x [m] with the velocities v [m/s]: kinetic, elastic, of weight and ground. The power
-    counts the magnitudes of forces and velocities.
+    Of nodes of the `Chain` there, of these masses [kg] at x [m] with the velocities v [m/s]: kinetic, elastic, of weight and
+    ground. The power counts the magnitudes of forces and velocities.
     """
-    chain, n = chain_during(conditions, time), conditions.n
+    n = conditions.n
     energy = 0.0
     power = norm(load_during(conditions, time)) * norm(get(v, n))
     for i in range(conditions.first, conditions.last + 1):

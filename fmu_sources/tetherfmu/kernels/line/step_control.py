@@ -152,7 +152,7 @@ def allowed_errors(conditions, v):
 
 @kernel
 def error_of_step(conditions, chain, h, v, drum, w):
-    """Error of the step of h [s] that `system_step.step` has made from the velocities v [m/s] over what is allowed [-].
+    """Error of the step of h [s] that `step.step` has made from the velocities v [m/s] over what is allowed [-].
 
     And the largest tension of a segment after it [N].
 

@@ -24,25 +24,13 @@ from .block_tridiagonal import factorize, solve
 from .both_ends import get_packed_blocks, get_two, pack_blocks, put_two
 from .matrices import ZERO_MATRIX, apply, get_matrix, multiply, put_matrix, scale_matrix, subtract, transposed_apply
 from .pairs import broadcast, first, pair, second
-from .vectors import ZERO_VECTOR, add, dot, get, put, scale, sub
+from .vectors import add, get, put, scale, sub
 
 Rows = namedtuple("Rows", "n first last start_is_shared end_is_shared")
 Rows.__doc__ = """The rows 0 .. n: the inner ones, which are solved for, are `first` .. `last`; none where first > last.
 
 start_is_shared, end_is_shared : whether row 0, and row n, is shared with other systems. Then the inner rows are 1 .. n - 1.
 """
-
-
-@kernel
-def inner(rows, i, b):
-    """Vector of row i of an array if it is an inner row, else 0."""
-    return get(b, i) if rows.first <= i <= rows.last else ZERO_VECTOR
-
-
-@kernel
-def first_difference(rows, b):
-    """Difference of the vectors of the rows 1 and 0 of an array, of which only those of inner rows count."""
-    return sub(inner(rows, 1, b), inner(rows, 0, b))
 
 
 @kernel
@@ -145,24 +133,6 @@ def block_beside(n, row_end, blocks):
 
 
 @kernel
-def row_at_end(n, end, g, columns):
-    """What is left at an end of the row g (y_0 - y_1), as a row r of the condensed system."""
-    if n == 1:
-        return g if end == 0 else scale(-1.0, g)
-    beside = transposed_apply(g, block_beside(n, 0, columns_of(n, end, columns)))
-    return add(g, beside) if end == 0 else beside
-
-
-@kernel
-def inner_product(rows, a, b):
-    """Sum of a . b over the inner rows of two arrays."""
-    total = 0.0
-    for i in range(rows.first, rows.last + 1):
-        total += dot(get(a, i), get(b, i))
-    return total
-
-
-@kernel
 def whole_row_at_end(rows, end, row, columns):
     """What is left at a shared end of the row - sum row_i . y_i, as a row of the condensed system."""
     n, blocks = rows.n, columns_of(rows.n, end, columns)
@@ -188,16 +158,6 @@ def condensed_block(n, row_end, column_end, matrix, columns):
 
 
 @kernel
-def reduce(rows, matrix, b):
-    """Solve the inner rows of a right-hand side, and take their part out of those of its ends that are shared (modified)."""
-    solve_inner(rows, matrix, b)
-    if rows.start_is_shared:
-        put(b, 0, what_is_left(rows.n, 0, matrix, b))
-    if rows.end_is_shared:
-        put(b, rows.n, what_is_left(rows.n, 1, matrix, b))
-
-
-@kernel
 def solve_inner(rows, matrix, b):
     """Solve the inner rows of a right-hand side (modified), and leave others as they are."""
     if rows.first <= rows.last:
@@ -216,7 +176,7 @@ def what_is_left(n, end, matrix, b):
 
 @kernel
 def expand(rows, columns, y):
-    """Solution in the inner rows (modified) from that of the shared ends, after `reduce`."""
+    """Solution in the inner rows (modified) from that of the shared ends, after `solve_inner`."""
     n = rows.n
     if rows.start_is_shared:
         subtract_columns(n, columns_of(n, 0, columns), get(y, 0), y)

@@ -10,10 +10,10 @@ from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.status import NO_LENGTH, OK, STEP_BUDGET_SPENT, STEP_TOO_SMALL
 
 from ..arrays import clear, copy
-from ..compilation import kernel
+from ..compilation import kernel, view
+from ..equations.boundary import chain_during
 from ..equations.free_points import points_of
 from ..equations.lines import conditions_of, lines_of, motion_of, segments_of, state_of
-from ..equations.ropes import has_coordinates
 from ..line.drum_events import LONGEST_PART, SHORTEST_PART, SMALLEST_PIECE
 from ..line.step_control import (
     SMALLEST_STEP,
@@ -26,28 +26,25 @@ from ..line.step_control import (
     next_step,
     step_after_event,
 )
-from ..line.taut_slack import keep_energy_of_drum, part_to_transition
+from ..line.strand_room import LARGEST
+from ..line.taut_slack import part_to_transition
 from ..linear_algebra.vectors import get
 from ..notes import note_peak
-from ..points import system_room as at_line
-from ..points import system_step
-from ..points.coordinates import is_any_running
-from ..points.sheave_room import is_running
-from ..points.system_drums import chain_at_start, chain_in_step
-from ..points.system_room import drum_at, has_drum, has_free_nodes, integrator_of, is_any_turning, moves, numbers_of, turns
-from ..points.system_step import apply_changes, collect_changes, whole_masses
-from .breaks import begin_breaks, break_lines, can_any_break, part_to_break
-from .pieces import MOST_IDLE, accept_drum, begin_drums, drum_error, error_of_drum, part_to_event, project_drums, turn_drums
-from .rope_directions import turn_ropes
-from .running_ropes import (
-    accept_ropes,
-    begin_ropes,
-    error_of_ropes,
-    forget_tensions,
-    keep_energy_of_ropes,
-    part_to_rope_event,
-    transition_of_ropes,
+from ..points import step as system_step
+from ..points.room import (
+    chain_at_stage,
+    chain_of_state,
+    count_free,
+    count_of,
+    has_free_nodes,
+    has_rope,
+    integrator_of,
+    moves,
+    numbers_of,
 )
+from ..points.step import apply_changes, collect_changes, whole_masses
+from . import events
+from .breaks import begin_breaks, break_lines, can_any_break, part_to_break
 
 
 @kernel
@@ -58,20 +55,21 @@ def larger_error(a, b):
     return b if b > a else nan
 
 
+@view
+def chain_in_step(system, k, time):
+    """The `Chain` of line k at a time [s] of the communication step, with coordinates as at the stage."""
+    if has_rope(system, k):
+        return chain_at_stage(system, k)
+    return chain_during(conditions_of(system, k), time)
+
+
 @kernel
 def error_of_line(system, k, time, h):
     """Error of the step of h [s] to a time [s] of the communication step in line k, over what is allowed [-]."""
-    error = error_of_drum(system, k, h) if has_drum(system, k) else 0.0
-    if error < inf:
-        w, chain, (_, v) = integrator_of(system, k), chain_in_step(system, k, time), motion_of(system, k)
-        of_line, largest = error_of_step(conditions_of(system, k), chain, h, v, drum_error(system, k), w)
-        error, numbers_of(system, k)[at_line.LARGEST] = larger_error(error, of_line), largest
-        if turns(system, k) and not has_free_nodes(system, k):
-            numbers_of(system, k)[at_line.SPEED] = keep_energy_of_drum(drum_at(system, k).mass, chain, w)
-        if is_running(system, k) and not has_free_nodes(system, k):
-            error = larger_error(error, transition_of_ropes(system, k, chain, h, w))
-            keep_energy_of_ropes(system, k, chain, w)
-    return error
+    w, chain, (_, v) = integrator_of(system, k), chain_in_step(system, k, time), motion_of(system, k)
+    error, largest = error_of_step(conditions_of(system, k), chain, h, v, events.drum_error(system, k), w)
+    numbers_of(system, k)[LARGEST] = largest
+    return larger_error(error, events.settle_single_segment(system, k, time, h))
 
 
 @kernel
@@ -82,7 +80,7 @@ def error_of_lines(system, time, h):
     (`taut_slack.keep_energy`).
     """
     clear(points_of(system).change)
-    error, changed = error_of_ropes(system, h) if has_coordinates(system) else 0.0, 0
+    error, changed = events.error_of_coordinates(system, h), 0
     for k in range(lines_of(system)):
         if moves(system, k):
             w = integrator_of(system, k)
@@ -103,7 +101,7 @@ def attempt(system, time, h):
     if not system_step.step(system, time, h):
         return inf
     error = error_of_lines(system, time + h, h)
-    return inf if error <= 1.0 and not project_drums(system, time + h, h) else error
+    return inf if error <= 1.0 and not events.project_massless(system, time + h, h) else error
 
 
 @kernel
@@ -118,12 +116,9 @@ def accept(system, time, h, is_last):
             copy(w.x, x)
             copy(w.v, v)
             if not is_last:
-                note_peak(state_of(system, k), numbers_of(system, k)[at_line.LARGEST])
-    for k in range(lines_of(system)):
-        if has_drum(system, k):
-            accept_drum(system, k)
-    if has_coordinates(system):
-        accept_ropes(system, time, h)
+                note_peak(state_of(system, k), numbers_of(system, k)[LARGEST])
+    if count_of(system) > 0:
+        events.accept(system, time + h)
 
 
 @kernel
@@ -138,7 +133,7 @@ def part_to_slack(system, time, h, weight):
         if moves(system, k) and has_free_nodes(system, k) and after.slack_damping_ratio != 1.0:
             w, (x, v), conditions = integrator_of(system, k), motion_of(system, k), conditions_of(system, k)
             _, speed = allowed_errors(conditions, v)
-            part = part_to_transition(conditions, chain_at_start(system, k, time), after, h, x, v, speed, w)
+            part = part_to_transition(conditions, chain_of_state(system, k, time), after, h, x, v, speed, w)
             if part < inf:
                 least = min(least, max(SHORTEST_PART, min(LONGEST_PART, weight * part)))
     return least
@@ -154,26 +149,17 @@ def work_of(system):
 
 
 @kernel
-def is_idle(system):
-    """Whether no drum turns, and rope runs over no sheave."""
-    return not is_any_turning(system) and not is_any_running(system)
-
-
-@kernel
 def integrate(system, duration):
     """Advance the lines (modified) over a communication step of `duration` [s] with steps chosen by the error estimate.
 
-    Solver memory and counters stand in the state of the first line; drums have their lengths and speeds in the states of
-    their lines. Returns a status: OK, STEP_BUDGET_SPENT, STEP_TOO_SMALL or, about a line, NO_LENGTH.
+    Solver memory and counters stand in the state of the first line. Returns a status: OK, STEP_BUDGET_SPENT, STEP_TOO_SMALL
+    or, about a line, NO_LENGTH.
     """
     memory = state_of(system, 0)
     time = 0.0
     h, last_error = first_step(duration, memory)
     budget = at.WORK_BUDGET // work_of(system)
     tried, rejected_before = 0, False
-    begin_drums(system)
-    if has_coordinates(system):
-        begin_ropes(system)
     may_break = begin_breaks(system)
     is_new = True  # whether a piece begins
     piece, weight = inf, 1.0
@@ -186,10 +172,8 @@ def integrate(system, duration):
             return STEP_TOO_SMALL
         tried += 1
         if is_new:
-            if not turn_drums(system, time, duration):
+            if count_of(system) > 0 and not events.turn(system, time, duration):
                 return NO_LENGTH
-            if has_coordinates(system):
-                turn_ropes(system, time)
             is_new, piece, weight = False, beyond - time if beyond > time else inf, 1.0
         h_now, is_last = even_step(duration - time, h)
         is_last = is_last and not piece < h_now
@@ -200,12 +184,12 @@ def integrate(system, duration):
             h = cut(h_now, error)
             memory[at.REJECTIONS] += 1.0
             continue
-        before_event = min(part_to_event(system, time, h_now, weight), part_to_slack(system, time, h_now, weight))
+        before_event = part_to_slack(system, time, h_now, weight)
         if may_break:
             before_event = min(before_event, part_to_break(system, time, h_now, weight))
-        if has_coordinates(system):  # the last one, as it takes lengths anew
-            before_event = min(before_event, part_to_rope_event(system, time, h_now, weight))
-        if before_event < inf and h_now > SMALLEST_PIECE * duration and idle < MOST_IDLE:
+        if count_of(system) > 0:
+            before_event = min(before_event, events.part_to_event(system, time, h_now, weight))
+        if before_event < inf and h_now > SMALLEST_PIECE * duration and idle < events.MOST_IDLE:
             piece = h_now * before_event
             weight *= 0.5  # if the next piece is too long again, the one after it will not be
             beyond = time + h_now
@@ -213,14 +197,12 @@ def integrate(system, duration):
             continue
         if before_event < inf:
             beyond = 0.0
-        idle = idle + 1 if h_now < SMALLEST_PIECE * duration and is_idle(system) else 0
+        idle = idle + 1 if h_now < SMALLEST_PIECE * duration and count_free(system) == 0 else 0
         accept(system, time, h_now, is_last)
         is_new = True
         time = duration if is_last else time + h_now
         if may_break and break_lines(system, time):
             may_break = can_any_break(system)
-            if has_coordinates(system):
-                forget_tensions(system)
         h = step_after_event(h, h_now, next_step(h, h_now, error, last_error, rejected_before), duration)
         last_error = error
         rejected_before = False

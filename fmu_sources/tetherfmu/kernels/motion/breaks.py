@@ -1,7 +1,8 @@
 """When a segment breaks within a communication step: as soon as its tension reaches its breaking force.
 
-Steps of the adaptive solver end there, as at an event of a drum (`pieces.py`); fixed steps break at their ends, which keeps
-their work bounded. A line breaks once, at the segment that lacks least. Its winch is braked, and so is the rope that flows.
+Steps of the adaptive solver end there, as at an event of a coordinate (`events.py`); fixed steps break at their ends, which
+keeps their work bounded. A line breaks once, at the segment that lacks least. Its winch is braked, and so is the rope that
+flows.
 """
 
 from math import inf
@@ -11,7 +12,9 @@ from tetherfmu.runtime import plausibility as limits
 
 from ..compilation import kernel
 from ..equations import segment, torn
+from ..equations.assembly import node_masses
 from ..equations.boundary import place_ends
+from ..equations.free_points import is_at_point, point_at
 from ..equations.lines import (
     conditions_of,
     hold_length,
@@ -25,22 +28,30 @@ from ..equations.lines import (
     state_of,
     with_states,
 )
-from ..equations.properties import property_of
-from ..equations.ropes import has_coordinates
+from ..equations.properties import half_density, point_mass, property_of, rest_length
+from ..equations.rope import feels_rope
 from ..equations.winch import follows_force, reel
+from ..line import strand
 from ..line.drum_events import OVERLOAD, part_of_piece
-from ..linear_algebra.vectors import dot, get, sub
+from ..line.strand_room import KEPT_REELING, rope_in
+from ..linear_algebra.both_ends import interleave
+from ..linear_algebra.vectors import add_at, dot, get, scale, sub
 from ..notes import note, note_peak
-from ..points import sheave_room as at_sheave
-from ..points import system_room as at_line
-from ..points.coordinates import coordinate_at, count_of, is_braked, own_numbers
-from ..points.system_drums import chain_at_start, chain_in_step
-from ..points.system_room import any_line, integrator_of, moves, numbers_of
-from .rope_directions import begin_directions
-from .rope_states import hold
-from .stopped_drums import put_reeling_speed
-
-KEPT_REELING = at_line.START_LENGTH  # 7 numbers, which a drum has in the stages of fixed steps
+from ..points.room import (
+    IS_KNOWN,
+    any_line,
+    chain_now,
+    chain_of_state,
+    count_of,
+    globals_of,
+    integrator_of,
+    moves,
+    numbers_of,
+    strand_of,
+    take_brake,
+    take_holders,
+    take_weights,
+)
 
 
 @kernel
@@ -80,9 +91,9 @@ def part_to_break(system, time, h, weight):
     for k in range(lines_of(system)):
         if can_break(system, k) and moves(system, k):
             w, (x, v) = integrator_of(system, k), motion_of(system, k)
-            _, after, strength = weakest(chain_in_step(system, k, time + h), w.x, w.v)
+            _, after, strength = weakest(chain_now(system, k, time + h), w.x, w.v)
             if after < -OVERLOAD * strength:
-                _, now, _ = weakest(chain_at_start(system, k, time), x, v)
+                _, now, _ = weakest(chain_of_state(system, k, time), x, v)
                 least = min(least, part_of_piece(weight * now, after))
     return least
 
@@ -90,17 +101,52 @@ def part_to_break(system, time, h, weight):
 @kernel
 def stop_winch(system, k, time):
     """Let line k (modified) keep its length from a time [s] of the communication step on."""
-    chain = chain_at_start(system, k, time)
-    put_reeling_speed(system, k, chain.length, 0.0, chain.reeling)
+    chain, state = chain_of_state(system, k, time), state_of(system, k)
+    if chain.reeling != 0.0 and feels_rope(chain.parameters):
+        jump_alone(system, k, chain, -chain.reeling, time)
     keep_reeling(system, k)
     hold_length(system, k, chain.length)
-    state_of(system, k)[at.ACCELERATION] = 0.0
+    state[at.LENGTH], state[at.REELING], state[at.ACCELERATION] = chain.length, 0.0, 0.0
+
+
+@kernel
+def push_point(system, point, impulse, time):
+    """Let a free point (modified, at the ends of all its lines) take an impulse [N s] at a time [s]."""
+    mass = 0.0
+    for k in range(lines_of(system)):
+        chain = chain_of_state(system, k, time)
+        for end in range(2):
+            if point_at(system, k, end) == point:
+                s = (chain.n - 1) * end
+                mass += half_density(chain, s) * rest_length(chain, s) + point_mass(chain, chain.n * end)
+    for k in range(lines_of(system)):
+        _, v = motion_of(system, k)
+        for end in range(2):
+            if point_at(system, k, end) == point:
+                add_at(v, segments_of(system, k) * end, scale(1.0 / mass, impulse))
+
+
+@kernel
+def jump_alone(system, k, chain, change, time):
+    """Let the nodes of line k (modified) take a change of the rate at its start [m/s], as in `events.stop`."""
+    own, (x, v) = strand_of(system, k), motion_of(system, k)
+    interleave(own.n, x, own.w.stage_x)
+    node_masses(chain, own.w.stage_mass)
+    take_weights(system, k)
+    strand.take_gain_columns(own, chain)
+    by_gain = rope_in(own.n, own.ropes, 0).by_gain
+    for i in range(own.conditions.first, own.conditions.last + 1):
+        impulse = scale(change, get(by_gain, i))
+        if i == 0 and is_at_point(system, k, 0):
+            push_point(system, point_at(system, k, 0), impulse, time)
+        elif not (i == own.n and is_at_point(system, k, 1)):
+            add_at(v, i, scale(1.0 / own.w.stage_mass[i], impulse))
 
 
 @kernel
 def break_line(system, k, s, tension, time):
     """Let segment s of line k (modified) break under a tension [N] at a time [s] of the communication step."""
-    state, chain, (x, _) = state_of(system, k), chain_at_start(system, k, time), motion_of(system, k)
+    state, chain, (x, _) = state_of(system, k), chain_of_state(system, k, time), motion_of(system, k)
     length, _ = segment.geometry(sub(get(x, s + 1), get(x, s)))
     elongation, stiffness = segment.spring(chain, s, length, False)
     state[at.TORN_SEGMENT] = s + 1.0
@@ -110,18 +156,10 @@ def break_line(system, k, s, tension, time):
     note_peak(state, tension)
     stop_winch(system, k, time)
     torn.tear(segments_of(system, k), s, parameters_of(system, k))
-    if has_coordinates(system):
-        brake_drums(system)
-
-
-@kernel
-def brake_drums(system):
-    """Stop the drums (modified) of which all lines are broken."""
+    take_holders(system, k)
+    globals_of(system).header[IS_KNOWN] = 0.0
     for j in range(count_of(system)):
-        c = coordinate_at(system, j)
-        if is_braked(system, c):
-            hold(system, c)
-            own_numbers(system, c)[at_sheave.SPEED] = 0.0
+        take_brake(system, j)
 
 
 @kernel
@@ -131,7 +169,7 @@ def break_lines(system, time):
     for k in range(lines_of(system)):
         if can_break(system, k):
             x, v = motion_of(system, k)
-            s, lacking, strength = weakest(chain_at_start(system, k, time), x, v)
+            s, lacking, strength = weakest(chain_of_state(system, k, time), x, v)
             if lacking <= OVERLOAD * strength:
                 break_line(system, k, s, strength - lacking, time)
                 count += 1
@@ -143,8 +181,6 @@ def begin_breaks(system):
     """Break lines (modified) that bear too much as a communication step begins; whether any may break in it."""
     if not can_any_break(system):
         return False
-    if has_coordinates(system):
-        begin_directions(system)
     return not break_lines(system, 0.0) or can_any_break(system)
 
 

@@ -13,7 +13,7 @@ The error of a piece is measured by the tension that it makes: see `error_of_pie
 length, and no error; by backward Euler they are one stage over h.
 
 Without mass and damping nothing is left to integrate: T(L) = W + F sign(u) at the end of the step. Pieces end where the
-drum begins to turn, comes to rest or comes to a stop. See docs/models/numerics.md, "A drum in the same system".
+drum begins to turn, comes to rest or comes to a stop. See docs/models/numerics.md, "Rope coordinates".
 Source: R. Alexander, Diagonally implicit Runge-Kutta methods for stiff ODEs, SIAM J. Numer. Anal. 14 (1977) 1006.
 """
 

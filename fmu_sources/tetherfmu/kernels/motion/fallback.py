@@ -11,24 +11,36 @@ from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import plausibility as limits
 from tetherfmu.runtime.limits import STIFF
 
-from ..compilation import kernel
+from ..compilation import kernel, view
 from ..equations import segment
 from ..equations.boundary import chain_during
 from ..equations.free_points import is_at_point, load_at, point_at, points_of
 from ..equations.ground import ground_of, has_ground
 from ..equations.lines import conditions_of, lines_of, motion_of, segments_of
 from ..equations.properties import rest_length, stiffest
-from ..equations.ropes import comes_from, goes_on, has_coordinates, is_turned
 from ..line import second_order
 from ..line.backward_euler import WHOLE
 from ..line.second_order import ROUNDING
 from ..linear_algebra.vectors import get, norm, sub
 from ..notes import note
-from ..points.coordinates import carries_drum
-from ..points.sheave_room import has_run
-from ..points.system_guess import start
-from ..points.system_room import Step, any_line, drum_at, has_drum, is_any_sought, moves, scratch_of, stages_of
-from . import turning, turning_sheaves
+from ..points.coordinates import has_own_drum
+from ..points.guess import start
+from ..points.net import mass_at
+from ..points.room import (
+    PASSED_NOW,
+    START_PASSED,
+    Step,
+    any_line,
+    chain_reached,
+    count_of,
+    has_rope,
+    holder,
+    is_held,
+    moves,
+    scratch_of,
+    stages_of,
+)
+from . import turning
 
 # why a step is one of backward Euler: at once, or after stages that were left, which is what is noted
 ASKED = 1
@@ -79,10 +91,9 @@ def least_swing(system, k):
         if conditions.first <= n * end <= conditions.last:
             ends += 1
             moving += points_of(system).mass[point_at(system, k, end)] if is_at_point(system, k, end) else mass[n * end]
-    if has_drum(system, k):
-        ends += 1
-        moving += drum_at(system, k).mass
-    ends += goes_on(system, k) + (comes_from(system, k) or is_turned(system, k))
+    if has_own_drum(system, k):
+        moving += mass_at(system, holder(system, k, 0, 0)[0], k)
+    ends += is_held(system, k, 0) + is_held(system, k, 1)
     chain = chain_during(conditions, 0.0)
     factor = pi**2 if ends == 0 else (1.0 if ends == 1 else 4.0)
     return factor * stiffest(chain) / (chain.length * moving) if moving > 0.0 else inf
@@ -105,15 +116,21 @@ def stiff_swing(system, h):
     """
     if not is_any_stiff(system):
         return 0.0
-    turning.attempt_whole_step(system, h)
-    if has_coordinates(system):
-        turning_sheaves.attempt_whole_step(system, 0.0, h)
-    start(system, Step(0.0, h, WHOLE, is_any_sought(system)))
+    turning.attempt_whole_step(system, 0.0, h)
+    start(system, Step(0.0, h, WHOLE, count_of(system) > 0))
     fastest = 0.0
     for k in range(lines_of(system)):
         if is_stiff(system, k):
             fastest = max(fastest, least_swing(system, k))
     return fastest
+
+
+@view
+def chain_then(system, k, time, which):
+    """`Chain` of line k at a time [s], with what coordinates have let in then, one of their numbers."""
+    if has_rope(system, k):
+        return chain_reached(system, k, time, which)
+    return chain_during(conditions_of(system, k), time)
 
 
 @kernel
@@ -122,7 +139,7 @@ def crosses(system, start, end):
     for k in range(lines_of(system)):
         if moves(system, k):
             old, (new, _), conditions = stages_of(system, k).x, motion_of(system, k), conditions_of(system, k)
-            before, after = chain_during(conditions, start), chain_during(conditions, end)
+            before, after = chain_then(system, k, start, START_PASSED), chain_then(system, k, end, PASSED_NOW)
             for s in range(conditions.n):
                 beyond = segment.beyond_rest(sub(get(old, s + 1), get(old, s)), rest_length(before, s))
                 if beyond * segment.beyond_rest(sub(get(new, s + 1), get(new, s)), rest_length(after, s)) < 0.0:
@@ -160,32 +177,32 @@ def hard_at(system):
 
 @kernel
 def energy_and_power_of_line(system, k, time, is_new):
-    """Energy [J] and largest power [W] of line k with its drum or sheave and its parts of the loads on points, by masses."""
+    """Energy [J] and largest power [W] of line k with its sheave and its parts of the loads on points, by masses."""
     points, w, (x, v) = points_of(system), stages_of(system, k), motion_of(system, k)
-    here, speed = (x, v) if is_new else (w.x, w.v)
-    of_drum, grown = 0.0, 0.0
-    if has_drum(system, k):
-        of_drum, grown = turning.energy_and_power(system, k, is_new, here, speed)
-    elif has_run(system, k):
-        of_drum, grown = turning_sheaves.energy_and_power(system, k, is_new, here, speed)
-    if has_coordinates(system) and carries_drum(system, k):
-        of_drum += turning_sheaves.energy_of_drum(system, k, is_new)
-    energy, power = second_order.energy_and_power(conditions_of(system, k), time, here, speed, w.chain.mass)
+    here, speed, conditions = x if is_new else w.x, v if is_new else w.v, conditions_of(system, k)
+    of_rope, grown = 0.0, 0.0
+    if has_rope(system, k):
+        of_rope, grown = turning.energy_and_power(system, k, here, speed)
+        chain = chain_reached(system, k, time, PASSED_NOW)
+        energy, power = second_order.energy_and_power(conditions, chain, time, here, speed, w.chain.mass)
+    else:
+        chain = chain_during(conditions, time)
+        energy, power = second_order.energy_and_power(conditions, chain, time, here, speed, w.chain.mass)
     for end in range(2):
         if is_at_point(system, k, end):
             point, node = point_at(system, k, end), segments_of(system, k) * end
             share = w.chain.mass[node] / points.mass[point]
             power += share * norm(load_at(system, point, time)) * norm(get(speed, node))
-    return energy + of_drum, power + grown
+    return energy + of_rope, power + grown
 
 
 @kernel
 def energy_and_power(system, time, is_new):
-    """Energy [J] and largest power [W] as in `second_order.energy_and_power`, of all lines, points and drums.
+    """Energy [J] and largest power [W] as in `second_order.energy_and_power`, of all lines, points and coordinates.
 
     is_new : whether of the state, else of that at the start of the step.
     """
-    energy, power = 0.0, 0.0
+    energy, power = turning.energy_of_drums(system), 0.0
     for k in range(lines_of(system)):
         if moves(system, k):
             own, given = energy_and_power_of_line(system, k, time, is_new)
@@ -197,11 +214,11 @@ def energy_and_power(system, time, is_new):
 @kernel
 def is_explained(system, time, h):
     """Whether the energy after a step of h [s] at a time [s] is at most that before it and what was put in."""
+    turning.go_to_start(system, time)
     before, power = energy_and_power(system, time, False)
+    turning.come_back(system, time + h)
     after, later = energy_and_power(system, time + h, True)
     motors = turning.work_of_motors(system, time, h)
-    if has_coordinates(system):
-        motors += turning_sheaves.work_of_motors(system, time, h)
     rounding = ROUNDING * (abs(before) + abs(after) + abs(motors))
     return after - before - motors <= h * (power + later) + rounding
 

@@ -14,18 +14,15 @@ from tetherfmu.runtime.status import FIXED_STEPS_TOO_MANY, OK, STATE_NOT_FINITE
 from ..arrays import copy
 from ..compilation import kernel
 from ..equations import segment
-from ..equations.boundary import chain_during, chain_with
+from ..equations.boundary import chain_during
 from ..equations.lines import conditions_of, lines_of, motion_of, state_of
-from ..equations.ropes import has_coordinates
 from ..line import backward_euler, second_order
 from ..line.backward_euler import EXPECTED, STAGE, WHOLE
 from ..line.second_order import ENDS, GAMMA, TO_NEXT
+from ..line.strand_room import UNCONVERGED
 from ..notes import note, note_peak
-from ..points import system_room as at_line
-from ..points.fixed_sheaves import unconverged_sheaves
-from ..points.sheave_room import has_run, portion_at_start
-from ..points.sheave_stages import keep_lengths
-from ..points.system_descent import (
+from ..points import fixed
+from ..points.descent import (
     EARLY,
     HELD,
     LATE,
@@ -36,20 +33,19 @@ from ..points.system_descent import (
     rests_on_ground,
     unconverged_lines,
 )
-from ..points.system_fixed_drums import unconverged_drums
-from ..points.system_guess import begin_as_expected, guess, start
-from ..points.system_room import (
+from ..points.guess import begin_as_expected, guess, start
+from ..points.room import (
     Step,
     attempt_of,
-    has_drum,
-    is_any_sought,
-    length_of,
+    chain_of_state,
+    count_of,
+    has_rope,
     moves,
     numbers_of,
     scratch_of,
     stages_of,
 )
-from . import turning, turning_sheaves
+from . import events, turning
 from .adaptive_steps import work_of
 from .breaks import begin_breaks, break_lines, can_any_break, place_all_ends
 from .fallback import (
@@ -66,7 +62,6 @@ from .fallback import (
     is_explained,
     stiff_swing,
 )
-from .running_ropes import begin_ropes
 
 HELD_FROM = LAST_ITERATIONS - MOST_ITERATIONS  # of the iterations of the finest parts: so that they come to an end
 
@@ -81,7 +76,7 @@ def note_unconverged(system, all_of_them, taken):
     """
     for k in range(lines_of(system)):
         if moves(system, k) and (all_of_them or is_unconverged(system, k, taken)):
-            numbers_of(system, k)[at_line.UNCONVERGED] += 1.0
+            numbers_of(system, k)[UNCONVERGED] += 1.0
 
 
 @kernel
@@ -95,16 +90,15 @@ def take_all(system, step):
 
 @kernel
 def count_unconverged(system, step, taken):
-    """Number of lines, drums and sheaves that have not converged; taken : part of the last move."""
-    count = unconverged_lines(system, taken) + unconverged_drums(system, step)
-    return count + unconverged_sheaves(system, step) if has_coordinates(system) else count
+    """Number of lines and coordinates that have not converged; taken : part of the last move."""
+    return unconverged_lines(system, taken) + fixed.unconverged(system, step)
 
 
 @kernel
 def take_step(system, step, most, in_any_case):
     """A step of backward Euler of all lines (modified): whether it was taken, and the iterations, negative if singular.
 
-    most : iterations at most.  in_any_case : whether to take a result that has not converged.  Drums that turn in it do not
+    most : iterations at most.  in_any_case : whether to take a result that has not converged.  Coordinates do not
     get its result.
     """
     start(system, step)
@@ -137,35 +131,18 @@ def take_step(system, step, most, in_any_case):
 def take_in_any_case(system, time, h):
     """A step of backward Euler of h [s] of all lines (modified) at a time [s], taken as it is after some iterations: these.
 
-    Where it does not converge with drums, the lines take it alone with their last speeds, in as many iterations again.
+    Where it does not converge with coordinates, lines take it alone, with speeds that are not above those before, in as many
+    iterations again.
     """
     iterations = 0
-    if is_any_sought(system):
+    if count_of(system) > 0:
         taken, iterations = take_step(system, Step(time, h, WHOLE, True), LAST_ITERATIONS, False)
         if taken or iterations < 0:
             return iterations
         note_unconverged(system, True, 0.0)
-        turning.turn_evenly(system, time)
-        if has_coordinates(system):
-            keep_lengths(system, Step(time, h, WHOLE, False))
+        fixed.keep_lengths(system, Step(time, h, WHOLE, False))
     _, more = take_step(system, Step(time, h, WHOLE, False), LAST_ITERATIONS, True)
     return more if more < 0 else iterations + more
-
-
-@kernel
-def attempt_whole_step(system, time, h):
-    """Let all drums and ropes (modified) begin a step of backward Euler of h [s] at a time [s]."""
-    turning.attempt_whole_step(system, h)
-    if has_coordinates(system):
-        turning_sheaves.attempt_whole_step(system, time, h)
-
-
-@kernel
-def end_whole_step(system, time, h):
-    """Let all drums and ropes (modified) have the result of a step of backward Euler of h [s] from a time [s] on."""
-    turning.end_whole_step(system, h)
-    if has_coordinates(system):
-        turning_sheaves.end_whole_step(system, time, h)
 
 
 @kernel
@@ -177,8 +154,8 @@ def subdivided_step(system, time, h):
     """
     iterations, done, size = 0, 0, FINEST
     while done < FINEST:
-        own = Step(time + h * done / FINEST, h * size / FINEST, WHOLE, is_any_sought(system))
-        attempt_whole_step(system, own.time, own.h)
+        own = Step(time + h * done / FINEST, h * size / FINEST, WHOLE, count_of(system) > 0)
+        turning.attempt_whole_step(system, own.time, own.h)
         taken, more = True, 0
         if size == 1:
             more = take_in_any_case(system, own.time, own.h)
@@ -187,7 +164,7 @@ def subdivided_step(system, time, h):
         if more < 0:
             return more
         if taken:
-            end_whole_step(system, own.time, own.h)
+            turning.end_whole_step(system, own.time, own.h)
         iterations += more
         done, size = backward_euler.next_part(done, size, taken)
     return iterations
@@ -220,9 +197,6 @@ def go_back(system):
         w, (x, v) = stages_of(system, k), motion_of(system, k)
         copy(w.x, x)
         copy(w.v, v)
-        turning.go_back(system, k)
-    if has_coordinates(system):
-        turning_sheaves.go_back(system)
 
 
 @kernel
@@ -234,22 +208,18 @@ def stages(system, time, h, known):
     reach, iterations, does_cross = GAMMA * h, 0, False
     for i in range(STAGES):
         begin_stage(system, i, known)
-        turning.begin_stage(system, i, reach, known)
-        own = Step(time + (ENDS[i] - GAMMA) * h, reach, EXPECTED if known > 0 else STAGE, is_any_sought(system))
-        if has_coordinates(system):
-            turning_sheaves.begin_stage(system, i, own.time, reach, known)
+        own = Step(time + (ENDS[i] - GAMMA) * h, reach, EXPECTED if known > 0 else STAGE, count_of(system) > 0)
+        turning.begin_stage(system, i, own.time, reach, known)
         taken, more = take_step(system, own, MOST_ITERATIONS, False)
         iterations += max(more, 0)
         if not taken:
             return hard_at(system), iterations
-        if not turning.end_stage(system, time, own.time + reach - time, reach):
-            return AT_STOP, iterations
-        if has_coordinates(system) and not turning_sheaves.end_stage(system, own.time + reach):
+        if not turning.end_stage(system):
             return AT_STOP, iterations
         if i < STAGES - 1:
             does_cross = does_cross or crosses(system, time, time + ENDS[i] * h)
         known += 1
-    if not turning.turn_smoothly(system) or (has_coordinates(system) and not turning_sheaves.run_smoothly(system)):
+    if not turning.turn_smoothly(system):
         return AT_STOP, iterations
     if bounces(system, h):
         return ON_GROUND, iterations
@@ -271,8 +241,7 @@ def step(system, method, time, h, known):
         return subdivided_step(system, time, h), ASKED
     why, iterations = stages(system, time, h, known)
     if why == 0:
-        if has_coordinates(system):
-            turning_sheaves.end_stages(system, time, h)
+        turning.end_stages(system, time, h)
         return iterations, 0
     go_back(system)
     more = subdivided_step(system, time, h)
@@ -282,9 +251,9 @@ def step(system, method, time, h, known):
 @kernel
 def truncated_step(system, time, h):
     """One step of backward Euler of all lines (modified), taken as it is: its iterations. All lines count as unconverged."""
-    attempt_whole_step(system, time, h)
+    turning.attempt_whole_step(system, time, h)
     iterations = take_in_any_case(system, time, h)
-    end_whole_step(system, time, h)
+    turning.end_whole_step(system, time, h)
     note_unconverged(system, True, 0.0)
     return iterations
 
@@ -294,9 +263,7 @@ def note_peaks(system, time):
     """Keep the largest tensions of all lines at a time [s] of the communication step in their states (modified)."""
     for k in range(lines_of(system)):
         conditions, (x, v) = conditions_of(system, k), motion_of(system, k)
-        chain = chain_with(conditions, *length_of(system, k)) if has_drum(system, k) else chain_during(conditions, time)
-        if has_run(system, k):
-            chain = portion_at_start(system, k, time)
+        chain = chain_of_state(system, k, time) if has_rope(system, k) else chain_during(conditions, time)
         note_peak(state_of(system, k), segment.largest_tension(chain, x, v))
 
 
@@ -306,9 +273,8 @@ def integrate(system, steps, duration):
 
     A communication step that is no multiple is divided evenly into steps of at most their size. Once the budget of
     iterations is spent, which takes hard steps, the others are ended after `limits.LAST_ITERATIONS` of backward Euler.
-    Counters stand in the state of the first line, how often iterations were ended in the numbers of each; drums have
-    their lengths and speeds in the states of their lines. Returns a status: OK, FIXED_STEPS_TOO_MANY, STATE_NOT_FINITE or,
-    about a line, NO_LENGTH.
+    Counters stand in the state of the first line, how often iterations were ended in the numbers of each. Returns a status:
+    OK, FIXED_STEPS_TOO_MANY, STATE_NOT_FINITE or, about a line, NO_LENGTH or REELED_TOO_SHORT.
     """
     budget = at.ITERATION_BUDGET // work_of(system)
     count = backward_euler.count_of_steps(steps, duration, budget)
@@ -316,9 +282,7 @@ def integrate(system, steps, duration):
         return FIXED_STEPS_TOO_MANY
     h = duration / count
     for k in range(lines_of(system)):
-        numbers_of(system, k)[at_line.UNCONVERGED] = 0.0
-    if has_coordinates(system):
-        begin_ropes(system)
+        numbers_of(system, k)[UNCONVERGED] = 0.0
     memory, spent, known, method = state_of(system, 0), 0, 0, steps.method
     if method != at.BACKWARD_EULER:
         swing = h * sqrt(stiff_swing(system, h))
@@ -333,8 +297,8 @@ def integrate(system, steps, duration):
         if iterations < 0:
             return STATE_NOT_FINITE
         status = turning.balance(system, i * h + h, GAMMA * h if why == 0 else h)
-        if status == OK and has_coordinates(system):
-            status = turning_sheaves.check(system)
+        if status == OK:
+            status = turning.check(system)
         if status != OK:
             return status
         known = 3 if why == 0 else 0
@@ -345,8 +309,7 @@ def integrate(system, steps, duration):
             note_peaks(system, i * h + h)
         if may_break and break_lines(system, i * h + h):
             may_break, known = can_any_break(system), 0
-    if has_coordinates(system):
-        turning_sheaves.end_steps(system)
+    events.begin_directions(system)  # which of them move at the end
     memory[at.STEPS] += count
     memory[at.ITERATIONS] += spent
     return OK

@@ -1,138 +1,153 @@
-"""The drums in fixed steps: how all of them turn in the stages of a step, and in backward Euler.
+"""Rope coordinates in fixed steps: how all of them move in the stages of a step, and in backward Euler.
 
-    L1 = L0 + g h u1,   u1 = u0 + g h f(x1, v1, L1, u1)/m,   and so on, as x and v of a node (`second_order.py`)
+    q1 = q0 + g h u1,   u1 = u0 + g h f(x1, v1, q1, u1)/m,   and so on, as x and v of a node (`line/second_order.py`)
 
-A stage is a step of backward Euler over g h (`system_fixed_drums.py`). Without mass f = 0 in each stage, and what putting
-driven ends on their curves leaves of it is taken away by `moving_drum.project`. A step is taken anew by backward Euler where
-one without a drum is, and where a drum comes to rest or to a stop, or leaves them, within the step: it then rests, or turns,
-at its end. What makes a step of one drum one of backward Euler makes that of the whole system one.
+A stage is a step of backward Euler over g h (`points/fixed.py`). A step is taken anew by backward Euler where one without
+coordinates is, and where one of them begins to move, comes to rest or to a stop within it. That stops the ropes at its ends,
+and nodes take their momentum (`events.stop`). What makes a step of one backward Euler makes that of the whole system one.
 """
 
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime.status import NO_LENGTH, OK
+from tetherfmu.runtime.status import NO_LENGTH, OK, REELED_TOO_SHORT
 
 from ..compilation import kernel
 from ..equations import flow, segment
-from ..equations.boundary import chain_with
-from ..equations.drum import INWARDS, OUTWARDS, force_at, is_at_stop
-from ..equations.lines import conditions_of, hold_length, lines_of, motion_of, note_line, parameters_of, put_reeling
+from ..equations.drum import INWARDS, OUTWARDS, is_at_stop
+from ..equations.lines import conditions_of, lines_of, note_line
 from ..equations.properties import property_of
-from ..equations.rope_at_drum import feels_rope
-from ..equations.winch import steadily
-from ..line.moving_drum import Instant, first_tension, project
+from ..equations.rope import feels_rope
+from ..line.massless_drum import project
 from ..line.second_order import TO_NEXT, start_of_second, start_of_third
+from ..line.strand_room import LENGTH, SHEAVE, TENSION
 from ..linear_algebra.vectors import dot, get, sub
-from ..points import system_room as at_line
-from ..points.system_room import drum_at, has_drum, length_of, numbers_of, put_length
-from .stopped_drums import put_reeling_speed
+from ..points import fixed, room
+from ..points.coordinates import has_own_drum, shortest_of
+from ..points.room import (
+    chain_at_stage,
+    chain_with_rope,
+    coordinate_at,
+    count_of,
+    has_longest,
+    has_rope,
+    line_of,
+    numbers_of,
+    take_rates,
+)
+from . import events
+from .events import drum_at, instant_of
+from .states import go_to_state
 
 # --- a step that is attempted
 
 
 @kernel
-def limits_of(system, k, h):
-    """Speeds [m/s] with which the drum of line k would come to its stops in a step of h [s], inwards and outwards."""
-    drum, (length, _) = drum_at(system, k), length_of(system, k)
-    return (drum.shortest - length) / h, (drum.longest - length) / h
+def attempt(system, time, h):
+    """Let all coordinates (modified) begin a step of h [s] at a time [s] with guesses of their speeds, in SPEED_NOW."""
+    for j in range(count_of(system)):
+        own = coordinate_at(system, j)
+        own[room.IS_HELD], own[room.SIGN], own[room.CHANGE], own[room.IS_FOUND] = 0.0, 0.0, 0.0, 0.0
+        if own[room.IS_BRAKED] != 0.0:
+            own[room.SPEED_NOW] = 0.0
+        fixed.put_speed(own, h, own[room.SPEED_NOW])
+    fixed.place_lines(system, time + h)
 
 
 @kernel
-def attempt(system, k, lowest, highest, guess):
-    """Let the drum of line k (modified) begin a step with a guess of its speed, which has these limits [m/s]."""
-    numbers, (length, _) = numbers_of(system, k), length_of(system, k)
-    numbers[at_line.LOWEST], numbers[at_line.HIGHEST] = lowest, highest
-    numbers[at_line.TRIAL], numbers[at_line.CHANGE], numbers[at_line.IS_FOUND] = min(highest, max(lowest, guess)), 0.0, 0.0
-    hold_length(system, k, length)
+def begin(system):
+    """Let a fixed step of all coordinates (modified) begin with their states."""
+    for j in range(count_of(system)):
+        own = coordinate_at(system, j)
+        own[room.REACHED], own[room.REACHED_SPEED] = own[room.PASSED], own[room.SPEED]
+        own[room.START_PASSED], own[room.START_SPEED] = own[room.PASSED], own[room.SPEED]
+        own[room.PASSED_NOW], own[room.SPEED_NOW], own[room.KEEPS] = own[room.PASSED], own[room.SPEED], 0.0
 
 
 # --- backward Euler
 
 
 @kernel
-def attempt_whole_step(system, h):
-    """Let all drums (modified) begin a step of backward Euler of h [s]; one that friction stops does not turn round."""
-    for k in range(lines_of(system)):
-        if has_drum(system, k):
-            drum, (_, speed), (lowest, highest) = drum_at(system, k), length_of(system, k), limits_of(system, k, h)
-            if drum.friction > 0.0 and drum.mass > 0.0:
-                if speed > 0.0:
-                    lowest = min(max(lowest, 0.0), highest)
-                elif speed < 0.0:
-                    highest = max(min(highest, 0.0), lowest)
-            attempt(system, k, lowest, highest, speed)
+def attempt_whole_step(system, time, h):
+    """Let all coordinates (modified) begin a step of backward Euler of h [s] at a time [s]; friction turns none round."""
+    begin(system)
+    for j in range(count_of(system)):
+        own = coordinate_at(system, j)
+        if own[room.FRICTION] != 0.0 and own[room.IS_MASSLESS] == 0.0 and has_inertia(own):
+            own[room.KEEPS] = 0.0 if own[room.SPEED] == 0.0 else (1.0 if own[room.SPEED] > 0.0 else -1.0)
+    attempt(system, time, h)
 
 
 @kernel
-def end_whole_step(system, h):
-    """Let all drums (modified) have the result of a step of backward Euler of h [s]: stops are inelastic."""
-    for k in range(lines_of(system)):
-        if has_drum(system, k):
-            drum, (length, _), (lowest, highest) = drum_at(system, k), length_of(system, k), limits_of(system, k, h)
-            speed = numbers_of(system, k)[at_line.TRIAL]
-            if speed <= lowest:
-                put_reeling_speed(system, k, drum.shortest, 0.0, speed)
-            elif speed >= highest:
-                put_reeling_speed(system, k, drum.longest, 0.0, speed)
-            else:
-                put_length(system, k, length + h * speed, speed)
+def has_inertia(own):
+    """Whether a coordinate does not jump where friction changes its sign: rope over a sheave, or a drum that has mass."""
+    return own[room.IS_DRUM] == 0.0 or own[room.MASS] > 0.0
 
 
 @kernel
-def turn_evenly(system, time):
-    """Let all drums (modified) turn with the speeds of the iteration from a time [s] on, for lines that move alone."""
-    for k in range(lines_of(system)):
-        if has_drum(system, k):
-            (length, _), speed = length_of(system, k), numbers_of(system, k)[at_line.TRIAL]
-            put_reeling(system, k, steadily(length - speed * time, speed, 0.0))
+def accept(system):
+    """Let all coordinates (modified) have what the step has led to."""
+    for j in range(count_of(system)):
+        own = coordinate_at(system, j)
+        own[room.PASSED], own[room.SPEED], own[room.ACCELERATION] = (
+            own[room.PASSED_NOW],
+            own[room.SPEED_NOW],
+            own[room.GAIN_NOW],
+        )
+
+
+@kernel
+def end_whole_step(system, time, h):
+    """Let all coordinates (modified) have the result of a step of backward Euler of h [s] from a time [s] on, and stop."""
+    accept(system)
+    if count_of(system) > 0:
+        go_to_state(system, time + h)
+        events.begin_directions(system)
+        events.stop(system, time + h)
 
 
 # --- stages
 
 
 @kernel
-def begin_stage(system, i, reach, known):
-    """Let all drums (modified), the results of the stage before, begin stage i of `reach` [s].
+def begin_stage(system, i, time, reach, known):
+    """Let all coordinates (modified), the results of the stage before, begin stage i of `reach` [s] at a time [s].
 
     Their speeds in the last stages are continued to a guess; known : of how many of these before the step they are known.
     """
-    for k in range(lines_of(system)):
-        if has_drum(system, k):
-            numbers, (length, speed) = numbers_of(system, k), length_of(system, k)
-            guess = speed + (TO_NEXT[i] * (speed - numbers[at_line.BEFORE]) if known > 0 else 0.0)
-            numbers[at_line.LONG_BEFORE], numbers[at_line.BEFORE] = numbers[at_line.BEFORE], speed
-            if i == 0:
-                numbers[at_line.START_LENGTH], numbers[at_line.START_SPEED] = length, speed
-            elif i == 1:
-                length, numbers[at_line.ONWARD_LENGTH] = start_of_second(numbers[at_line.START_LENGTH], length)
-                speed, numbers[at_line.ONWARD_SPEED] = start_of_second(numbers[at_line.START_SPEED], speed)
-            else:
-                length = start_of_third(numbers[at_line.ONWARD_LENGTH], numbers[at_line.START_LENGTH], length)
-                speed = start_of_third(numbers[at_line.ONWARD_SPEED], numbers[at_line.START_SPEED], speed)
-            put_length(system, k, length, speed)
-            attempt(system, k, *limits_of(system, k, reach), guess)
+    if i == 0:
+        begin(system)
+    for j in range(count_of(system)):
+        own = coordinate_at(system, j)
+        speed, passed, start, from_start = (
+            own[room.SPEED_NOW],
+            own[room.PASSED_NOW],
+            own[room.START_SPEED],
+            own[room.START_PASSED],
+        )
+        guess = speed + (TO_NEXT[i] * (speed - own[room.BEFORE]) if known > 0 else 0.0)
+        own[room.LONG_BEFORE], own[room.BEFORE] = own[room.BEFORE], speed
+        if i == 1:
+            own[room.REACHED], own[room.ONWARD_PASSED] = start_of_second(from_start, passed)
+            own[room.REACHED_SPEED], own[room.ONWARD_SPEED] = start_of_second(start, speed)
+        elif i == 2:
+            own[room.REACHED] = start_of_third(own[room.ONWARD_PASSED], from_start, passed)
+            own[room.REACHED_SPEED] = start_of_third(own[room.ONWARD_SPEED], start, speed)
+        own[room.SPEED_NOW] = guess
+    attempt(system, time, reach)
 
 
 @kernel
-def end_stage(system, time, h, reach):
-    """Let all drums (modified) have the results of a stage of `reach` [s]; whether none has come to a stop.
-
-    From then on the lengths of their lines change evenly from the start of the step to there: h [s] from its time [s] on.
-    """
+def end_stage(system):
+    """Whether no coordinate has come to a stop in a stage."""
     at_stops = 0
-    for k in range(lines_of(system)):
-        if has_drum(system, k):
-            numbers, (length, _) = numbers_of(system, k), length_of(system, k)
-            speed = numbers[at_line.TRIAL]
-            at_stops += not (speed == 0.0 or numbers[at_line.LOWEST] < speed < numbers[at_line.HIGHEST])
-            put_length(system, k, length + reach * speed, speed)
-            rate = (length + reach * speed - numbers[at_line.START_LENGTH]) / h
-            put_reeling(system, k, steadily(numbers[at_line.START_LENGTH] - rate * time, rate, 0.0))
+    for j in range(count_of(system)):
+        own = coordinate_at(system, j)
+        at_stops += not (own[room.SPEED_NOW] == 0.0 or own[room.LOWEST] < own[room.SPEED_NOW] < own[room.HIGHEST])
     return at_stops == 0
 
 
 @kernel
 def turns_smoothly(has_friction, has_mass, speed, first, second, third):
-    """Whether a drum turns, or is held, throughout a step, with its speeds [m/s] at the start and in the stages."""
+    """Whether a coordinate moves, or is held, throughout a step, with its speeds [m/s] at the start and in the stages."""
     if first == 0.0 and second == 0.0 and third == 0.0:
         return not has_mass or speed == 0.0
     if first == 0.0 or second == 0.0 or third == 0.0:
@@ -144,97 +159,150 @@ def turns_smoothly(has_friction, has_mass, speed, first, second, third):
 
 @kernel
 def turn_smoothly(system):
-    """Whether each drum turns, or is held, throughout a step whose stages are done."""
-    for k in range(lines_of(system)):
-        if has_drum(system, k):
-            numbers, drum, (_, speed) = numbers_of(system, k), drum_at(system, k), length_of(system, k)
-            stages = numbers[at_line.START_SPEED], numbers[at_line.LONG_BEFORE], numbers[at_line.BEFORE], speed
-            if not turns_smoothly(drum.friction != 0.0, drum.mass != 0.0, *stages):
-                return False
+    """Whether each coordinate moves, or is held, throughout a step whose stages are done."""
+    for j in range(count_of(system)):
+        own = coordinate_at(system, j)
+        stages = own[room.LONG_BEFORE], own[room.BEFORE], own[room.SPEED_NOW]
+        if not turns_smoothly(own[room.FRICTION] != 0.0, has_inertia(own), own[room.START_SPEED], *stages):
+            return False
     return True
 
 
 @kernel
-def go_back(system, k):
-    """Put the drum of line k (modified) back to the start of the step."""
-    if has_drum(system, k):
-        numbers = numbers_of(system, k)
-        put_length(system, k, numbers[at_line.START_LENGTH], numbers[at_line.START_SPEED])
+def end_stages(system, time, h):
+    """Let all coordinates (modified) have the result of the stages of a step of h [s] from a time [s] on."""
+    accept(system)
+    go_to_state(system, time + h)
 
 
 # --- energy
 
 
 @kernel
-def energy_and_power(system, k, is_new, x, v):
-    """Energy of the drum of line k [J] and the power [W] at most with which energy grows as not all segments pull alike.
-
-    What the drum pays out lengthens all segments, and only the first one pulls at it. With the nodes at x [m] and velocities
-    v [m/s] after the stages of a step, or at its start; the line (modified) then has the length there.
-    """
-    conditions, numbers = conditions_of(system, k), numbers_of(system, k)
-    length, speed = length_of(system, k) if is_new else (numbers[at_line.START_LENGTH], numbers[at_line.START_SPEED])
-    hold_length(system, k, length)
-    chain, power = chain_with(conditions, length, speed), 0.0
-    if feels_rope(chain.parameters):
-        return energy_and_power_with_rope(system, k, chain, x, v)
-    first = first_tension(chain, x, v)
-    for s in range(chain.n):
-        stretched, e = segment.geometry(sub(get(x, s + 1), get(x, s)))
-        rate = dot(e, sub(get(v, s + 1), get(v, s)))
-        tension = segment.tension_of(chain, s, segment.BY_LENGTH, stretched, rate)
-        power += abs(property_of(chain, s, at.SHARE) * first - tension * stretched / length)
-    return 0.5 * drum_at(system, k).mass * speed * speed, power * abs(speed)
+def go_to_start(system, time):
+    """Let coordinates and lines (modified) be where a step of three stages started, at a time [s]; `come_back` undoes it."""
+    for j in range(count_of(system)):
+        own = coordinate_at(system, j)
+        own[room.KEPT], own[room.KEPT + 1], own[room.KEPT + 2] = (
+            own[room.PASSED_NOW],
+            own[room.SPEED_NOW],
+            own[room.GAIN_NOW],
+        )
+        own[room.PASSED_NOW], own[room.SPEED_NOW], own[room.GAIN_NOW] = own[room.START_PASSED], own[room.START_SPEED], 0.0
+    fixed.place_lines(system, time)
 
 
 @kernel
-def energy_and_power_with_rope(system, k, chain, x, v):
-    """The same where the drum feels the rope that flows: with the kinetic energy of the rope beyond that of the nodes.
+def come_back(system, time):
+    """Let coordinates and lines (modified) be where that step ended, at a time [s]."""
+    for j in range(count_of(system)):
+        own = coordinate_at(system, j)
+        own[room.PASSED_NOW], own[room.SPEED_NOW], own[room.GAIN_NOW] = (
+            own[room.KEPT],
+            own[room.KEPT + 1],
+            own[room.KEPT + 2],
+        )
+    fixed.place_lines(system, time)
 
-    The power is what rope from the drum brings, and the strain that it has there.
+
+@kernel
+def energy_and_power(system, k, x, v):
+    """Kinetic energy [J] of the rope that flows in line k and of the sheave at its end; most power [W] that comes in.
+
+    With the nodes at x [m] and velocities v [m/s], and coordinates as at the stage. The power is what rope brings from a
+    winch, a drum or a driven end, and the strain that it has there.
     """
-    speed = chain.reeling
-    energy, part = 0.5 * parameters_of(system, k)[at.WINCH_MASS] * speed * speed, 1.0
-    for s in range(chain.n):
-        energy += flow.energy(chain, s, part, get(x, s), get(x, s + 1), get(v, s), get(v, s + 1))
+    numbers, spring = numbers_of(system, k), chain_at_stage(system, k)
+    if not feels_rope(spring.parameters):
+        return 0.0, power_of_spring(spring, x, v)
+    chain, part, pull, n, energy = chain_with_rope(system, k), 1.0, 0.0, spring.n, 0.0
+    into, leaving = chain.reeling + chain.leaving, chain.leaving
+    if numbers[SHEAVE] >= 0.0:
+        energy += 0.5 * coordinate_at(system, int(numbers[SHEAVE]))[room.MASS] * leaving * leaving
+    for s in range(n):
+        x_p, x_q, v_p, v_q = get(x, s), get(x, s + 1), get(v, s), get(v, s + 1)
+        energy += flow.energy(chain, s, part, x_p, x_q, v_p, v_q)
+        length, e = segment.geometry(sub(x_q, x_p))
+        pull += abs(segment.tension_of(chain, s, segment.BY_LENGTH, length, dot(e, sub(v_q, v_p)))) * length / chain.length
         part -= property_of(chain, s, at.SHARE)
-    drum, density = drum_at(system, k), property_of(chain, 0, at.LINE_DENSITY)
-    force = abs(drum.force) + drum.damping * abs(speed) + drum.friction
-    stored = 0.5 * force * force / property_of(chain, 0, at.STIFFNESS)
-    brought = density * (0.5 * speed * speed + chain.gravity * abs(x[2]) + dot(get(v, 0), get(v, 0)))
-    return energy, (brought + stored) * abs(speed)
+    density = property_of(chain, 0, at.LINE_DENSITY)
+    tension, comes_from_winch = max(numbers[TENSION], 0.0), not room.is_held(system, k, 0)
+    strain = pull if comes_from_winch else 0.5 * tension * tension / property_of(chain, 0, at.STIFFNESS)
+    brought = density * (0.5 * into * into + chain.gravity * abs(x[2]) + dot(get(v, 0), get(v, 0)))
+    if has_own_drum(system, k):
+        return energy, abs(into) * (brought + strain)
+    power = flow.most_power(chain, x, v) + density * abs(leaving) * dot(get(v, n), get(v, n))
+    power += density * abs(into) * (into * into + dot(get(v, 0), get(v, 0)))
+    if has_longest(system, k) or comes_from_winch:
+        power += abs(into) * (strain + density * chain.gravity * abs(x[2]))
+    return energy, power
+
+
+@kernel
+def power_of_spring(chain, x, v):
+    """Power [W] at most with which energy grows as a drum lengthens all segments, and only the first one pulls at it."""
+    power, first = 0.0, 0.0
+    for s in range(chain.n):
+        stretched, e = segment.geometry(sub(get(x, s + 1), get(x, s)))
+        tension = segment.tension_of(chain, s, segment.BY_LENGTH, stretched, dot(e, sub(get(v, s + 1), get(v, s))))
+        first = tension if s == 0 else first
+        power += abs(property_of(chain, s, at.SHARE) * first - tension * stretched / chain.length)
+    return power * abs(chain.reeling)
+
+
+@kernel
+def energy_of_drums(system):
+    """Kinetic energy [J] of all drums, as at the stage."""
+    energy = 0.0
+    for j in range(count_of(system)):
+        own = coordinate_at(system, j)
+        energy += own[room.IS_DRUM] * 0.5 * own[room.MASS] * own[room.SPEED_NOW] ** 2
+    return energy
 
 
 @kernel
 def work_of_motors(system, time, h):
     """Work of all motors [J] in the stages of a step of h [s] at a time [s] of the communication step."""
     work = 0.0
-    for k in range(lines_of(system)):
-        if has_drum(system, k):
-            drum, start, (end, _) = drum_at(system, k), numbers_of(system, k)[at_line.START_LENGTH], length_of(system, k)
-            work += 0.5 * (force_at(drum, time) + force_at(drum, time + h)) * (start - end)
+    for j in range(count_of(system)):
+        own = coordinate_at(system, j)
+        mean = own[room.LOAD] + (time + 0.5 * h) * own[room.LOAD_RATE]
+        work -= mean * (own[room.PASSED_NOW] - own[room.START_PASSED])
     return work
 
 
-# --- drums without mass
+# --- after a step
 
 
 @kernel
 def balance(system, time, d):
     """Let all drums without mass that turn (modified) have T = W + c u + F sign(u) after a step, at its end [s]; a status.
 
-    d : as for `moving_drum.project`.  The plan (modified) then says which line it is about.
+    d : as for `massless_drum.project`.  The plan (modified) then says which line it is about.
     """
-    for k in range(lines_of(system)):
-        if has_drum(system, k):
-            drum, (length, speed) = drum_at(system, k), length_of(system, k)
-            may_rest = drum.friction > 0.0 or is_at_stop(drum, length, OUTWARDS) or is_at_stop(drum, length, INWARDS)
-            if drum.mass == 0.0 and not (speed == 0.0 and may_rest):
-                direction = INWARDS if speed < 0.0 else OUTWARDS
-                now = Instant(time, length, speed, *motion_of(system, k))
+    for j in range(count_of(system)):
+        own, k = coordinate_at(system, j), line_of(system, j)
+        if own[room.IS_MASSLESS] != 0.0 and own[room.IS_BRAKED] == 0.0:
+            now, drum = instant_of(system, j, time, False), drum_at(system, j)
+            may_rest = drum.friction > 0.0 or is_at_stop(drum, now.length, OUTWARDS) or is_at_stop(drum, now.length, INWARDS)
+            if not (now.speed == 0.0 and may_rest):
+                direction = INWARDS if now.speed < 0.0 else OUTWARDS
                 length, speed, found = project(conditions_of(system, k), drum, direction, d, now)
                 if not found:
                     note_line(system.plan, k)
                     return NO_LENGTH
-                put_length(system, k, length, speed)
+                own[room.PASSED] += length - now.length
+                own[room.SPEED] = speed
+                own[room.PASSED_NOW], own[room.SPEED_NOW] = own[room.PASSED], speed
+                take_rates(system, k, time)
+    return OK
+
+
+@kernel
+def check(system):
+    """OK, or REELED_TOO_SHORT about a line that its winch has left too short; the plan (modified) says which."""
+    for k in range(lines_of(system)):
+        if has_rope(system, k) and numbers_of(system, k)[LENGTH] < at.SHORTEST_PART * shortest_of(system, k):
+            note_line(system.plan, k)
+            return REELED_TOO_SHORT
     return OK

@@ -1,14 +1,12 @@
-"""Coordinates of rope that runs: over a sheave, or off a drum that turns beside sheaves or holds several lines.
+"""Which rope coordinates a system has: metres of rope that pass a sheave, or that a drum pays out.
 
-The rate u of a coordinate [m/s] is that at which rope runs over a sheave, or at which a drum pays out a line with ratio 1.
-It acts on portions, IN over the first node or OUT over the last one, with weights r in their rates a and b there:
+    sheave at the end of line k     takes rope out of line k over its end, and lets it into line k + 1 over its start
+    drum that line k carries        lets rope into the start of each line that it holds, with the ratio of the line
+    drum of a line of its own       the same with one line and the ratio 1
 
-    sheave at the end of line k     OUT of k with r = 1, IN of k + 1 with r = 1
-    drum that line k carries        IN of the first portion of each line that it holds, with the ratio of the line
-
-A line at several drums has the sum of what they let in. So what follows from energies is the same for both; `sheaves.py` has
-the equation of a sheave, `running_drums.py` that of a drum. A coordinate is a number: k of the sheave at the end of line k,
-and k more than the number of lines of the drum that line k carries.
+A line at several drums has the sum of what they let in. What a coordinate does follows from energies alone, whatever it is:
+`equations/rope.py`, `line/strand.py`, `net.py`. Here is what the parameters say of them, and where the search for the
+lengths of lines at rest keeps its numbers.
 """
 
 from tetherfmu.runtime import layout as at
@@ -16,154 +14,52 @@ from tetherfmu.runtime import plan_layout as places
 
 from ..compilation import kernel, view
 from ..equations import winch
-from ..equations.lines import inputs_of, lines_of, number_of_line, parameters_of, state_of
-from ..equations.rope_at_sheave import IN, OUT
-from ..equations.ropes import goes_on, has_coordinates, is_portion
+from ..equations.lines import inputs_of, lines_of, number_in, number_of_line, parameters_of
+from ..equations.ropes import goes_on, has_coordinates, is_portion, is_turned
 from ..equations.torn import is_torn
 from ..flat_arrays import part
-from ..line.rodas4p import STAGES
-from . import sheave_room as at_sheave
-from .sheave_room import drum_numbers_at, held_ratio, numbers_at, ratio_of, shared_of
-from .system_room import shares_of
 
 
 @kernel
 def carries_drum(system, k):
-    """Whether line k carries a drum that is a coordinate, also where it broke."""
+    """Whether line k carries a drum that turns beside sheaves or that several lines share, also where it broke."""
     parameters = parameters_of(system, k)
     control = parameters[at.WHOLE_CONTROL if is_torn(parameters) else at.WINCH_CONTROL]
     return number_of_line(system, k, places.DRUM) != 0 and control == at.WINCH_BY_FORCE
 
 
 @kernel
-def is_drum(system, c):
-    """Whether a coordinate is a drum."""
-    return c >= lines_of(system)
+def has_own_drum(system, k):
+    """Whether line k has a drum to itself: a winch controlled by force, in a system without sheaves and shared drums."""
+    return winch.follows_force(parameters_of(system, k)) and not has_coordinates(system)
 
 
 @kernel
-def line_of(system, c):
-    """The line before a sheave, or that carries a drum."""
-    return c - lines_of(system) if is_drum(system, c) else c
-
-
-@view
-def own_numbers(system, c):
-    """Numbers of a coordinate, at the first places of `sheave_room.py`."""
-    return drum_numbers_at(system, line_of(system, c)) if is_drum(system, c) else sheave_numbers_at(system, c)
-
-
-@view
-def sheave_numbers_at(system, k):
-    """Those of the sheave at the end of line k; an array as long as `drum_numbers_at`."""
-    return part(numbers_at(system, k), 0, at_sheave.DRUM_NUMBERS)
+def held_ratio(system, k, carrier):
+    """Ratio [-] with which the drum that the line `carrier` carries holds line k; 0 where it does not."""
+    total, parameters = 0.0, parameters_of(system, k)
+    for i in range(at.MOST_HOLDERS):
+        if parameters[at.HELD_BY + i] == carrier + 1.0:
+            total += parameters[at.HELD_RATIO + i]
+    return total
 
 
 @kernel
-def is_braked(system, c):
-    """Whether a coordinate is a drum whose lines all broke: it turns no more."""
-    if not is_drum(system, c):
-        return False
-    whole = 0
-    for k in range(lines_of(system)):
-        whole += state_of(system, k)[at.TORN_SEGMENT] == 0.0 and held_ratio(system, k, line_of(system, c)) != 0.0
-    return whole == 0
-
-
-# --- which there are
+def ratio_of(system, k, carrier):
+    """Rope of line k for each metre that the drum pays out which the line `carrier` carries [-]."""
+    return held_ratio(system, k, carrier) if is_turned(system, k) else 0.0
 
 
 @kernel
-def append(system, c, count):
-    """Let a coordinate (modified) have a number."""
-    own_numbers(system, c)[at_sheave.NUMBER] = count
-    shared_of(system)[4][count] = c
+def shortest_of(system, k):
+    """Unstretched length [m] below which line k does not get."""
+    return parameters_of(system, k)[at.SHORTEST_LENGTH]
 
 
 @kernel
-def number_coordinates(system):
-    """Number all coordinates (modified), sheaves in the order of their lines, then drums."""
-    count, lines = 0, lines_of(system)
-    for k in range(lines):
-        if goes_on(system, k):
-            append(system, k, count)
-            count += 1
-    for k in range(lines):
-        if carries_drum(system, k):
-            append(system, lines + k, count)
-            count += 1
-    numbers_at(system, 0)[at_sheave.COUNT] = count
-
-
-@kernel
-def count_of(system):
-    """How many there are, of a system that has numbered them."""
-    return int(numbers_at(system, 0)[at_sheave.COUNT])
-
-
-@kernel
-def coordinate_at(system, j):
-    """The coordinate with a number."""
-    return int(shared_of(system)[4][j])
-
-
-@kernel
-def number_of(system, c):
-    """Number of a coordinate."""
-    return int(own_numbers(system, c)[at_sheave.NUMBER])
-
-
-@kernel
-def runs(system, c):
-    """Whether rope runs over the sheave, or the drum turns."""
-    return own_numbers(system, c)[at_sheave.RUNS] != 0.0
-
-
-@kernel
-def count_running(system):
-    """Over how many sheaves rope runs, and how many drums turn."""
-    count = 0
-    if has_coordinates(system):
-        for j in range(count_of(system)):
-            count += runs(system, coordinate_at(system, j))
-    return count
-
-
-@kernel
-def is_any_running(system):
-    """Whether rope runs over any sheave or off any drum."""
-    return count_running(system) > 0
-
-
-@view
-def stages_of(system, c):
-    """What the stages of a step make of the speed of a coordinate [m/s]."""
-    if is_drum(system, c):
-        return part(drum_numbers_at(system, line_of(system, c)), at_sheave.DRUM_NUMBERS, STAGES)
-    return shares_of(system, c).speeds
-
-
-# --- on which portions they act
-
-
-@kernel
-def portions_of(system, c):
-    """The first portion on which a coordinate acts, and the one behind the last; a drum need not act on all in between."""
-    return (0, lines_of(system)) if is_drum(system, c) else (c, c + 2)
-
-
-@kernel
-def weight_of(system, c, k, side):
-    """r [-] with which a coordinate acts on an end of portion k; 0 where it does not."""
-    if is_drum(system, c):
-        return ratio_of(system, k, line_of(system, c)) if side == IN else 0.0
-    return 1.0 if k + side == c + 1 else 0.0
-
-
-@kernel
-def growth_of(system, c, k):
-    """By how much a coordinate makes portion k longer for each metre that passes [-]."""
-    return weight_of(system, c, k, IN) - weight_of(system, c, k, OUT)
+def longest_of(system, k):
+    """Unstretched length [m] to which its drum pays out line k at most."""
+    return parameters_of(system, k)[at.LONGEST_LENGTH]
 
 
 # --- how drums start
@@ -219,3 +115,32 @@ def is_sought_by_drums(system, k):
 def is_shared_out(system, k):
     """Whether line k starts with a length that is found with others: a portion, or one that such a drum holds."""
     return is_portion(system, k) or is_sought_by_drums(system, k)
+
+
+# --- room for the search at rest
+
+LENGTH_AT_REST, REST_NUMBERS = 0, 2  # [m]
+
+
+@view
+def numbers_at_rest(system, k):
+    """Numbers of line k while lengths are sought at rest: LENGTH_AT_REST."""
+    return part(system.work, number_of_line(system, k, places.PORTION_WORK), REST_NUMBERS)
+
+
+@kernel
+def rest_size(count):
+    """Length of what `shared_at_rest` needs of so many coordinates."""
+    return count * (2 * count + 4) + 1
+
+
+@view
+def shared_at_rest(system, count):
+    """Two matrices and three vectors of so many coordinates; room for one number more of each, and one."""
+    first, square = number_in(system.plan, places.SHEAVES_WORK), count * count
+    vectors = first + 2 * square
+    matrices = part(system.work, first, square), part(system.work, first + square, square)
+    three = part(system.work, vectors, count), part(system.work, vectors + count, count)
+    last = part(system.work, vectors + 2 * count, count)
+    behind_them = part(system.work, vectors + 3 * count, count)
+    return (*matrices, *three, last), behind_them, part(system.work, vectors + 4 * count, 1)

@@ -7,7 +7,7 @@ from tetherfmu.runtime.status import OK
 from ..arrays import positions_and_velocities, shared_arrays
 from ..compilation import kernel
 from ..equations.properties import chain_of
-from ..equations.rope_at_drum import feels_rope, tension_at_winch, tension_of_rope
+from ..equations.rope import feels_rope, tension_at_winch, tension_of_rope
 from ..equations.winch import follows_force
 from ..linear_algebra.vectors import ZERO_VECTOR, get, norm, put, vector_at
 from ..notes import note

@@ -21,9 +21,7 @@ from ..linear_algebra import condensed
 from ..linear_algebra.matrices import ZERO_MATRIX, scale_matrix, subtract
 from ..linear_algebra.point_blocks import add_to_block
 from ..linear_algebra.vectors import ZERO_VECTOR, add_at, add_scaled, get, norm, put, scale, vector_at
-from ..points import sheave_room as at_sheave
-from ..points.coordinates import is_shared_out, start_speed
-from ..points.sheave_room import numbers_at
+from ..points.coordinates import LENGTH_AT_REST, is_shared_out, numbers_at_rest, start_speed
 from ..step import transaction
 from . import dynamic_chain, end_tensions, newton
 from .rigid_body import Body
@@ -90,7 +88,7 @@ def start_state(system, k):
     if is_turned(system, k):
         state[at.REELING] = start_speed(system, k)
     if status == OK and is_shared_out(system, k):
-        state[at.LENGTH] = numbers_at(system, k)[at_sheave.LENGTH_NOW]
+        state[at.LENGTH] = numbers_at_rest(system, k)[LENGTH_AT_REST]
         status = transaction.check_length(n, parameters, state[at.LENGTH])
     return status
 

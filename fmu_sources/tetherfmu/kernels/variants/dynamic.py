@@ -8,13 +8,14 @@ from tetherfmu.runtime.status import OK
 
 from ..arrays import positions_and_velocities
 from ..compilation import kernel, view
-from ..equations.lines import OneLine, System
-from ..equations.rope_at_drum import tension_at_winch as tension_at_ground  # noqa: F401 - of `winch_start`
+from ..equations.lines import ONE_LINE_ROOM, OneLine, System
+from ..equations.rope import tension_at_winch as tension_at_ground  # noqa: F401 - of `winch_start`
 from ..equations.winch import follows_force
 from ..flat_arrays import part
 from ..line.backward_euler import given_steps
 from ..motion.fixed_steps import most_iterations
-from ..points import system_room
+from ..motion.states import end_coordinates
+from ..points import room
 from ..rest import dynamic_chain, resting_kite
 from . import moving_lines
 
@@ -22,7 +23,7 @@ from . import moving_lines
 @kernel
 def work_size(n):
     """Length of the work array."""
-    return max(system_room.line_work_size(n), resting_kite.work_size(n))
+    return max(ONE_LINE_ROOM + room.line_work_size(n), resting_kite.work_size(n))
 
 
 @kernel
@@ -51,7 +52,8 @@ def advance(n, parameters, given, before, state, work):
     status = moving_lines.advance(system, given.step, before)
     if status == OK:
         moving_lines.end_line(system, 0, given.step)
-        moving_lines.end_drums(system, given.step)
+        if room.count_of(system) > 0:
+            end_coordinates(system, given.step)
     return status
 
 

@@ -10,9 +10,14 @@ from ..equations.lines import inputs_of, lines_of, parameters_of, segments_of, s
 from ..equations.properties import property_in
 from ..equations.ropes import comes_from, goes_on, is_portion
 from ..linear_algebra.vectors import norm, sub
-from ..points import sheave_room as at_sheave
-from ..points.coordinates import has_sought_drum, is_alone, is_shared_out
-from ..points.sheave_room import numbers_at, shortest_of
+from ..points.coordinates import (
+    LENGTH_AT_REST,
+    has_sought_drum,
+    is_alone,
+    is_shared_out,
+    numbers_at_rest,
+    shortest_of,
+)
 from ..rest.resting_line import given_position, is_any_sought, is_sought
 from .sought_drums import has_several, part_of_drum
 
@@ -61,7 +66,7 @@ def share_ropes(system, is_straight):
                 if unknown > 0:
                     span = span_of(system, j)
                     length = whole * (span / spans if spans > 0.0 and span > 0.0 else spread)
-                numbers_at(system, j)[at_sheave.LENGTH_NOW] = length
+                numbers_at_rest(system, j)[LENGTH_AT_REST] = length
             if unknown > 0:
                 even_out(system, k, last, whole)
     if is_straight:
@@ -90,7 +95,7 @@ def rope_at(system, k):
     """Last portion of the rope that begins as line k, its length and the distance of its points [m]; 0 if any is sought."""
     length, spans, unknown = 0.0, 0.0, 0
     for j in range(k, lines_of(system)):
-        length += numbers_at(system, j)[at_sheave.LENGTH_NOW]
+        length += numbers_at_rest(system, j)[LENGTH_AT_REST]
         spans += span_of(system, j)
         unknown += is_any_sought(system, j)
         if not goes_on(system, j):
@@ -103,9 +108,9 @@ def even_out(system, k, last, whole):
     """Let the portions from k to the last have the whole length [m] together (modified)."""
     total = 0.0
     for j in range(k, last + 1):
-        total += numbers_at(system, j)[at_sheave.LENGTH_NOW]
+        total += numbers_at_rest(system, j)[LENGTH_AT_REST]
     for j in range(k, last + 1):
-        numbers_at(system, j)[at_sheave.LENGTH_NOW] *= whole / total
+        numbers_at_rest(system, j)[LENGTH_AT_REST] *= whole / total
 
 
 @kernel
@@ -114,7 +119,7 @@ def fits(system):
     room = 0.0
     for k in range(lines_of(system)):
         if is_portion(system, k):
-            spare = numbers_at(system, k)[at_sheave.LENGTH_NOW] - shortest_of(system, k)
+            spare = numbers_at_rest(system, k)[LENGTH_AT_REST] - shortest_of(system, k)
             room = room + spare if comes_from(system, k) else spare
             if room < 0.0 and not goes_on(system, k):
                 return False

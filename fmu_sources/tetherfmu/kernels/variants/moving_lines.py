@@ -11,12 +11,12 @@ from tetherfmu.runtime.status import OK, STEP_BUDGET_SPENT
 from ..arrays import nodes_end
 from ..compilation import kernel, view
 from ..equations.boundary import conditions_of_chain, place_ends
-from ..equations.drum import direction_of
 from ..equations.lines import (
     conditions_of,
     lines_of,
     motion_of,
     parameters_of,
+    put_reeling,
     room_of,
     segments_of,
     state_of,
@@ -24,14 +24,14 @@ from ..equations.lines import (
     with_states,
 )
 from ..equations.properties import chain_of
-from ..equations.rope_at_drum import feels_rope
-from ..equations.ropes import has_coordinates
+from ..equations.winch import from_length
 from ..line import step_control
 from ..line.backward_euler import FixedSteps, given_steps
-from ..line.moving_drum import Instant
-from ..motion import adaptive_steps, breaks, fallback, fixed_steps, rope_states, running_ropes, turning_sheaves
+from ..line.strand_room import FIRST_LENGTH, UNCONVERGED
+from ..motion import adaptive_steps, breaks, fallback, fixed_steps, states
 from ..notes import note
-from ..points import drum_tension, system_room
+from ..points import room
+from ..points.coordinates import has_own_drum
 from ..rest import compressed_chain, end_tensions
 from ..step.plausibility import note_pressing, note_stiff_and_slack, note_unconverged
 
@@ -50,12 +50,12 @@ def move(system, steps, step):
     """Move all lines (modified) over a communication step [s] with `FixedSteps`; a status, and what is noted with it."""
     is_adaptive = steps.size == 0.0
     status = adaptive_steps.integrate(system, step) if is_adaptive else fixed_steps.integrate(system, steps, step)
-    if status == OK and has_coordinates(system):
-        rope_states.end_lengths(system, step)
+    if status == OK and room.count_of(system) > 0:
+        states.end_lengths(system, step)
     for k in range(lines_of(system)):
         n, state, (x, _) = segments_of(system, k), state_of(system, k), motion_of(system, k)
         if not is_adaptive:
-            note_unconverged(system_room.numbers_of(system, k)[system_room.UNCONVERGED], steps.size, state)
+            note_unconverged(room.numbers_of(system, k)[UNCONVERGED], steps.size, state)
         elif status == OK:
             note_stiff_and_slack(chain_of(n, parameters_of(system, k), state), x, state)
     return status
@@ -69,10 +69,11 @@ def go_back(system, step, before):
         n, state, first = segments_of(system, k), state_of(system, k), state_of(with_states(system, before), k)
         for i in range(at.STATE_HEADER, nodes_end(n)):
             state[i] = first[i]
-        if system_room.has_drum(system, k):
+        if has_own_drum(system, k):
             state[at.LENGTH], state[at.REELING] = first[at.LENGTH], first[at.REELING]
-    if has_coordinates(system):
-        turning_sheaves.mend(system)
+        reeling = conditions_of(system, k).reeling
+        put_reeling(system, k, from_length(room.numbers_of(system, k)[FIRST_LENGTH], reeling))
+    room.begin_coordinates(system)
 
 
 @kernel
@@ -83,8 +84,6 @@ def move_coarsely(system, step, before):
     """
     h = step * adaptive_steps.work_of(system) / at.COARSE_WORK
     go_back(system, step, before)
-    if has_coordinates(system):
-        running_ropes.begin_ropes(system)
     method = at.BACKWARD_EULER if fallback.stiff_swing(system, h) > 0.0 else at.SECOND_ORDER
     status = move(system, FixedSteps(h, float(method)), step)
     memory = state_of(system, 0)
@@ -99,31 +98,14 @@ def advance(system, step, before):
 
     Where nothing moves freely, ends and lengths are where they are prescribed, and no steps are taken.
     """
-    if not system_room.does_any_move(system):
+    room.begin_coordinates(system)
+    if not room.does_any_move(system):
         breaks.break_at_ends(system, step)
         return OK
     status = move(system, given_steps(parameters_of(system, 0)), step)
     if status == STEP_BUDGET_SPENT and move_coarsely(system, step, before) == OK:
         return OK
     return status
-
-
-@kernel
-def end_drums(system, step):
-    """Accelerations of drums that feel the rope that flows, and of sheaves, and the tensions there, into states (modified).
-
-    At the end of a communication step [s], of which all lines have their states.
-    """
-    if has_coordinates(system):
-        rope_states.end_ropes(system, step)
-    for k in range(lines_of(system)):
-        if system_room.has_drum(system, k) and feels_rope(parameters_of(system, k)):
-            state, (length, speed) = state_of(system, k), system_room.length_of(system, k)
-            now, drum = Instant(step, length, speed, *motion_of(system, k)), system_room.drum_at(system, k)
-            at_rest = drum_tension.tension_at_rest(system, k, Instant(step, length, 0.0, *motion_of(system, k)), False)
-            direction = direction_of(drum, length, speed, at_rest, step)
-            tension, acceleration = drum_tension.tension_and_acceleration(system, k, now, direction)
-            state[at.TENSION_AT_DRUM], state[at.ACCELERATION] = tension, acceleration
 
 
 @kernel

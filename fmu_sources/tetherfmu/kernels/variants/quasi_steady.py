@@ -12,7 +12,7 @@ from ..compilation import kernel, view
 from ..equations import winch
 from ..equations.boundary import spring_at_ground
 from ..equations.properties import chain_of, chain_without_flow
-from ..equations.rope_at_drum import spring_at_winch as tension_at_ground
+from ..equations.rope import spring_at_winch as tension_at_ground
 from ..linear_algebra.vectors import add_scaled, get, put, scale, sub
 from ..motion.drum_in_equilibrium import advance_with
 from ..rest import newton, solve

@@ -13,19 +13,23 @@ from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import plan_layout as places
 from tetherfmu.runtime.status import INPUT_NOT_FINITE, NO_SHARES, OK, REELED_TOO_SHORT, WINCH_TOO_SHORT
 
-from ..arrays import clear
+from ..arrays import clear, positions_and_velocities
 from ..compilation import kernel
-from ..equations import rope_at_sheave as rope
-from ..equations import segment
 from ..equations.lines import lines_of, motion_of, parameters_of, room_of, segments_of, state_of
-from ..equations.properties import chain_without_flow, property_in, property_of, put_property, rest_length
-from ..equations.rope_at_drum import tension_at_winch, tension_of
+from ..equations.properties import chain_without_flow, half_density, property_in, put_property, rest_length
+from ..equations.rope import tension_at_winch, tensions_of_rope
 from ..equations.ropes import first_of, goes_on, is_portion
 from ..linear_algebra import small_matrix
-from ..linear_algebra.vectors import ZERO_VECTOR, norm, sub, vector_at
-from ..points import sheave_room as at_sheave
-from ..points.coordinates import has_sought_drum, is_shared_out, is_sought_by_drums
-from ..points.sheave_room import numbers_at, shared_at_rest, shortest_of
+from ..linear_algebra.vectors import norm, vector_at
+from ..points.coordinates import (
+    LENGTH_AT_REST,
+    has_sought_drum,
+    is_shared_out,
+    is_sought_by_drums,
+    numbers_at_rest,
+    shared_at_rest,
+    shortest_of,
+)
 from ..rest import dynamic_chain, resting_points
 from ..rest.resting_line import start_state
 from .first_shares import fits, share_ropes
@@ -66,23 +70,12 @@ def count_unknowns(system):
 def end_tensions_at_rest(n, parameters, state):
     """Tension at both ends of a portion that is in equilibrium in its state [N]."""
     chain, held = chain_without_flow(n, parameters, state), vector_at(state, at.GROUND_TENSION_VECTOR)
-    x = at.STATE_HEADER
-    lowest, highest, part, pull_a, pull_b = state[x + 2], state[x + 3 * n + 2], 1.0, 0.0, 0.0
     if norm(held) > 0.0:
-        half = rope.half_density(chain, 0) * rest_length(chain, 0) * chain.gravity
+        half = half_density(chain, 0) * rest_length(chain, 0) * chain.gravity
         at_end = vector_at(state, at.KITE_TENSION_VECTOR)
         return norm(held) - half * held[2] / norm(held), norm(at_end) + half * at_end[2] / norm(at_end)
-    own = rope.rope_of(chain, 0)
-    for s in range(n):
-        x_p, x_q = vector_at(state, x + 3 * s), vector_at(state, x + 3 * s + 3)
-        r, height, still = sub(x_q, x_p), segment.mean_height(x_p, x_q), (0.0, 0.0)
-        over = height - lowest, height - highest
-        of_a, of_b = rope.pulls(own, chain, part, still, segment.BY_LENGTH, r, ZERO_VECTOR, *over)
-        pull_a += of_a
-        pull_b += of_b
-        part -= own.share
-    stiffness = property_of(chain, 0, at.STIFFNESS)
-    return tension_of(stiffness, pull_a), tension_of(stiffness, -pull_b)
+    x, v = positions_and_velocities(n, state)
+    return tensions_of_rope(chain, x, v, 0.0)
 
 
 @kernel
@@ -147,13 +140,13 @@ def move_rope(system, factor, moves):
     j = 0
     for k in range(lines_of(system)):
         if is_balanced(system, k):
-            numbers_at(system, k)[at_sheave.LENGTH_NOW] -= factor * moves[j]
-            numbers_at(system, k + 1)[at_sheave.LENGTH_NOW] += factor * moves[j]
+            numbers_at_rest(system, k)[LENGTH_AT_REST] -= factor * moves[j]
+            numbers_at_rest(system, k + 1)[LENGTH_AT_REST] += factor * moves[j]
             j += 1
     for c in range(lines_of(system)):
         if has_sought_drum(system, c):
             for k in range(lines_of(system)):
-                numbers_at(system, k)[at_sheave.LENGTH_NOW] += factor * part_of_drum(system, k, c) * moves[j]
+                numbers_at_rest(system, k)[LENGTH_AT_REST] += factor * part_of_drum(system, k, c) * moves[j]
             j += 1
 
 
@@ -179,7 +172,7 @@ def part_within(system, moves):
     part = 1.0
     for k in range(lines_of(system)):
         if is_shared_out(system, k):
-            change, length = change_of(system, k, moves), numbers_at(system, k)[at_sheave.LENGTH_NOW]
+            change, length = change_of(system, k, moves), numbers_at_rest(system, k)[LENGTH_AT_REST]
             room = min(LONGEST_STEP * length, 0.5 * (length - shortest_of(system, k)))
             if change < 0.0 and -change * part > room:
                 part = room / -change
@@ -244,7 +237,7 @@ def balance_ropes(system, as_given, shared, differences, spent):
     length, moves = 0.0, shared[3]
     for k in range(lines_of(system)):
         if is_shared_out(system, k):
-            length = max(length, numbers_at(system, k)[at_sheave.LENGTH_NOW])
+            length = max(length, numbers_at_rest(system, k)[LENGTH_AT_REST])
     status, largest = find_differences(system, as_given, differences, spent)
     last = inf
     for _ in range(ITERATIONS):

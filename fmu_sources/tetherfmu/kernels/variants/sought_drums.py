@@ -11,9 +11,8 @@ from tetherfmu.runtime.status import NO_BALANCE_OF_DRUMS
 from ..compilation import kernel
 from ..equations.drum import HELD, INWARDS, OUTWARDS, balance, drum_of
 from ..equations.lines import inputs_of, lines_of, parameters_of, state_of
-from ..points.coordinates import has_sought_drum, is_alone, largest_ratio
-from ..points.sheave_room import ratio_of
-from ..points.system_room import any_line
+from ..points.coordinates import has_sought_drum, is_alone, largest_ratio, ratio_of
+from ..points.room import any_line
 
 WAITING = 0.0  # a `winch_start` of drums that are sought later
 

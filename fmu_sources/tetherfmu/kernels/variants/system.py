@@ -33,7 +33,7 @@ from ..equations.lines import (
     with_states,
 )
 from ..equations.properties import property_in, sees_reeling
-from ..equations.rope_at_drum import tension_at_winch
+from ..equations.rope import tension_at_winch
 from ..equations.ropes import (
     comes_from,
     first_of,
@@ -48,9 +48,9 @@ from ..equations.ropes import (
 from ..equations.winch import follows_force, follows_length, from_length, is_sought
 from ..line.backward_euler import given_steps
 from ..linear_algebra.vectors import add, get, put_at, scale, sub, vector_at
-from ..motion import adaptive_steps, fixed_steps
-from ..points import sheave_room, system_room
-from ..points.coordinates import carries_drum, is_alone, is_shared_out
+from ..motion import adaptive_steps, fixed_steps, states
+from ..points import room
+from ..points.coordinates import REST_NUMBERS, carries_drum, has_own_drum, is_alone, is_shared_out, rest_size
 from ..rest import dynamic_chain, resting_forces, resting_line, resting_points
 from ..step import breaking, power_balance, transaction
 from ..step.outputs import complete
@@ -64,8 +64,8 @@ name = SYSTEM
 
 @kernel
 def line_work_size(n):
-    """Length of what a line of n segments needs of `work`: an even number, see `system_room.line_work_size`."""
-    return max(system_room.line_work_size(n), resting_line.line_work_size(n))
+    """Length of what a line of n segments needs of `work`: an even number, see `room.line_work_size`."""
+    return max(room.line_work_size(n), resting_line.line_work_size(n))
 
 
 @kernel
@@ -90,10 +90,12 @@ def complete_plan(plan):
         outputs += outputs_size(plan[row + places.SHAPE_POINTS], plan[row + places.THROUGH] + before > 0)
         work += line_work_size(n + 1)  # with the segment that it has more once it has let go
         plan[row + places.PORTION_WORK] = work
-        work += sheave_room.portion_work_size(n + 1, sheaves + drums)
+        work += REST_NUMBERS
     plan[places.STATUS_LINE] = places.ALL_LINES
     plan[places.SHEAVES], plan[places.COORDINATES], plan[places.SHEAVES_WORK] = sheaves, sheaves + drums, work
-    work += sheave_room.shared_work_size(sheaves + drums)
+    most = sheaves + plan[places.LINES]
+    size = max(room.globals_size(plan[places.FREE_POINTS], plan[places.BAND], most), rest_size(sheaves + drums))
+    work += size + size % 2
     plan[places.POINTS_WORK] = work
     work += resting_forces.search_size(plan[places.FREE_POINTS], plan[places.BAND])
     plan[places.OUTPUTS_WORK] = work
@@ -108,13 +110,19 @@ def complete_plan(plan):
 
 
 @kernel
+def is_any_sought(system):
+    """Whether speeds of drums or of ropes over sheaves are found in fixed steps."""
+    return has_coordinates(system) or any_own_drum(system)
+
+
+@kernel
 def take_outputs(system, outputs):
     """Outputs of all lines (modified) in their states: OK, or OUTPUT_NOT_FINITE, and then they have no meaning.
 
     The plan (modified) says which line a status is about.
     """
     steps, duration = given_steps(parameters_of(system, 0)), state_of(system, 0)[at.LAST_STEP]  # with common iterations
-    most = fixed_steps.most_iterations(adaptive_steps.work_of(system), steps, system_room.is_any_sought(system), duration)
+    most = fixed_steps.most_iterations(adaptive_steps.work_of(system), steps, is_any_sought(system), duration)
     breaking.fit(system)
     status = OK
     for k in range(lines_of(system)):
@@ -190,6 +198,7 @@ def settle(n, parameters, inputs, state, work):
     return dynamic_chain.initialize(n, parameters, parameters[at.INITIAL_SHAPE], state, work)
 
 
+any_own_drum = room.any_line(has_own_drum)
 find_length, note_imbalance = winch_start(settle, tension_at_winch)
 
 
@@ -336,7 +345,8 @@ def commit(system, step, before):
     status = OK
     for k in range(lines_of(system)):
         moving_lines.end_line(system, k, step)
-    moving_lines.end_drums(system, step)
+    if room.count_of(system) > 0:
+        states.end_coordinates(system, step)
     for k in range(lines_of(system)):
         if status == OK:
             system.plan[places.STATUS_LINE] = k

@@ -6,20 +6,29 @@ carried along by their ends, free points by the mean of their neighbours, where 
 
 from math import inf
 
-from tetherfmu.runtime import layout as at
-
 from ..arrays import clear, copy
 from ..compilation import kernel
-from ..equations.free_points import is_at_point, point_at, points_of
-from ..equations.lines import conditions_of, lines_of, motion_of, segments_of, state_of
+from ..equations.boundary import chain_during
+from ..equations.free_points import free_points, is_at_point, point_at
+from ..equations.lines import conditions_of, lines_of, motion_of, segments_of
 from ..line import backward_euler
-from ..linear_algebra.matrices import ZERO_MATRIX, add_to_diagonal
-from ..linear_algebra.vectors import ZERO_VECTOR, add_at, get, scale, sub
-from . import system_room as at_line
-from .at_points import add_block
-from .system_descent import EARLY, direction, go_along, potential, solve_points, take_trial, try_part, unconverged_lines
-from .system_fixed_drums import take_masses
-from .system_room import attempt_of, has_drum, moves, numbers_of, scratch_of
+from ..line.strand_room import GOAL
+from ..linear_algebra import profile
+from ..linear_algebra.vectors import ZERO_VECTOR, get, scale, sub
+from . import net
+from .descent import EARLY, direction, go_along, potential, take_trial, try_part, unconverged_lines
+from .fixed import take_masses
+from .room import (
+    REACHED,
+    attempt_of,
+    chain_reached,
+    globals_of,
+    has_rope,
+    moves,
+    numbers_of,
+    scratch_of,
+    unknowns_of,
+)
 
 
 @kernel
@@ -28,8 +37,11 @@ def start(system, step):
     for k in range(lines_of(system)):
         if moves(system, k):
             attempt, (x, _) = attempt_of(system, k, step), motion_of(system, k)
-            backward_euler.start(attempt, step.time, step.kind, x, scratch_of(system, k))
-            numbers_of(system, k)[at_line.GOAL] = backward_euler.goal_of(attempt, step.kind)
+            before = chain_during(conditions_of(system, k), step.time)
+            if has_rope(system, k):
+                before = chain_reached(system, k, step.time, REACHED)
+            backward_euler.start(attempt, before, step.time, step.kind, x, scratch_of(system, k))
+            numbers_of(system, k)[GOAL] = backward_euler.goal_of(attempt, step.kind)
     take_masses(system, step)
 
 
@@ -49,37 +61,47 @@ def move_of_driven(system, k, end):
 
 
 @kernel
-def add_weight(system, k, points):
+def add_weight(system, k, whole):
     """Add line k to the equations of the mean moves of the free points (modified); whether one of its points is driven."""
-    weight = 1.0 / (state_of(system, k)[at.LENGTH] if has_drum(system, k) else conditions_of(system, k).reeling[0])
+    weight = 1.0 / conditions_of(system, k).reeling[0]
     for end in range(2):
         if is_at_point(system, k, end):
-            add_block(system, k, end, end, add_to_diagonal(ZERO_MATRIX, weight))
-            if is_at_point(system, k, 1 - end):
-                add_block(system, k, end, 1 - end, add_to_diagonal(ZERO_MATRIX, -weight))
-            else:
-                add_at(points.right, point_at(system, k, end), scale(weight, move_of_driven(system, k, 1 - end)))
+            here = 3 * point_at(system, k, end)
+            there = 3 * point_at(system, k, 1 - end) if is_at_point(system, k, 1 - end) else -1
+            way = ZERO_VECTOR if there >= 0 else scale(weight, move_of_driven(system, k, 1 - end))
+            for axis in range(3):
+                profile.add_entry(whole.matrix, here + axis, here + axis, weight)
+                if there >= 0:
+                    profile.add_entry(whole.matrix, here + axis, there + axis, -weight)
+                whole.right[here + axis] += way[axis]
     return not (is_at_point(system, k, 0) and is_at_point(system, k, 1))
 
 
 @kernel
-def carry_points(system, points):
+def carry_points(system, whole):
     """Moves of the free points [m] (modified) when all lines are carried along; 0 if none is driven."""
-    clear(points.matrix)
-    clear(points.right)
+    m, points = unknowns_of(system), 3 * free_points(system)
+    if points == 0:
+        return
+    net.clear_matrix(system)
+    clear(whole.right)
     held = 0
     for k in range(lines_of(system)):
         if moves(system, k):
-            held += add_weight(system, k, points)
-    if held == 0 or not solve_points(system, points):
-        clear(points.solution)
+            held += add_weight(system, k, whole)
+    for i in range(points, m):
+        profile.hold_row(whole.matrix, m, i)
+    if held == 0 or not profile.factorize(whole.matrix, m):
+        clear(whole.solution)
+    else:
+        profile.solve(whole.matrix, m, whole.right, whole.solution)
 
 
 @kernel
-def move_of_end(system, k, end, points):
+def move_of_end(system, k, end, moved):
     """Move of an end of line k [m], carried along: as its point, or as itself if it is driven, else as the other end."""
     if is_at_point(system, k, end):
-        return get(points.solution, point_at(system, k, end))
+        return get(moved, point_at(system, k, end))
     if is_driven(system, k, end):
         return move_of_driven(system, k, end)
     return move_of_driven(system, k, 1 - end) if is_driven(system, k, 1 - end) else ZERO_VECTOR
@@ -88,12 +110,12 @@ def move_of_end(system, k, end, points):
 @kernel
 def carry(system, step):
     """Positions to try (modified) to which all lines are carried along; Phi [J] there."""
-    points = points_of(system)
-    carry_points(system, points)
+    whole = globals_of(system)
+    carry_points(system, whole)
     for k in range(lines_of(system)):
         if moves(system, k):
             x, _ = motion_of(system, k)
-            ways = move_of_end(system, k, 0, points), move_of_end(system, k, 1, points)
+            ways = move_of_end(system, k, 0, whole.solution), move_of_end(system, k, 1, whole.solution)
             backward_euler.carry_by(attempt_of(system, k, step), *ways, x, scratch_of(system, k))
     return potential(system, step, True)[0]
 
@@ -123,7 +145,7 @@ def guess(system, step):
 
 @kernel
 def begin_as_expected(system, step):
-    """The first iteration of all lines (modified) with the accelerations that are expected; see `system_descent.descend`.
+    """The first iteration of all lines (modified) with the accelerations that are expected; see `descent.descend`.
 
     Where no node moves by more than one that has converged Phi is not asked, and inf. Elsewhere, if Phi is lower with the
     lines carried along, the results are that of a new `guess` and inf.

@@ -1,8 +1,7 @@
-"""The steps of a chain with the drum of a winch (`points/system_drums.py`) within a communication step.
+"""A drum without mass by the stretch_rate law, in balance with the tension of the first segment at every instant.
 
-A piece of the step ends where the drum begins to turn, comes to rest or comes to a stop: it is tried again with another
-length until it ends there (`room_left`). Without mass f = 0 is an algebraic equation, and what an error of the step leaves
-of it is taken away by `project`. See docs/models/numerics.md, "A drum in the same system".
+T = W + c u + F sign(u) is an algebraic equation: what an error of the step leaves of it is taken away by `project`. By the
+strain_rate law the rope that moves past the nodes gives every drum inertia. See docs/models/numerics.md, "Rope coordinates".
 """
 
 from collections import namedtuple
@@ -13,13 +12,10 @@ from tetherfmu.runtime import layout as at
 from ..compilation import kernel
 from ..equations import segment
 from ..equations.boundary import chain_with
-from ..equations.drum import HELD, balance, force_at
+from ..equations.drum import balance, force_at
 from ..equations.properties import property_of, rest_length, sees_reeling
 from ..linear_algebra.vectors import dot, get, sub
-from .drum_events import may_change, room_to_change
 
-NOTHING, PAID_OUT, REELED_IN, CHANGES = range(4)  # events that end a piece; CHANGES: it turns, or comes to rest
-LOCATED = 1e-11  # of the length: how far a piece may end beyond a stop
 MOST_CORRECTIONS = 30
 EXACT, ROUGH, ROUNDING = 1e-13, 1e-10, 2.5e-16  # of T = W, relative; what is good enough where it gets no better; of T
 MOST_CHANGE = 0.5  # of the length by one correction
@@ -80,31 +76,3 @@ def project(conditions, drum, direction, d, now):
         if not (0.0 < length < inf and abs(speed) < inf):
             return length, speed, False
     return length, speed, False
-
-
-@kernel
-def room_left(drum, direction, event, now, tension):
-    """How far a drum that turns in a direction, or is held, is from an event at an `Instant`; below 0 it has happened.
-
-    And how much below 0 is as good as 0. The length [m] to a stop, else see `drum_events.room_to_change`.
-    tension : of a drum that is held [N].
-    """
-    if event == PAID_OUT:
-        return drum.longest - now.length, LOCATED * now.length
-    if event == REELED_IN:
-        return now.length - drum.shortest, LOCATED * now.length
-    return room_to_change(drum, direction, now.time, now.length, now.speed, tension)
-
-
-@kernel
-def first_event(drum, direction, now, tension):
-    """An event that has happened at an `Instant` to a drum that turned in a direction or was held, or NOTHING.
-
-    And the room that is left until it, below 0.  tension : as for `room_left`.
-    """
-    for event in (PAID_OUT, REELED_IN, CHANGES):
-        if may_change(drum, direction) if event == CHANGES else direction != HELD:
-            room, margin = room_left(drum, direction, event, now, tension)
-            if room < -margin:
-                return event, room
-    return NOTHING, 0.0

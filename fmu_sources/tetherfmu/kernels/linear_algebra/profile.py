@@ -1,0 +1,95 @@
+"""Dense equations with a profile: L U without pivoting; nothing is stored in a row before its first entry.
+
+The profile is symmetric: row i of L begins in the same column as column i of U begins in its row. Both stand side by side,
+so that every inner product runs through two arrays from place to place:
+
+    lower : rows of L with the diagonal of U;  upper : columns of U above it;  a place of row i is `start[i]` + column
+"""
+
+from collections import namedtuple
+
+from ..compilation import kernel
+
+Profile = namedtuple("Profile", "first start lower upper")
+Profile.__doc__ = """A matrix of len(first) rows.
+
+first : the first column of each row.  start : place of column 0 of each row, if it had one.  lower, upper : see above.
+"""
+
+
+@kernel
+def begin(profile, m):
+    """Places of all m rows from their first columns (modified); the length of `lower` and of `upper`."""
+    place = 0
+    for i in range(m):
+        profile.start[i] = place - int(profile.first[i])
+        place += i + 1 - int(profile.first[i])
+    return place
+
+
+@kernel
+def join(profile, i, j):
+    """Let the profile (modified) have the entries i, j and j, i."""
+    low, high = min(i, j), max(i, j)
+    profile.first[high] = min(profile.first[high], low)
+
+
+@kernel
+def add_entry(profile, i, j, value):
+    """Add a number to the entry i, j (modified), which the profile has."""
+    if j <= i:
+        profile.lower[int(profile.start[i]) + j] += value
+    else:
+        profile.upper[int(profile.start[j]) + i] += value
+
+
+@kernel
+def hold_row(profile, m, i):
+    """Let row i (modified) be that of the unit matrix."""
+    for j in range(int(profile.first[i]), i):
+        profile.lower[int(profile.start[i]) + j] = 0.0
+    profile.lower[int(profile.start[i]) + i] = 1.0
+    for j in range(i + 1, m):
+        if int(profile.first[j]) <= i:
+            profile.upper[int(profile.start[j]) + i] = 0.0
+
+
+@kernel
+def inner(a, at_a, b, at_b, count):
+    """Inner product of so many numbers of two arrays."""
+    total = 0.0
+    for k in range(count):
+        total += a[at_a + k] * b[at_b + k]
+    return total
+
+
+@kernel
+def factorize(profile, m):
+    """Factor m rows in place (modified); False if a pivot is 0 or no number."""
+    first, start, lower, upper = profile
+    regular = True
+    for i in range(m):
+        own, here = int(first[i]), int(start[i])
+        for j in range(own, i):
+            there = int(start[j])
+            begin = max(own, int(first[j]))
+            left = lower[here + j] - inner(lower, here + begin, upper, there + begin, j - begin)
+            upper[here + j] -= inner(lower, there + begin, upper, here + begin, j - begin)
+            lower[here + j] = left / lower[there + j]
+        lower[here + i] -= inner(lower, here + own, upper, here + own, i - own)
+        regular = regular and abs(lower[here + i]) > 0.0
+    return regular
+
+
+@kernel
+def solve(profile, m, right, solution):
+    """Solution (modified) of m equations that are factorized."""
+    first, start, lower, upper = profile
+    for i in range(m):
+        own, here = int(first[i]), int(start[i])
+        solution[i] = right[i] - inner(lower, here + own, solution, own, i - own)
+    for i in range(m - 1, -1, -1):
+        own, here = int(first[i]), int(start[i])
+        solution[i] /= lower[here + i]
+        for k in range(own, i):
+            solution[k] -= upper[here + k] * solution[i]

@@ -1,0 +1,524 @@
+"""What can happen to a rope coordinate within a communication step, whatever it is: it moves, is held, stops.
+
+    RESTS                  friction brings it to rest: its speed gets 0
+    FORWARDS, BACKWARDS    a held one begins to move: ropes pull with more than its friction, or than the cone of a sheave,
+                           1/E <= T_1/T_2 <= E
+    STOPS                  a line at it is as short as its segments may be (two-blocking), or as long as its drum pays it out
+
+A step that passes an event is tried again, shorter, until it ends there: a piece of the communication step. `room_until`
+says how far each is, `part_to_event` where the next piece ends, `turn` which coordinates move in it. At a stop nothing pulls
+at the rope for an instant, so that it keeps its momentum: when rates of rope jump by da, nodes jump with it,
+
+    m_i dv_i = sum over both ends of col_ie da_e,   col_ie: slope of the force on node i by a_e' (`equations/rope.py`)
+
+and other coordinates and free points take their parts, by the same matrix as of accelerations. Drums without mass by the
+stretch_rate law have no momentum: `line/massless_drum.py`.
+"""
+
+from math import inf
+
+from tetherfmu.runtime import layout as at
+
+from ..compilation import kernel, view
+from ..equations.drum import HELD, direction_of, drum_of, is_at_stop, stop_ahead
+from ..equations.free_points import free_points, is_at_point, point_at
+from ..equations.lines import (
+    conditions_of,
+    lines_of,
+    motion_of,
+    note_line,
+    parameters_of,
+    put_reeling,
+    segments_of,
+)
+from ..equations.rope import feels_rope
+from ..equations.winch import from_length
+from ..line.drum_events import SLOW, part_of_piece
+from ..line.massless_drum import Instant, project, tension_at_rest
+from ..line.rodas4p import GAMMA
+from ..line.step_control import DrumError, allowed_errors
+from ..line.strand_room import LENGTH, RATE, TENSION, rope_in
+from ..line.taut_slack import keep_energy_of_drum, wrong_impulse
+from ..linear_algebra import profile
+from ..linear_algebra.vectors import add_at, get, scale
+from ..points import net, room
+from ..points.coordinates import has_own_drum, longest_of, shortest_of
+from ..points.room import (
+    chain_at_stage,
+    coordinate_at,
+    count_free,
+    count_of,
+    globals_of,
+    growth_of,
+    has_free_nodes,
+    has_longest,
+    has_rope,
+    integrator_of,
+    is_free,
+    is_rope,
+    line_of,
+    numbers_of,
+    strand_of,
+    take_rates,
+    unknowns_of,
+    weight_of,
+)
+from .states import evaluate, go_to_state, hold, nodes_of
+
+AT_STOP = 1e-9  # of the shortest length: a line that is longer by less is as short as it may be
+MOST_STARTS = 2  # of a coordinate while it is sought which of them move
+LOCATED = 1e-10  # of a length: how far a piece may end beyond a stop
+MOST_IDLE = 100  # pieces one after the other in which none moves that are so short that rounding keeps the tensions
+AT_ONCE = 1e-6  # part of the communication step in which a drum without mass makes good a jump of its force
+RESTS, FORWARDS, BACKWARDS, STOPS_FORWARDS, STOPS_BACKWARDS, NO_EVENT = range(6)
+
+# --- stops
+
+
+@kernel
+def room_to_stop(system, j, sign):
+    """Room until a coordinate that moves forwards (sign 1) or backwards (-1) comes to a stop, over LOCATED, at a stage."""
+    least = inf
+    for k in range(lines_of(system)):
+        growth, length = sign * growth_of(system, j, k), numbers_of(system, k)[LENGTH]
+        if growth < 0.0:
+            least = min(least, (length - shortest_of(system, k)) / (LOCATED * shortest_of(system, k)))
+        elif growth > 0.0 and has_longest(system, k):
+            least = min(least, (longest_of(system, k) - length) / (LOCATED * longest_of(system, k)))
+    return least
+
+
+@kernel
+def may_move(system, j, sign):
+    """Whether a coordinate may move forwards (sign 1) or backwards (-1) from a stage."""
+    return coordinate_at(system, j)[room.IS_BRAKED] == 0.0 and room_to_stop(system, j, sign) > AT_STOP / LOCATED
+
+
+@kernel
+def has_to_stop(system, j):
+    """Whether a coordinate moves that may not, in the state."""
+    speed = coordinate_at(system, j)[room.SPEED]
+    return speed != 0.0 and not may_move(system, j, 1.0 if speed > 0.0 else -1.0)
+
+
+@kernel
+def stop(system, time):
+    """Stop all coordinates that have to (modified), with the jumps of nodes and points (modified); whether any has to.
+
+    All are as in the state.
+    """
+    stops = 0
+    for j in range(count_of(system)):
+        stops += has_to_stop(system, j)
+    if stops == 0:
+        return False
+    go_to_state(system, time)
+    evaluate(system, time, False)
+    whole, m, points = globals_of(system), unknowns_of(system), 3 * free_points(system)
+    net.place_masses(system)
+    for i in range(m):
+        whole.right[i] = 0.0
+    for j in range(count_of(system)):
+        own = coordinate_at(system, j)
+        if has_to_stop(system, j):
+            profile.hold_row(whole.matrix, m, points + j)
+            whole.right[points + j] = -own[room.SPEED]
+    if not profile.factorize(whole.matrix, m):
+        return False
+    profile.solve(whole.matrix, m, whole.right, whole.solution)
+    for k in range(lines_of(system)):
+        if has_rope(system, k):
+            jump(system, k, net.solution_of_end(system, k, 0), net.solution_of_end(system, k, 1))
+        jump_ends(system, k, whole.solution)
+    for j in range(count_of(system)):
+        own = coordinate_at(system, j)
+        stopped = has_to_stop(system, j)
+        own[room.SPEED] += whole.solution[points + j]
+        if stopped:
+            hold(own)
+            own[room.SPEED] = 0.0
+            place_at_stop(system, j)
+    go_to_state(system, time)
+    return True
+
+
+@kernel
+def place_at_stop(system, j):
+    """Let the line of a drum of its own (modified) be exactly as long as at the stop that it has come to."""
+    k = line_of(system, j)
+    if has_own_drum(system, k):
+        length, reeling = numbers_of(system, k)[LENGTH], conditions_of(system, k).reeling
+        shortest, longest = shortest_of(system, k), longest_of(system, k)
+        exact = longest if abs(longest - length) < abs(shortest - length) else shortest
+        put_reeling(system, k, from_length(exact, reeling))
+
+
+@kernel
+def jump(system, k, change_first, change_last):
+    """Let the inner nodes of line k (modified) take changes of the rates of rope that comes in [m/s]."""
+    own, n, (_, v), conditions = strand_of(system, k), segments_of(system, k), motion_of(system, k), conditions_of(system, k)
+    a, b = rope_in(n, own.ropes, 0).by_gain, rope_in(n, own.ropes, 1).by_gain
+    for i in range(conditions.first, conditions.last + 1):
+        is_shared = (i == 0 and is_at_point(system, k, 0)) or (i == n and is_at_point(system, k, 1))
+        if not is_shared:
+            mass = own.w.stage_mass[i]
+            add_at(v, i, scale(change_first / mass, get(a, i)))
+            add_at(v, i, scale(change_last / mass, get(b, i)))
+
+
+@kernel
+def jump_ends(system, k, changes):
+    """Let the ends of line k (modified) at free points take the changes of these [m/s]."""
+    _, v = motion_of(system, k)
+    for end in range(2):
+        if is_at_point(system, k, end):
+            add_at(v, segments_of(system, k) * end, get(changes, point_at(system, k, end)))
+
+
+# --- friction
+
+
+@kernel
+def urges_now(system, j):
+    """The same with the tensions that are known."""
+    own, k = coordinate_at(system, j), line_of(system, j)
+    if own[room.IS_DRUM] != 0.0:
+        return net.urges(system, j, own[room.AGAINST], own[room.PULLED], 1.0)
+    return net.urges(system, j, numbers_of(system, k)[TENSION + 1], numbers_of(system, k + 1)[TENSION], own[room.LOSS])
+
+
+@kernel
+def set_free(own, sign):
+    """Let a coordinate with these numbers (modified) move in a direction, 0 for any."""
+    own[room.IS_HELD], own[room.SIGN] = 0.0, sign
+
+
+@kernel
+def begin_directions(system):
+    """Which coordinates move as far as their speeds say (modified); how many more may begin to."""
+    undecided = 0
+    for j in range(count_of(system)):
+        own = coordinate_at(system, j)
+        if own[room.IS_MASSLESS] != 0.0:
+            continue
+        is_open = may_move(system, j, 1.0) and may_move(system, j, -1.0)
+        if own[room.FRICTION] == 0.0 and (is_open or own[room.SPEED] != 0.0):
+            set_free(own, 0.0)
+        elif own[room.SPEED] != 0.0:
+            set_free(own, 1.0 if own[room.SPEED] > 0.0 else -1.0)
+        else:
+            hold(own)
+            undecided += own[room.IS_BRAKED] == 0.0
+    return undecided
+
+
+@kernel
+def hold_what_turns_round(system):
+    """Hold the coordinate that would turn round at once, the fastest one of them (modified); whether there is one."""
+    found, most = -1, 0.0
+    for j in range(count_of(system)):
+        own = coordinate_at(system, j)
+        back = -own[room.SIGN] * own[room.GAIN_NOW]
+        if is_free(system, j) and own[room.SPEED] == 0.0 and back > most:
+            found, most = j, back
+    if found >= 0:
+        hold(coordinate_at(system, found))
+    return found >= 0
+
+
+@kernel
+def start_what_is_pulled(system):
+    """Let the coordinate move that is pulled most beyond its friction (modified); whether there is one.
+
+    Each is started no more than twice, in whatever direction.
+    """
+    found, most, way = -1, 0.0, 0.0
+    for j in range(count_of(system)):
+        own = coordinate_at(system, j)
+        if not is_free(system, j) and own[room.STARTED] < MOST_STARTS and own[room.IS_MASSLESS] == 0.0:
+            forwards, backwards, margin = urges_now(system, j)
+            for sign, pulled in ((1.0, forwards), (-1.0, backwards)):
+                if may_move(system, j, sign) and pulled > most * margin:
+                    found, most, way = j, pulled / margin, sign
+    if found >= 0:
+        set_free(coordinate_at(system, found), way)
+        coordinate_at(system, found)[room.STARTED] += 1.0
+    return found >= 0
+
+
+@kernel
+def turn(system, time, duration):
+    """Find which coordinates (modified) move from a time [s] on; False if a drum without mass finds no balance.
+
+    duration : of the communication step [s].
+    """
+    go_to_state(system, time)
+    for j in range(count_of(system)):
+        if coordinate_at(system, j)[room.IS_MASSLESS] != 0.0 and not turn_massless(system, j, time, duration):
+            return False
+    undecided = begin_directions(system)
+    if stop(system, time):
+        undecided = begin_directions(system)
+    if undecided > 0:
+        for j in range(count_of(system)):
+            coordinate_at(system, j)[room.STARTED] = 0.0
+        if globals_of(system).header[room.IS_KNOWN] == 0.0 or count_free(system) > 0:
+            evaluate(system, time, False)
+        while hold_what_turns_round(system) or start_what_is_pulled(system):
+            evaluate(system, time, False)
+    return True
+
+
+# --- drums without mass
+
+
+@view
+def drum_at(system, j):
+    """`Drum` of a drum."""
+    conditions = conditions_of(system, line_of(system, j))
+    return drum_of(conditions.parameters, conditions.force, conditions.force_rate)
+
+
+@view
+def instant_of(system, j, time, is_after):
+    """`Instant` of a drum without mass at a time [s]; is_after : of a step that is tried."""
+    numbers = numbers_of(system, line_of(system, j))
+    return Instant(time, numbers[LENGTH], numbers[RATE], *nodes_of(system, line_of(system, j), is_after))
+
+
+@kernel
+def turn_massless(system, j, time, duration):
+    """Let a drum without mass (modified) turn, or be held, from a time [s] on; False if it cannot."""
+    k, own, drum, now = line_of(system, j), coordinate_at(system, j), drum_at(system, j), instant_of(system, j, time, False)
+    conditions, direction, length, speed, found = conditions_of(system, k), HELD, now.length, 0.0, True
+    if own[room.TURNED_BACK] == 0.0:
+        direction = direction_of(drum, now.length, now.speed, tension_at_rest(conditions, now), time)
+    if direction != HELD:
+        length, speed, found = project(conditions, drum, direction, AT_ONCE * duration, now)
+        if is_at_stop(drum, length, direction):
+            direction, length, speed, found = HELD, stop_ahead(drum, direction), 0.0, True
+    own[room.SIGN], own[room.IS_HELD] = direction, 1.0 if direction == HELD else 0.0
+    own[room.PASSED] += length - now.length
+    own[room.SPEED] = speed
+    room.settle(system)
+    own[room.PASSED_NOW], own[room.SPEED_NOW] = 0.0, speed
+    take_rates(system, k, time)
+    if not found:
+        note_line(system.plan, k)
+    return found
+
+
+@kernel
+def project_massless(system, time, h):
+    """Let drums without mass (modified) have their balance after a step of h [s] to a time [s]; whether all do."""
+    for j in range(count_of(system)):
+        own, k = coordinate_at(system, j), line_of(system, j)
+        if own[room.IS_MASSLESS] != 0.0 and is_free(system, j):
+            now = instant_of(system, j, time, True)
+            length, speed, found = project(conditions_of(system, k), drum_at(system, j), own[room.SIGN], GAMMA * h, now)
+            own[room.PASSED_NOW] += length - now.length
+            own[room.SPEED_NOW] = speed
+            take_rates(system, k, time)
+            if not found:
+                return False
+    return True
+
+
+# --- errors of a step
+
+
+@view
+def drum_error(system, k):
+    """`DrumError` of line k: with the mass of a drum of its own."""
+    if not has_rope(system, k):
+        return DrumError(0.0, 0.0, inf)
+    numbers = numbers_of(system, k)
+    length, speed = room.let_in_over_both(system, k, room.WRONG), room.let_in_over_both(system, k, room.WRONG_SPEED)
+    growth, mass = speed / numbers[LENGTH] if feels_rope(parameters_of(system, k)) else 0.0, inf
+    if has_own_drum(system, k):
+        j, _ = room.holder(system, k, 0, 0)
+        if is_free(system, j):
+            mass = net.mass_at(system, j, k)
+    return DrumError(length, growth, mass)
+
+
+@kernel
+def error_of_coordinate(system, j, h):
+    """Error of a coordinate in a step of h [s] over what is allowed [-], as of a node that moves with the rope there."""
+    own, worst = coordinate_at(system, j), 0.0
+    for k in range(lines_of(system)):
+        weight = abs(weight_of(system, j, k, 0)) + abs(weight_of(system, j, k, 1))
+        if weight != 0.0:
+            (_, v), conditions = motion_of(system, k), conditions_of(system, k)
+            position_scale, velocity_scale = allowed_errors(conditions, v)
+            worst = max(worst, weight * abs(GAMMA * h * own[room.WRONG]) / position_scale)
+            if own[room.IS_MASSLESS] == 0.0:
+                fastest = weight * max(abs(own[room.SPEED]), abs(own[room.SPEED_NOW]))
+                velocity_scale = max(velocity_scale, conditions.parameters[at.RELATIVE_TOLERANCE] * fastest)
+                worst = max(worst, weight * abs(own[room.WRONG_SPEED]) / velocity_scale)
+                if has_own_drum(system, k):
+                    impulse = wrong_impulse(0, chain_at_stage(system, k), h, integrator_of(system, k))
+                    transition = impulse / net.mass_at(system, j, k) / velocity_scale
+                    worst = max(worst, transition * transition if transition > 1.0 else 0.0)
+    return worst
+
+
+@kernel
+def error_of_coordinates(system, h):
+    """The largest one of those that move."""
+    worst = 0.0
+    for j in range(count_of(system)):
+        if is_free(system, j):
+            worst = max(worst, error_of_coordinate(system, j, h))
+    return worst
+
+
+# --- single segments between driven ends
+
+
+@kernel
+def mass_of_rate(system, k):
+    """Mass [kg] that L' of line k moves with the coordinates that are free there; 0 where none is."""
+    mobility = 0.0
+    for j in range(count_of(system)):
+        growth = growth_of(system, j, k)
+        if is_free(system, j) and growth != 0.0:
+            inertia = net.inertia_of(system, j)
+            mobility += growth * growth / inertia if inertia > 0.0 else 0.0
+    return 1.0 / mobility if mobility > 0.0 else 0.0
+
+
+@kernel
+def transition_of_rate(system, k, chain, h, w):
+    """Error of L' of line k, a segment between driven ends, from its `taut_slack.wrong_impulse` in a step of h [s].
+
+    Over what is allowed [-], squared; 0 where it is less. chain, w : as for `step_control.error_of_step`.
+    """
+    mass, (_, v) = mass_of_rate(system, k), motion_of(system, k)
+    if mass == 0.0 or has_own_drum(system, k):
+        return 0.0
+    conditions = conditions_of(system, k)
+    _, allowed = allowed_errors(conditions, v)
+    allowed = max(allowed, conditions.parameters[at.RELATIVE_TOLERANCE] * abs(chain.reeling))
+    transition = wrong_impulse(0, chain, h, w) / mass / allowed
+    return transition * transition if transition > 1.0 else 0.0
+
+
+@kernel
+def keep_energy(system, k, chain, w):
+    """Let the coordinates (modified) at line k, a segment between driven ends, have the speeds that keep the energy.
+
+    Each gets its part of what changes L', see `taut_slack.keep_energy_of_drum`.
+    """
+    mass = mass_of_rate(system, k)
+    change = keep_energy_of_drum(mass, chain, w) - chain.reeling
+    if change != 0.0:
+        for j in range(count_of(system)):
+            growth = growth_of(system, j, k)
+            if is_free(system, j) and growth != 0.0:
+                coordinate_at(system, j)[room.SPEED_NOW] += change * mass * growth / net.inertia_of(system, j)
+
+
+@kernel
+def settle_single_segment(system, k, time, h):
+    """Error of L' of line k, if it has no node that moves freely, in a step to a time [s]; speeds keep the energy."""
+    if not has_rope(system, k) or has_free_nodes(system, k):
+        return 0.0
+    chain, w = chain_at_stage(system, k), integrator_of(system, k)
+    error = transition_of_rate(system, k, chain, h, w)
+    keep_energy(system, k, chain, w)
+    take_rates(system, k, time)
+    return error
+
+
+# --- where a piece ends
+
+
+@kernel
+def room_until(system, j, event, is_after):
+    """Room until an event of a coordinate, over how far below 0 is as good as 0 [-]; inf: there is none.
+
+    is_after : after a step that is tried, else in the state, both as at the stage, evaluated.
+    """
+    own = coordinate_at(system, j)
+    sign, speed = 1.0 if event in (STOPS_FORWARDS, FORWARDS) else -1.0, own[room.SPEED_NOW]
+    if event in (STOPS_FORWARDS, STOPS_BACKWARDS):
+        moves_there = is_free(system, j) and not (is_after and speed * sign <= 0.0)
+        return room_to_stop(system, j, sign) if moves_there else inf
+    if event == RESTS:
+        if not is_free(system, j) or own[room.SIGN] == 0.0 or own[room.IS_MASSLESS] != 0.0:
+            return inf
+        return speed * own[room.SIGN] / (SLOW * numbers_of(system, line_of(system, j))[LENGTH])
+    forwards, backwards, margin = urges_now(system, j)
+    if is_free(system, j) or not may_move(system, j, sign) or margin == 0.0:
+        return inf
+    return -(forwards if sign > 0.0 else backwards) / margin
+
+
+@kernel
+def find_event(system, j):
+    """The event of a coordinate that has happened by most after a step, with its room, into its numbers (modified).
+
+    Whether there is one.
+    """
+    own, least, found = coordinate_at(system, j), -1.0, NO_EVENT
+    for event in range(NO_EVENT):
+        left = room_until(system, j, event, True)
+        if left < least:
+            least, found = left, event
+    own[room.EVENT], own[room.ROOM] = float(found), least
+    return found != NO_EVENT
+
+
+@kernel
+def part_to_event(system, time, h, weight):
+    """Part of the step of h [s] from a time [s] after which the first event is expected; inf if none has happened in it.
+
+    weight : of the way to it, below 1 where the last piece was too long.
+    """
+    least, happened, free = inf, 0, count_free(system)
+    if free < count_of(system):
+        evaluate(system, time + h, True)
+    for j in range(count_of(system)):
+        happened += find_event(system, j)
+    globals_of(system).header[room.IS_KNOWN] = 1.0 if happened == 0 and free == 0 else 0.0
+    if happened == 0:
+        return inf
+    keep_results(system, True)
+    go_to_state(system, time)
+    if free < count_of(system):
+        evaluate(system, time, False)
+    for j in range(count_of(system)):
+        event, over = int(coordinate_at(system, j)[room.EVENT]), coordinate_at(system, j)[room.ROOM]
+        if event != NO_EVENT:
+            least = min(least, part_of_piece(weight * room_until(system, j, event, False), over))
+    keep_results(system, False)
+    for k in range(lines_of(system)):
+        if is_rope(system, k):
+            take_rates(system, k, time + h)
+    return least
+
+
+@kernel
+def keep_results(system, is_kept):
+    """Keep what coordinates have after a step that is tried, or put it back (modified)."""
+    for j in range(count_of(system)):
+        own = coordinate_at(system, j)
+        for i, place in ((0, room.PASSED_NOW), (1, room.SPEED_NOW), (2, room.GAIN_NOW)):
+            if is_kept:
+                own[room.KEPT + i] = own[place]
+            else:
+                own[place] = own[room.KEPT + i]
+
+
+@kernel
+def accept(system, time):
+    """Let all coordinates (modified) have the results of a step to a time [s]; friction and stops bring them to rest."""
+    for j in range(count_of(system)):
+        own = coordinate_at(system, j)
+        if is_free(system, j):
+            turns_round = own[room.FRICTION] != 0.0 and own[room.SIGN] * own[room.SPEED_NOW] < 0.0
+            own[room.PASSED], own[room.SPEED] = own[room.PASSED_NOW], 0.0 if turns_round else own[room.SPEED_NOW]
+            own[room.TURNED_BACK] = 1.0 if turns_round else 0.0  # of a drum without mass
+    go_to_state(system, time)
+    stop(system, time)

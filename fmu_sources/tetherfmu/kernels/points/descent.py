@@ -1,0 +1,219 @@
+"""The descent in a fixed step: all lines and free points at once, bounded as `backward_euler.py` says.
+
+The incremental potential is the sum of those of the lines. A free point moves by one free flight,
+with the load and the mass of the whole point; each line has that of its own half segment there, so that
+
+    sum_k m_k |x - y|^2/(2 h^2) = M |x - y|^2/(2 h^2),   y = x0 + h v0 + h^2 (gravity + load/M),   M = sum_k m_k
+
+An iteration is one of Newton's method for all nodes, with the inner nodes of each line condensed as in `step.py`. A
+shorter one is taken of all lines together, and all of them converge before it ends. The matrices are positive definite,
+and so is what is left of them at the points.
+"""
+
+from math import inf, sqrt
+
+from ..arrays import copy
+from ..compilation import kernel
+from ..equations import flow, segment
+from ..equations.assembly import longest_part
+from ..equations.free_points import rows_of
+from ..equations.ground import has_ground
+from ..equations.lines import lines_of, parameters_of, segments_of
+from ..equations.properties import rest_length
+from ..line import incremental_potential
+from ..line.backward_euler import MOST_HALVINGS
+from ..line.strand_room import GOAL
+from ..linear_algebra import condensed
+from ..linear_algebra.vectors import dot, get, sub
+from . import fixed
+from .room import attempt_of, columns_of, moves, numbers_of, scratch_of
+
+# phases of an iteration: from LATE on drums only change their speeds where the lines converge with them, from HELD on the
+# friction on the ground is that of the iteration before
+EARLY, LATE, HELD = 0, 1, 2
+STUCK = -1.0  # instead of the part of a move that was taken: no part of it goes down
+
+# --- the potential and its minimum
+
+
+@kernel
+def does_any_flow(system, step):
+    """Whether the rope of any line flows past its nodes: its forces are anew in each iteration."""
+    count = 0
+    for k in range(lines_of(system)):
+        count += moves(system, k) and flow.flows(attempt_of(system, k, step).chain)
+    return count > 0
+
+
+@kernel
+def potential(system, step, is_trial):
+    """Phi [J] of all lines at the positions of the iteration, or at those to try, and its error of rounding [J]."""
+    total, rounding = 0.0, 0.0
+    for k in range(lines_of(system)):
+        if moves(system, k):
+            w = scratch_of(system, k)
+            own, error = incremental_potential.potential(attempt_of(system, k, step), w.trial if is_trial else w.x, w)
+            total += own
+            rounding += error
+    return total, rounding
+
+
+@kernel
+def condense_line(system, k, step, phase):
+    """Matrix and forces of the iteration of line k, condensed to its ends; False if it is singular.
+
+    phase : EARLY, LATE or HELD.
+    """
+    w, rows = scratch_of(system, k), rows_of(system, k)
+    incremental_potential.linearize(attempt_of(system, k, step), w.x, phase == HELD, w)
+    if not condensed.condense(rows, w.matrix, columns_of(system, k)):
+        return False
+    condensed.solve_inner(rows, w.matrix, w.move)
+    return True
+
+
+@kernel
+def take_moves(system, step):
+    """Let the moves of all lines (modified) be those that were found; the part of them to try."""
+    taken = 1.0
+    for k in range(lines_of(system)):
+        if moves(system, k):
+            w = scratch_of(system, k)
+            copy(w.trial, w.move)
+            taken = min(taken, longest_part(attempt_of(system, k, step).chain, w.move))
+    return taken
+
+
+@kernel
+def direction(system, step, phase):
+    """Move of all nodes [m] by Newton's method, with the speeds of coordinates (modified); the part to try, 0: singular.
+
+    phase : EARLY, LATE or HELD. Late in the iteration the speeds only change where the lines converge with them.
+    """
+    for k in range(lines_of(system)):
+        if moves(system, k) and not condense_line(system, k, step, phase):
+            return 0.0
+    fixed.begin_moves(system, step)
+    if not step.turns or phase >= LATE:
+        fixed.seek(system, step.h, True)
+        if not fixed.solve_with(system, step):
+            return 0.0
+        if not step.turns:
+            return take_moves(system, step)
+        if farthest(system) > 0:
+            fixed.leave_speeds(system)
+            return take_moves(system, step)
+    if not fixed.find_moves(system, step):
+        return 0.0
+    return take_moves(system, step)
+
+
+@kernel
+def farthest(system):
+    """Number of lines that have not converged with the positions to try as moves [m]."""
+    count = 0
+    for k in range(lines_of(system)):
+        if moves(system, k):
+            count += is_far(system, k, scratch_of(system, k).trial, 1.0)
+    return count
+
+
+@kernel
+def descend(system, step, before, phase):
+    """One iteration of all lines (modified) from where Phi is `before` [J], inf if it is not known.
+
+    phase : EARLY, LATE or HELD.  Returns Phi [J] and the part of the move that was taken: STUCK, or inf where a matrix is
+    singular.
+    """
+    taken = direction(system, step, phase)
+    if taken == 0.0:
+        return before, inf
+    if (
+        (step.turns and fixed.has_changed(system))
+        or before == inf
+        or has_ground(parameters_of(system, 0))
+        or does_any_flow(system, step)
+    ):
+        before, _ = potential(system, step, False)
+    return go_along(system, step, taken, before)
+
+
+@kernel
+def try_part(system, taken):
+    """Positions to try [m] (modified) after a part of the move."""
+    for k in range(lines_of(system)):
+        if moves(system, k):
+            w = scratch_of(system, k)
+            for i in range(len(w.move)):
+                w.trial[i] = w.x[i] + taken * w.move[i]
+
+
+@kernel
+def go_along(system, step, taken, before):
+    """Move all lines (modified) by this part of the move, halved until Phi falls; results as those of `descend`."""
+    for _ in range(MOST_HALVINGS + 1):
+        try_part(system, taken)
+        now, rounding = potential(system, step, True)
+        if now <= before + rounding:
+            take_trial(system)
+            return now, taken
+        taken *= 0.5
+    return before, STUCK
+
+
+@kernel
+def take_trial(system):
+    """Let the iteration (modified) have the positions to try."""
+    for k in range(lines_of(system)):
+        if moves(system, k):
+            w = scratch_of(system, k)
+            copy(w.trial, w.x)
+
+
+@kernel
+def is_unconverged(system, k, taken):
+    """Whether this part of the last move leads a node of line k further than one moves in a line that has converged."""
+    return is_far(system, k, scratch_of(system, k).move, taken)
+
+
+@kernel
+def is_far(system, k, move, taken):
+    """The same of any move [m]."""
+    square = 0.0
+    for i in range(segments_of(system, k) + 1):
+        square = max(square, dot(get(move, i), get(move, i)))
+    return taken * sqrt(square) > numbers_of(system, k)[GOAL]
+
+
+@kernel
+def unconverged_lines(system, taken):
+    """Number of lines that have not converged."""
+    count = 0
+    for k in range(lines_of(system)):
+        if moves(system, k):
+            count += is_unconverged(system, k, taken)
+    return count
+
+
+@kernel
+def holds(system, step):
+    """Whether all springs still have the mode with which the matrix was made."""
+    for k in range(lines_of(system)):
+        if moves(system, k):
+            w, chain = scratch_of(system, k), attempt_of(system, k, step).chain
+            for s in range(chain.n):
+                r, rest = sub(get(w.x, s + 1), get(w.x, s)), rest_length(chain, s)
+                if segment.beyond_rest(r, rest) * w.held[s] < 0.0:
+                    return False
+    return True
+
+
+@kernel
+def rests_on_ground(system, step):
+    """Whether the ground carries and holds all nodes as in the last iteration."""
+    for k in range(lines_of(system)):
+        if moves(system, k) and has_ground(parameters_of(system, k)):
+            w = scratch_of(system, k)
+            if not incremental_potential.rests_on_ground(attempt_of(system, k, step), w.x, w):
+                return False
+    return True

@@ -1,0 +1,683 @@
+"""Global unknowns, free points and rope coordinates alike: their equations, in which lines are condensed substructures.
+
+    point        M v' = load + sum over its lines of the force on their ends
+    coordinate   m u' + c u + F sign(u) + W = sum over the ends of lines into which it lets rope of weight E (T - mu u^2)
+
+E is the loss of a sheave on the side to which it adds tension, 1 elsewhere: there mu u^2 of both sides is the same and
+cancels (`E counts` below). T of an end depends on accelerations by T(R), see `line/strand.py`. What a line is to others is
+added up here: blocks between its points, and a column and a row for each end that is held, times the weights. The matrix has
+a profile (`linear_algebra.profile`); a coordinate that is held has the row of the unit matrix.
+"""
+
+from math import atan2, exp
+
+from tetherfmu.runtime import layout as at
+
+from ..arrays import clear, copy
+from ..compilation import kernel, view
+from ..equations import rope, segment
+from ..equations.end_motion import velocity_at
+from ..equations.free_points import free_points, is_at_point, load_at, point_at, points_of, rows_of
+from ..equations.lines import conditions_of, lines_of, parameters_of, segments_of
+from ..equations.properties import property_of
+from ..equations.ropes import comes_from
+from ..line import strand
+from ..line.rodas4p import GAMMA_I
+from ..line.strand_room import (
+    BY_GAIN,
+    CORNER,
+    FACTOR,
+    HELD_GAIN,
+    LEFT,
+    OF_TIME,
+    PULL,
+    SLOPE,
+    TENSION,
+    rope_in,
+)
+from ..linear_algebra import condensed, profile
+from ..linear_algebra.both_ends import get_interleaved, get_node, get_two, put_interleaved
+from ..linear_algebra.pairs import first, load_pair, number_at, pair, second
+from ..linear_algebra.vectors import ZERO_VECTOR, add, add_at, add_scaled, cross, dot, get, norm, put, scale, sub
+from . import room
+from .room import (
+    coordinate_at,
+    count_of,
+    globals_of,
+    has_rope,
+    holder,
+    holders_of,
+    is_free,
+    is_held,
+    line_of,
+    numbers_of,
+    strand_of,
+    take_rates,
+    unknowns_of,
+    weight_of,
+)
+
+MOST_CORRECTIONS, BALANCED = 8, 1e-13  # of Newton's method for u'; what is left over the tensions when it has converged
+OVERLOAD = 1e-8  # of its forces: with how much more than its friction a coordinate begins to move
+TINY = 1e-200  # what keeps a quotient from 0/0
+
+# --- what a coordinate has of its own
+
+
+@kernel
+def moving_at(system, k, j):
+    """mu u^2 [N] of rope of line k over the sheave j at a stage."""
+    return property_of(conditions_of(system, k), 0, at.LINE_DENSITY) * coordinate_at(system, j)[room.SPEED_NOW] ** 2
+
+
+@kernel
+def losses_beside(system, j):
+    """E behind and ahead of the sheave j, as they count."""
+    k = line_of(system, j)
+    return numbers_of(system, k)[FACTOR + 1], numbers_of(system, k + 1)[FACTOR]
+
+
+@kernel
+def own_force(system, j, time):
+    """Force [N] on coordinate j at a stage, a time [s], but for its lines and its inertia."""
+    own = coordinate_at(system, j)
+    if own[room.IS_DRUM] != 0.0:
+        counter = own[room.LOAD] + time * own[room.LOAD_RATE] + own[room.DAMPING] * own[room.SPEED_NOW]
+        return -counter - own[room.FRICTION] * own[room.SIGN]
+    if own[room.SIGN] == 0.0:
+        return 0.0
+    behind, ahead = losses_beside(system, j)
+    return (behind - ahead) * moving_at(system, line_of(system, j), j)
+
+
+@kernel
+def take_damping(system, j):
+    """BY_SPEED of coordinate j (modified) at the start of the step."""
+    own = coordinate_at(system, j)
+    own[room.BY_SPEED] = own[room.DAMPING]
+    if own[room.IS_DRUM] == 0.0 and own[room.SIGN] != 0.0:
+        behind, ahead = losses_beside(system, j)
+        density = property_of(conditions_of(system, line_of(system, j)), 0, at.LINE_DENSITY)
+        own[room.BY_SPEED] += 2.0 * (ahead - behind) * density * own[room.SPEED_NOW]
+
+
+@kernel
+def mass_at(system, j, k):
+    """Mass [kg] of a coordinate with that of the rope of line k which moves past nodes at rest."""
+    total = coordinate_at(system, j)[room.MASS]
+    for end in range(2):
+        weight = weight_of(system, j, k, end)
+        if weight != 0.0:  # else the line may not know its slopes
+            total -= weight * weight * numbers_of(system, k)[BY_GAIN + 3 * end]
+    return total
+
+
+@kernel
+def inertia_of(system, j):
+    """The same of all lines."""
+    mass = coordinate_at(system, j)[room.MASS]
+    total = mass
+    for k in range(lines_of(system)):
+        total += mass_at(system, j, k) - mass
+    return total
+
+
+@kernel
+def urges(system, j, behind, ahead, loss):
+    """Forces [N] with which tensions pull a coordinate forwards and backwards beyond what holds it; a margin of these.
+
+    behind, ahead : what sets against a drum and what its ropes pull, or T_1 and T_2 of a sheave [N].  loss : E of it.
+    """
+    own = coordinate_at(system, j)
+    if own[room.IS_DRUM] != 0.0:
+        pull, friction = ahead - behind, own[room.FRICTION]
+        return pull - friction, -pull - friction, OVERLOAD * own[room.MAGNITUDE]
+    margin = OVERLOAD * (abs(behind) + abs(ahead))
+    return ahead - behind - (loss - 1.0) * max(behind, 0.0), behind - ahead - (loss - 1.0) * max(ahead, 0.0), margin
+
+
+# --- losses of sheaves
+
+
+@kernel
+def wrap_of(towards_1, towards_2):
+    """Angle of wrap [rad] from the vectors away from a sheave along both portions."""
+    _, d_1 = segment.geometry(towards_1)
+    _, d_2 = segment.geometry(towards_2)
+    return atan2(norm(cross(d_1, d_2)), -dot(d_1, d_2))
+
+
+@kernel
+def loss_with(parameters, towards_1, towards_2):
+    """E [-] of a sheave with these vectors; parameters : of the line before it."""
+    grip = parameters[at.SHEAVE_FRICTION]
+    grip = exp(grip * wrap_of(towards_1, towards_2)) if grip > 0.0 else 1.0
+    return grip / parameters[at.SHEAVE_EFFICIENCY]
+
+
+@kernel
+def turn_of(towards, other):
+    """Slope of the angle of wrap by the vector away from a sheave along one portion [1/m]; other : along the other one."""
+    length, d = segment.geometry(towards)
+    _, e = segment.geometry(other)
+    across = add_scaled(e, -dot(d, e), d)
+    size = norm(across)
+    return scale(1.0 / (length * size), across) if size > 1e-9 else ZERO_VECTOR
+
+
+@view
+def away_at_stage(system, k):
+    """Vectors away from the sheave at the end of line k along both portions at a stage [m]."""
+    n, x_1, x_2 = segments_of(system, k), strand_of(system, k).w.stage_x, strand_of(system, k + 1).w.stage_x
+    here = get_node(n, n, x_1)
+    return sub(get_node(n, n - 1, x_1), here), sub(get_node(segments_of(system, k + 1), 1, x_2), here)
+
+
+@kernel
+def take_losses(system):
+    """LOSS of all sheaves at a stage (modified)."""
+    for j in range(count_of(system)):
+        own = coordinate_at(system, j)
+        if own[room.IS_DRUM] == 0.0:
+            own[room.LOSS] = 1.0
+            if own[room.FRICTION] != 0.0:
+                k = line_of(system, j)
+                own[room.LOSS] = loss_with(parameters_of(system, k), *away_at_stage(system, k))
+
+
+@kernel
+def loss_at(system, k, end, tension):
+    """E that a tension [N] at an end of line k counts with: where rope runs on over a sheave against it, and it pulls."""
+    j = int(numbers_of(system, k)[room.SHEAVE]) if end == 1 else -1
+    sign = 1.0
+    if end == 0 and comes_from(system, k):
+        j, sign = int(numbers_of(system, k - 1)[room.SHEAVE]), -1.0
+    if j < 0 or sign * coordinate_at(system, j)[room.SIGN] <= 0.0 or tension <= moving_at(system, k, j):
+        return 1.0
+    return coordinate_at(system, j)[room.LOSS]
+
+
+@kernel
+def stiffness_at(system, k, end):
+    """EA [N] of the segment at an end of line k."""
+    return property_of(conditions_of(system, k), (segments_of(system, k) - 1) * end, at.STIFFNESS)
+
+
+@kernel
+def take_tension(system, k, end, pull):
+    """T [N] of an end of line k from R [N], and with what factor it counts (modified)."""
+    numbers = numbers_of(system, k)
+    numbers[TENSION + end], numbers[FACTOR + end] = pull, 1.0
+    if rope.feels_rope(parameters_of(system, k)):
+        numbers[TENSION + end] = rope.tension_of(stiffness_at(system, k, end), pull)
+        numbers[FACTOR + end] = loss_at(system, k, end, numbers[TENSION + end])
+
+
+@kernel
+def take_slope(system, k, end):
+    """Slope of what it counts by R (modified), which stays as it is at the start of a step."""
+    numbers = numbers_of(system, k)
+    numbers[SLOPE + end] = numbers[FACTOR + end]
+    if rope.feels_rope(parameters_of(system, k)):
+        numbers[SLOPE + end] *= rope.slope_of(stiffness_at(system, k, end), numbers[TENSION + end])
+
+
+@kernel
+def count_tensions(system):
+    """Tensions of all ends that are held at a stage (modified), whose pulls are known."""
+    take_losses(system)
+    for k in range(lines_of(system)):
+        for end in range(2):
+            if is_held(system, k, end):
+                take_tension(system, k, end, numbers_of(system, k)[PULL + end])
+
+
+# --- what a line adds
+
+
+@kernel
+def add_to_unknown(system, point, a, array):
+    """Add a vector to the unknowns of a free point in an array (modified)."""
+    for axis in range(3):
+        array[3 * point + axis] += a[axis]
+
+
+@kernel
+def place_blocks(system, k, matrix):
+    """Add the blocks that couple the free points of line k, which is condensed, to the global matrix (modified)."""
+    n, columns, whole = segments_of(system, k), room.columns_of(system, k), globals_of(system).matrix
+    for end in range(2):
+        for other in range(2):
+            if is_at_point(system, k, end) and is_at_point(system, k, other):
+                block = condensed.condensed_block(n, end, other, matrix, columns)
+                row, column = 3 * point_at(system, k, end), 3 * point_at(system, k, other)
+                for i in range(3):
+                    for j in range(3):
+                        profile.add_entry(whole, row + i, column + j, block[3 * i + j])
+
+
+@kernel
+def place_ropes(system, k, matrix, per):
+    """Add columns and rows of the ends of line k that are held to the global matrix (modified).
+
+    per : of a row by the velocities of nodes, times what is solved for.  The columns are solved in the inner rows.
+    """
+    n, rows, ropes = segments_of(system, k), rows_of(system, k), room.room_in_step(system, k).ropes
+    for end in range(2):
+        if is_held(system, k, end):
+            own = rope_in(n, ropes, end)
+            for other in range(2):
+                if is_at_point(system, k, other):
+                    down = scale(-1.0, condensed.what_is_left(n, other, matrix, own.solved))
+                    across = condensed.whole_row_at_end(rows, other, own.row, room.columns_of(system, k))
+                    place_border(system, k, end, other, down, scale(per, across))
+                if is_held(system, k, other):
+                    yielded = per * inner_of_line(rows, own.row, rope_in(n, ropes, other).solved)
+                    place_corner(system, k, end, other, numbers_of(system, k)[CORNER + 2 * end + other] + yielded)
+
+
+@kernel
+def place_border(system, k, end, other, down, across):
+    """Add a column and a row of an end of line k that is held, at its free point `other`, to the matrix (modified)."""
+    whole, points, slope = globals_of(system).matrix, 3 * free_points(system), numbers_of(system, k)[SLOPE + end]
+    point = 3 * point_at(system, k, other)
+    for i in range(holders_of(system, k, end)):
+        j, weight = holder(system, k, end, i)
+        for axis in range(3):
+            profile.add_entry(whole, point + axis, points + j, weight * down[axis])
+            profile.add_entry(whole, points + j, point + axis, weight * slope * across[axis])
+
+
+@kernel
+def place_corner(system, k, end, other, slope):
+    """Add to the matrix (modified) what rope that comes in over one end, or the same, does to T of an end of line k."""
+    whole, points = globals_of(system).matrix, 3 * free_points(system)
+    for i in range(holders_of(system, k, end)):
+        j, of_row = holder(system, k, end, i)
+        for place in range(holders_of(system, k, other)):
+            o, of_column = holder(system, k, other, place)
+            entry = of_row * numbers_of(system, k)[SLOPE + end] * of_column * slope
+            profile.add_entry(whole, points + j, points + o, -entry)
+
+
+@kernel
+def inner_of_line(rows, a, b):
+    """Sum of a . b over the inner rows of two flat arrays, four numbers at a time."""
+    total, other, begin, end = pair(0.0, 0.0), pair(0.0, 0.0), 3 * rows.first, 3 * rows.last + 3
+    whole = begin + (end - begin) // 4 * 4 if end > begin else begin
+    for i in range(begin, whole, 4):
+        total = total + load_pair(a, i) * load_pair(b, i)
+        other = other + load_pair(a, i + 2) * load_pair(b, i + 2)
+    total = total + other
+    left = first(total) + second(total)
+    for i in range(whole, end):
+        left += a[i] * b[i]
+    return left
+
+
+@kernel
+def clear_matrix(system):
+    """Let the matrix of the global unknowns (modified) be 0."""
+    m, whole = unknowns_of(system), globals_of(system).matrix
+    count = int(whole.start[m - 1]) + m if m > 0 else 0
+    for i in range(count):
+        whole.lower[i] = whole.upper[i] = 0.0
+
+
+@kernel
+def begin_matrix(system, d):
+    """Matrix of the global unknowns without lines in a Rosenbrock step (modified)."""
+    clear_matrix(system)
+    for j in range(count_of(system)):
+        own, i = coordinate_at(system, j), 3 * free_points(system) + j
+        profile.add_entry(globals_of(system).matrix, i, i, own[room.MASS] / d + own[room.BY_SPEED])
+
+
+@kernel
+def hold(system):
+    """Let the rows of coordinates that are held say that they do not move (modified)."""
+    for j in range(count_of(system)):
+        if not is_free(system, j):
+            profile.hold_row(globals_of(system).matrix, unknowns_of(system), 3 * free_points(system) + j)
+
+
+@kernel
+def factorize(system):
+    """Factor the matrix of the global unknowns (modified); False if it is singular."""
+    return profile.factorize(globals_of(system).matrix, unknowns_of(system))
+
+
+@kernel
+def solve(system):
+    """Solution of all global unknowns (modified) from the right-hand side, with 0 of coordinates that are held."""
+    whole = globals_of(system)
+    for j in range(count_of(system)):
+        if not is_free(system, j):
+            whole.right[3 * free_points(system) + j] = 0.0
+    profile.solve(whole.matrix, unknowns_of(system), whole.right, whole.solution)
+
+
+# --- accelerations
+
+
+@kernel
+def sum_masses(system, at_stage):
+    """Masses of the free points [kg] from the ends of their lines (modified); at_stage : else at the start of the step."""
+    points = points_of(system)
+    clear(points.mass)
+    for k in range(lines_of(system)):
+        w = strand_of(system, k).w
+        for end in range(2):
+            if is_at_point(system, k, end):
+                node = segments_of(system, k) * end
+                points.mass[point_at(system, k, end)] += w.stage_mass[node] if at_stage else w.mass[node]
+
+
+@kernel
+def find_accelerations(system, time, is_rope):
+    """Accelerations of all global unknowns, and of nodes of lines with ropes, and all tensions at a stage (modified).
+
+    Forces are known for those that are driven alone, slopes by gains are known; `begin` of a step or `evaluate` at a state.
+    is_rope : whether any line has ropes.
+    """
+    for k in range(lines_of(system)):
+        if has_rope(system, k):
+            take_inner_response(strand_of(system, k), rows_of(system, k))
+    if is_rope:
+        take_losses(system)
+    begin_accelerations(system, time)
+    if is_rope:
+        correct_accelerations(system, time)
+    for k in range(lines_of(system)):
+        if has_rope(system, k):
+            take_rates(system, k, time)
+            finish_accelerations(system, k)
+
+
+@kernel
+def take_inner_response(own, rows):
+    """Let PULL and CORNER of a line (modified) have what its inner nodes do, which give way; from both ends at once."""
+    n, w, numbers, ends = own.n, own.w, own.numbers, (rope_in(own.n, own.ropes, 0), rope_in(own.n, own.ropes, 1))
+    a, b, nothing = ends[0].by_gain, ends[1].by_gain, pair(0.0, 0.0)
+    pull_a, pull_b, of_aa, of_ab, of_bb = nothing, nothing, nothing, nothing, nothing
+    for i in range(n // 2 + 1):
+        share = 1.0 / number_at(w.stage_mass, 0, (i, n - i))
+        if i == 0:
+            share = share * pair(1.0 if rows.first == 0 else 0.0, 1.0 if rows.last == n else 0.0)
+        elif 2 * i == n:
+            share = 0.5 * share
+        col_a, col_b, force = get_two(a, i, n - i), get_two(b, i, n - i), get_interleaved(w.force, i)
+        pull_a, pull_b = pull_a + share * dot(col_a, force), pull_b + share * dot(col_b, force)
+        of_aa, of_ab = of_aa + share * dot(col_a, col_a), of_ab + share * dot(col_a, col_b)
+        of_bb = of_bb + share * dot(col_b, col_b)
+    numbers[PULL] += first(pull_a) + second(pull_a)
+    numbers[PULL + 1] += first(pull_b) + second(pull_b)
+    numbers[CORNER] = numbers[BY_GAIN] + first(of_aa) + second(of_aa)
+    numbers[CORNER + 1] = numbers[CORNER + 2] = numbers[BY_GAIN + 1] + first(of_ab) + second(of_ab)
+    numbers[CORNER + 3] = numbers[BY_GAIN + 3] + first(of_bb) + second(of_bb)
+
+
+@kernel
+def begin_accelerations(system, time):
+    """First accelerations of all global unknowns: points without coordinates, these as they were last (modified)."""
+    whole, points = globals_of(system), points_of(system)
+    for point in range(free_points(system)):
+        load = load_at(system, point, time)
+        for axis in range(3):
+            whole.right[3 * point + axis] = load[axis]
+    add_forces_at_points(system, whole.right)
+    for point in range(free_points(system)):
+        for axis in range(3 * point, 3 * point + 3):
+            whole.accelerations[axis] = whole.right[axis] / points.mass[point]
+    for j in range(count_of(system)):
+        own = coordinate_at(system, j)
+        own[room.GAIN_NOW] = own[room.ACCELERATION] if is_free(system, j) else 0.0
+
+
+@kernel
+def add_forces_at_points(system, array):
+    """Add the forces at a stage of all lines on free points, without coordinates that gain speed, to an array (modified)."""
+    for k in range(lines_of(system)):
+        n = segments_of(system, k)
+        for end in range(2):
+            if is_at_point(system, k, end):
+                add_to_unknown(system, point_at(system, k, end), get_node(n, n * end, strand_of(system, k).w.force), array)
+
+
+@kernel
+def acceleration_of_point(system, point):
+    """Acceleration of a free point [m/s2] that was found."""
+    return get(globals_of(system).accelerations, point)
+
+
+@kernel
+def correct_accelerations(system, time):
+    """Newton's method for the accelerations of all global unknowns (modified); its matrix is made once."""
+    whole, points = globals_of(system), 3 * free_points(system)
+    for correction in range(MOST_CORRECTIONS):
+        if take_residuals(system, time) <= BALANCED:
+            break
+        if correction == 0:
+            place_masses(system)
+            if not factorize(system):
+                break
+        solve(system)
+        for i in range(points):
+            whole.accelerations[i] += whole.solution[i]
+        for j in range(count_of(system)):
+            coordinate_at(system, j)[room.GAIN_NOW] += whole.solution[points + j]
+
+
+@kernel
+def take_residuals(system, time):
+    """What the equations of all unknowns leave, as right-hand side, with the present accelerations, and tensions (modified).
+
+    Returns the largest one over the forces there.
+    """
+    whole, points, masses = globals_of(system), 3 * free_points(system), points_of(system).mass
+    clear(whole.right)
+    for point in range(free_points(system)):
+        load = load_at(system, point, time)
+        for axis in range(3):
+            i = 3 * point + axis
+            whole.right[i] = load[axis] - masses[point] * whole.accelerations[i]
+    if points > 0:
+        add_forces_at_points(system, whole.right)
+    for j in range(count_of(system)):
+        own = coordinate_at(system, j)
+        own[room.PULLED] = 0.0
+        own[room.MAGNITUDE] = TINY
+    for k in range(lines_of(system)):
+        if has_rope(system, k):
+            pull_with_accelerations(system, k)
+    largest, magnitude = 0.0, TINY
+    for j in range(count_of(system)):
+        own = coordinate_at(system, j)
+        against = own_force(system, j, time)
+        own[room.AGAINST] = -against - own[room.FRICTION] * own[room.SIGN] * own[room.IS_DRUM]
+        if own[room.IS_MASSLESS] == 0.0:
+            whole.right[points + j] += own[room.PULLED] + against - own[room.MASS] * own[room.GAIN_NOW]
+        if own[room.IS_DRUM] != 0.0:
+            motor = abs(own[room.LOAD] + time * own[room.LOAD_RATE])
+            own[room.MAGNITUDE] += motor + own[room.FRICTION]
+        magnitude = max(magnitude, own[room.MAGNITUDE])
+        if is_free(system, j):
+            largest = max(largest, abs(whole.right[points + j]) / own[room.MAGNITUDE])
+    for i in range(points):
+        largest = max(largest, abs(whole.right[i]) / magnitude)
+    return largest
+
+
+@kernel
+def pull_with_accelerations(system, k):
+    """Tensions of the ends of line k with the present accelerations, added to coordinates, and what those do to points.
+
+    All modified.
+    """
+    own, n, right = strand_of(system, k), segments_of(system, k), globals_of(system).right
+    for end in range(2):
+        own.numbers[HELD_GAIN + end] = room.let_in(system, k, end, room.GAIN_NOW)
+    for end in range(2):
+        if is_held(system, k, end):
+            pull, by_gain = own.numbers[PULL + end], rope_in(n, own.ropes, end).by_gain
+            pull += own.numbers[CORNER + 2 * end] * own.numbers[HELD_GAIN]
+            pull += own.numbers[CORNER + 2 * end + 1] * own.numbers[HELD_GAIN + 1]
+            for other in range(2):
+                if is_at_point(system, k, other):
+                    col, point = get(by_gain, n * other), point_at(system, k, other)
+                    pull += dot(col, acceleration_of_point(system, point))
+                    add_to_unknown(system, point, scale(own.numbers[HELD_GAIN + end], col), right)
+            take_tension(system, k, end, pull)
+            take_slope(system, k, end)
+            for i in range(holders_of(system, k, end)):
+                j, weight = holder(system, k, end, i)
+                coordinate_at(system, j)[room.PULLED] += weight * own.numbers[FACTOR + end] * own.numbers[TENSION + end]
+                coordinate_at(system, j)[room.MAGNITUDE] += abs(weight * own.numbers[TENSION + end])
+
+
+@kernel
+def place_masses(system):
+    """Matrix of all accelerations (modified); what is held, or has no mass, gains none."""
+    clear_matrix(system)
+    whole, points = globals_of(system).matrix, 3 * free_points(system)
+    for i in range(points):
+        profile.add_entry(whole, i, i, points_of(system).mass[i // 3])
+    for j in range(count_of(system)):
+        profile.add_entry(whole, points + j, points + j, coordinate_at(system, j)[room.MASS])
+    for k in range(lines_of(system)):
+        n, ropes = segments_of(system, k), room.room_in_step(system, k).ropes
+        for end in range(2):
+            if is_held(system, k, end):
+                for other in range(2):
+                    if is_at_point(system, k, other):
+                        col = scale(-1.0, get(rope_in(n, ropes, end).by_gain, n * other))
+                        place_border(system, k, end, other, col, col)
+                    if is_held(system, k, other):
+                        place_corner(system, k, end, other, numbers_of(system, k)[CORNER + 2 * end + other])
+    for j in range(count_of(system)):
+        if not is_free(system, j) or coordinate_at(system, j)[room.IS_MASSLESS] != 0.0:
+            profile.hold_row(whole, unknowns_of(system), points + j)
+
+
+@kernel
+def finish_accelerations(system, k):
+    """Accelerations of the nodes of line k, and forces with those of coordinates (modified)."""
+    own, n = strand_of(system, k), segments_of(system, k)
+    a, b = rope_in(n, own.ropes, 0).by_gain, rope_in(n, own.ropes, 1).by_gain
+    for i in range(n // 2 + 1):
+        force = add_scaled(get_interleaved(own.w.force, i), own.numbers[HELD_GAIN], get_two(a, i, n - i))
+        force = add_scaled(force, own.numbers[HELD_GAIN + 1], get_two(b, i, n - i))
+        put_interleaved(own.w.force, i, force)
+        put_interleaved(own.z, i, scale(1.0 / number_at(own.w.stage_mass, 0, (i, n - i)), force))
+    for end in range(2):
+        if strand.is_driven(own.conditions, end):
+            for axis in range(3):
+                own.z[2 * axis + end] = own.stage_z[2 * axis + end]
+    put_accelerations_of_points(system, k)
+    copy(own.z, own.stage_z)
+
+
+@kernel
+def put_accelerations_of_points(system, k):
+    """Accelerations of the free points at line k into its own (modified)."""
+    z = strand_of(system, k).z
+    for end in range(2):
+        if is_at_point(system, k, end):
+            found = acceleration_of_point(system, point_at(system, k, end))
+            for axis in range(3):
+                z[2 * axis + end] = found[axis]
+
+
+# --- a stage
+
+
+@kernel
+def add_wrap(system, j, time, d):
+    """Add what the angle of wrap at the sheave j does to its friction to the rows beside it (modified)."""
+    k, sign = line_of(system, j), coordinate_at(system, j)[room.SIGN]
+    grip = parameters_of(system, k)[at.SHEAVE_FRICTION]
+    end, line = (1, k) if sign > 0.0 else (0, k + 1)  # of which the tension counts more
+    loss, tension = numbers_of(system, line)[FACTOR + end], numbers_of(system, line)[TENSION + end]
+    if grip == 0.0 or sign == 0.0 or loss == 1.0:
+        return
+    (to_1, to_2), n = away_at_stage(system, k), segments_of(system, k)
+    factor = -sign * grip * loss * (tension - moving_at(system, line, j))
+    by_1, by_2 = scale(factor, turn_of(to_1, to_2)), scale(factor, turn_of(to_2, to_1))
+    behind, ahead = -numbers_of(system, k)[SLOPE + 1], numbers_of(system, k + 1)[SLOPE]
+    add_to_row(system, k, 1, n - 1, scale(1.0 / behind, by_1), time, d)
+    add_to_row(system, k, 1, n, scale(-1.0 / behind, add(by_1, by_2)), time, d)
+    add_to_row(system, k + 1, 0, 1, scale(1.0 / ahead, by_2), time, d)
+
+
+@kernel
+def add_to_row(system, k, end, i, slope, time, d):
+    """Add a slope of R of an end of line k by the position of node i [N/m] to its row, or its rate by that to OF_TIME."""
+    own, conditions = strand_of(system, k), conditions_of(system, k)
+    if conditions.first <= i <= conditions.last:
+        add_at(rope_in(own.n, own.ropes, end).row, i, scale(d, slope))
+    else:
+        curve = conditions.kite if i > 0 else conditions.ground
+        own.numbers[OF_TIME + end] += dot(slope, velocity_at(curve, time))
+
+
+@kernel
+def begin_right(system, stage, time, h):
+    """Right-hand side of the global unknowns but for their lines (modified), at the time [s] of a stage."""
+    whole, points, rates = globals_of(system), free_points(system), points_of(system).load_rate
+    for point in range(points):
+        load = add_scaled(load_at(system, point, time), GAMMA_I[stage] * h, get(rates, point))
+        for axis in range(3):
+            whole.right[3 * point + axis] = load[axis]
+    for j in range(count_of(system)):
+        own = coordinate_at(system, j)
+        total = own_force(system, j, time) - GAMMA_I[stage] * h * own[room.LOAD_RATE]
+        total += own[room.MASS] * own[room.ADDED_UP] / h + own[room.BY_SPEED] * own[room.OF_REST]
+        whole.right[3 * points + j] = total
+
+
+@kernel
+def place_right(system, k, matrix, q, per):
+    """Add what is left of line k to the right-hand side (modified), once its inner nodes are solved in q; per : as above."""
+    n, right, points = segments_of(system, k), globals_of(system).right, 3 * free_points(system)
+    numbers, ropes = numbers_of(system, k), room.room_in_step(system, k).ropes
+    for end in range(2):
+        if is_at_point(system, k, end):
+            add_to_unknown(system, point_at(system, k, end), condensed.what_is_left(n, end, matrix, q), right)
+        if is_held(system, k, end):
+            known = numbers[LEFT + end] + per * inner_of_line(rows_of(system, k), rope_in(n, ropes, end).row, q)
+            total = numbers[FACTOR + end] * numbers[TENSION + end] + numbers[SLOPE + end] * known
+            for i in range(holders_of(system, k, end)):
+                j, weight = holder(system, k, end, i)
+                right[points + j] += weight * total
+
+
+@kernel
+def take_solution(system, k, q):
+    """Solution in all nodes of line k (modified) from that of the global unknowns."""
+    n, rows, solution, conditions = (
+        segments_of(system, k),
+        rows_of(system, k),
+        globals_of(system).solution,
+        conditions_of(system, k),
+    )
+    for end in range(2):
+        if is_at_point(system, k, end):
+            put(q, n * end, get(solution, point_at(system, k, end)))
+        elif strand.is_driven(conditions, end):
+            put(q, n * end, ZERO_VECTOR)
+    condensed.expand(rows, room.columns_of(system, k), q)
+    for end in range(2):
+        if is_held(system, k, end):
+            come_in, solved = solution_of_end(system, k, end), rope_in(n, room.room_in_step(system, k).ropes, end).solved
+            for i in range(3 * rows.first, 3 * rows.last + 3):
+                q[i] += come_in * solved[i]
+
+
+@kernel
+def solution_of_end(system, k, end):
+    """What the solution lets into line k over an end."""
+    solution, points, total = globals_of(system).solution, 3 * free_points(system), 0.0
+    for i in range(holders_of(system, k, end)):
+        j, weight = holder(system, k, end, i)
+        total += weight * solution[points + j]
+    return total

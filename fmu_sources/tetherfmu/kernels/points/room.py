@@ -1,0 +1,680 @@
+"""Scratch space in a step: of each line, and of the global unknowns, which are free points and rope coordinates.
+
+What stands where, once a communication step has begun (`begin_coordinates`). A line knows which coordinates let rope into
+its ends, its holders, with which weights: +1 of a drum of its own, the ratio of a shared one, and of a sheave -1 into the
+end of the portion before it and +1 into the start of the one behind it. A line without holders is a chain of which the
+length is a polynomial of time (`equations/winch.py`); with holders, that polynomial plus what they let in.
+"""
+
+from collections import namedtuple
+
+from tetherfmu.runtime import layout as at
+from tetherfmu.runtime import plan_layout as places
+
+from ..arrays import behind, clear, places_of
+from ..compilation import kernel, view
+from ..equations import winch
+from ..equations.boundary import chain_during, chain_with, portion_moving
+from ..equations.drum import drum_of
+from ..equations.free_points import free_points, is_at_point, point_at
+from ..equations.lines import (
+    CONDITIONS,
+    conditions_of,
+    hold_length,
+    lines_of,
+    motion_of,
+    number_in,
+    parameters_of,
+    put_reeling,
+    room_of,
+    segments_of,
+    state_of,
+)
+from ..equations.properties import chain_with_flow, property_of
+from ..equations.rope import feels_rope
+from ..equations.ropes import comes_from, goes_on, has_coordinates, is_freed, is_turned
+from ..flat_arrays import part
+from ..line import rosenbrock, second_order
+from ..line.incremental_potential import Attempt
+from ..line.rodas4p import STAGES
+from ..line.strand_room import (
+    DRUM,
+    FACTOR,
+    FIRST_LENGTH,
+    GAIN,
+    HELD_GAIN,
+    HOLDER,
+    HOLDERS,
+    INERTIA,
+    LENGTH,
+    NUMBERS,
+    RATE,
+    REST,
+    RUNS,
+    SHEAVE,
+    WEIGHT,
+    Strand,
+    rope_in,
+    ropes_size,
+    weights_in,
+)
+from ..linear_algebra import condensed, profile
+from ..linear_algebra.both_ends import interleaved_size
+from ..linear_algebra.profile import Profile
+from .coordinates import carries_drum, has_own_drum
+
+# --- numbers of a coordinate
+
+(
+    LINE,  # before the sheave, or that carries the drum
+    IS_DRUM,
+    MASS,  # m [kg], c [N s/m], W [N] and its rate [N/s]
+    DAMPING,
+    LOAD,
+    LOAD_RATE,
+    FRICTION,  # F of a drum [N]; of a sheave 1 if it has losses, else 0
+    PASSED,  # rope since `settle` [m], its rate [m/s], the rate of that [m/s2]: in the state
+    SPEED,
+    ACCELERATION,
+    PASSED_NOW,  # the same at a stage, and in the end after the step
+    SPEED_NOW,
+    GAIN_NOW,
+    OF_REST,  # r_i of a stage [m/s]
+    ADDED_UP,  # of the stages, for its inertia [m/s]
+    SPEEDS,  # U of all stages [m/s]
+    WRONG,  # error estimates of the rope over d and of the speed [m/s]
+    WRONG_SPEED,
+    BY_SPEED,  # what sets against it by its speed, at the start of the step [N s/m]
+    TOTAL,  # rope that passed before, since the start of the communication step [m]
+    IS_MASSLESS,  # 1: a drum without mass that feels the tension of the first segment only
+    TURNED_BACK,  # 1: such a drum has turned round under friction, which holds it
+    SIGN,  # of the speed that friction knows; 0 without friction, and where either may be
+    IS_HELD,  # 1: it does not move in this piece of time
+    IS_BRAKED,  # 1: nothing that it holds is whole
+    LOSS,  # E of a sheave at a stage [-]
+    PULLED,  # sum of the forces of the ropes without friction, their magnitudes, and those it sets against them [N]
+    AGAINST,
+    MAGNITUDE,
+    EVENT,  # that has happened after a step, and the room that is left until it, below 0
+    ROOM,
+    STARTED,  # how often it began to move while it was sought which do
+    KEPT,  # PASSED_NOW, SPEED_NOW and GAIN_NOW of a step that is tried
+    # fixed steps
+    REACHED,  # PASSED and SPEED where the step, or its stage, starts
+    REACHED_SPEED,
+    START_SPEED,  # at the start of a step of three stages [m/s], and rope there [m]
+    START_PASSED,
+    ONWARD_PASSED,  # the start of the third stage but for the result of the second one
+    ONWARD_SPEED,
+    BEFORE,  # speeds in the last stage but one, and in the one before it [m/s]
+    LONG_BEFORE,
+    KEEPS,  # sign of the speed that friction does not let turn round in the step, 0: it may
+    LOWEST,  # limits of the speed in the iteration [m/s]
+    HIGHEST,
+    WAY,  # how the speed is sought in the iteration, and its value where that is given [m/s]
+    SOUGHT,
+    CHANGE,  # by how much the last iteration changed it [m/s]
+    IS_FOUND,  # 1 if it was found as it was sought, and the tensions are close; else 0
+    _,
+    COORDINATE,
+) = places_of(*[1] * 15, STAGES, *[1] * 16, 3, *[1] * 15, 1)
+
+COUNT, IS_KNOWN, HEADER = 0, 1, 2  # of the global unknowns: how many coordinates; whether tensions are those of the states
+
+Room = namedtuple("Room", "numbers columns weights ropes z stage_z own")
+Room.__doc__ = """Scratch arrays of a line.
+
+numbers : see `line/strand_room.py`.  columns : of its ends, see `linear_algebra.condensed`.  weights, ropes : see there.
+z, stage_z : accelerations of the nodes at the start of the step and at a stage [m/s2], interleaved.
+own : of the methods, see `own_size`.
+"""
+Globals = namedtuple("Globals", "header right solution accelerations matrix")
+Globals.__doc__ = """Scratch arrays of m = 3 (free points) + coordinates unknowns.
+
+header : COUNT, ...  right, solution, accelerations : of all, m.
+matrix : `Profile`. The numbers of all coordinates stand behind the header, see `coordinate_at`.
+"""
+
+# --- sizes
+
+
+@kernel
+def own_size(n):
+    """Length of the room of both methods: a Rosenbrock step, whose arrays hold rows and columns of both, and a fixed one."""
+    return fixed_at(n) + second_order.workspace_size(n)
+
+
+@kernel
+def fixed_at(n):
+    """Place of the arrays of a fixed step in it, an even number."""
+    size = rosenbrock.workspace_size(n)
+    return size + size % 2
+
+
+@kernel
+def line_work_size(n):
+    """Length of what a line of n segments needs of `work`: an even number, so that pairs lie within a line of the cache."""
+    size = CONDITIONS + condensed.columns_size(n) + NUMBERS + own_size(n) + 4 * (n + 1) + ropes_size(n)
+    size += 2 * interleaved_size(n)
+    return size + size % 2
+
+
+@kernel
+def globals_size(points, band, coordinates):
+    """Length of what so many free points with this band, and coordinates at most, need of `work`."""
+    m = 3 * points + coordinates
+    size = HEADER + 5 * m + 2 * profile_size(points, band, coordinates) + COORDINATE * coordinates
+    return size + size % 2
+
+
+@kernel
+def profile_size(points, band, coordinates):
+    """Most numbers of one triangle of their matrix."""
+    return 9 * points * (band + 1) + coordinates * (3 * points + coordinates)
+
+
+@kernel
+def most_coordinates(system):
+    """How many coordinates a system may have."""
+    return number_in(system.plan, places.SHEAVES) + lines_of(system)
+
+
+# --- views
+
+
+@view
+def room_in_step(system, k):
+    """`Room` of line k."""
+    n, room = segments_of(system, k), behind(CONDITIONS, room_of(system, k))
+    columns, two, ropes = condensed.columns_size(n), interleaved_size(n), ropes_size(n)
+    numbers, ends, room = part(room, 0, NUMBERS), part(room, NUMBERS, columns), behind(NUMBERS + columns, room)
+    own, room = part(room, 0, own_size(n)), behind(own_size(n), room)
+    motion = part(room, 0, two), part(room, two, two)
+    weights = part(room, 2 * two + ropes, 4 * (n + 1))
+    return Room(numbers, ends, weights, part(room, 2 * two, ropes), *motion, own)
+
+
+@view
+def numbers_of(system, k):
+    """Numbers of line k, at the places above."""
+    return part(behind(CONDITIONS, room_of(system, k)), 0, NUMBERS)
+
+
+@view
+def columns_of(system, k):
+    """Columns of the ends of line k."""
+    return room_in_step(system, k).columns
+
+
+@view
+def weights_of(system, k):
+    """`Weights` of line k."""
+    return weights_in(segments_of(system, k), room_in_step(system, k).weights)
+
+
+@view
+def rope_at(system, k, end):
+    """`Rope` of an end of line k."""
+    return rope_in(segments_of(system, k), room_in_step(system, k).ropes, end)
+
+
+@view
+def strand_of(system, k):
+    """`Strand` of line k in a Rosenbrock step."""
+    n, room = segments_of(system, k), room_in_step(system, k)
+    own = room.numbers, weights_in(n, room.weights), room.ropes, room.z, room.stage_z
+    return Strand(n, conditions_of(system, k), *own, rosenbrock.workspace(n, room.own))
+
+
+@view
+def integrator_of(system, k):
+    """`rosenbrock.Workspace` of line k."""
+    return rosenbrock.workspace(segments_of(system, k), room_in_step(system, k).own)
+
+
+@view
+def stages_of(system, k):
+    """`second_order.Workspace` of line k."""
+    n = segments_of(system, k)
+    return second_order.workspace(n, behind(fixed_at(n), room_in_step(system, k).own))
+
+
+@view
+def scratch_of(system, k):
+    """`backward_euler.Workspace` of line k."""
+    return stages_of(system, k).chain
+
+
+@view
+def globals_of(system):
+    """`Globals` of a system."""
+    points, count = free_points(system), most_coordinates(system)
+    m, size = 3 * points + count, profile_size(points, number_in(system.plan, places.BAND), count)
+    room = behind(number_in(system.plan, places.SHEAVES_WORK), system.work)
+    header, room = part(room, 0, HEADER), behind(HEADER + COORDINATE * count, room)
+    vectors = part(room, 0, m), part(room, m, m), part(room, 2 * m, m)
+    first, start, room = part(room, 3 * m, m), part(room, 4 * m, m), behind(5 * m, room)
+    matrix = Profile(first, start, part(room, 0, size), part(room, size, size))
+    return Globals(header, *vectors, matrix)
+
+
+@view
+def coordinate_at(system, j):
+    """Numbers of coordinate j."""
+    first = number_in(system.plan, places.SHEAVES_WORK) + HEADER
+    return part(system.work, first + COORDINATE * j, COORDINATE)
+
+
+@view
+def speeds_of(own):
+    """What the stages make of the speed of a coordinate [m/s], from its numbers."""
+    return part(own, SPEEDS, STAGES)
+
+
+@kernel
+def count_of(system):
+    """How many coordinates a system has, in a communication step that has begun."""
+    return int(system.work[number_in(system.plan, places.SHEAVES_WORK) + COUNT])
+
+
+@kernel
+def unknowns_of(system):
+    """How many global unknowns: three of each free point, then one of each coordinate."""
+    return 3 * free_points(system) + count_of(system)
+
+
+@kernel
+def line_of(system, j):
+    """The line before a sheave, or that carries a drum."""
+    return int(coordinate_at(system, j)[LINE])
+
+
+@kernel
+def is_drum(system, j):
+    """Whether a coordinate is a drum."""
+    return coordinate_at(system, j)[IS_DRUM] != 0.0
+
+
+@kernel
+def is_free(system, j):
+    """Whether a coordinate may move in this piece of time."""
+    return coordinate_at(system, j)[IS_HELD] == 0.0
+
+
+@kernel
+def count_free(system):
+    """How many may."""
+    count = 0
+    for j in range(count_of(system)):
+        count += is_free(system, j)
+    return count
+
+
+@kernel
+def is_held(system, k, end):
+    """Whether a coordinate lets rope into line k over an end, in a piece of time in which any of the line moves."""
+    numbers = numbers_of(system, k)
+    return numbers[HOLDERS + end] > 0.0 and numbers[RUNS] != 0.0
+
+
+@kernel
+def has_rope(system, k):
+    """Whether one does over either end."""
+    return numbers_of(system, k)[RUNS] != 0.0
+
+
+@kernel
+def is_rope(system, k):
+    """Whether line k has holders, at rest or not."""
+    return holders_of(system, k, 0) + holders_of(system, k, 1) > 0
+
+
+@kernel
+def holders_of(system, k, end):
+    """How many do over an end."""
+    return int(numbers_of(system, k)[HOLDERS + end])
+
+
+@kernel
+def holder(system, k, end, i):
+    """Number of the coordinate that is holder i of an end of line k, and its weight."""
+    place = at.MOST_HOLDERS * end + i
+    return int(numbers_of(system, k)[HOLDER + place]), numbers_of(system, k)[WEIGHT + place]
+
+
+@kernel
+def weight_of(system, j, k, end):
+    """Weight [-] of coordinate j at an end of line k; 0 where it is no holder."""
+    total = 0.0
+    for i in range(holders_of(system, k, end)):
+        which, weight = holder(system, k, end, i)
+        total += weight if which == j else 0.0
+    return total
+
+
+@kernel
+def growth_of(system, j, k):
+    """By how much coordinate j makes line k longer for each metre that passes [-]."""
+    return weight_of(system, j, k, 0) + weight_of(system, j, k, 1)
+
+
+@kernel
+def let_in(system, k, end, which):
+    """Sum over the holders of an end of line k of their weights times one of their numbers."""
+    total = 0.0
+    for i in range(holders_of(system, k, end)):
+        j, weight = holder(system, k, end, i)
+        total += weight * coordinate_at(system, j)[which]
+    return total
+
+
+@kernel
+def let_in_over_both(system, k, which):
+    """The same over both ends: what they make of the length of line k."""
+    return let_in(system, k, 0, which) + let_in(system, k, 1, which)
+
+
+# --- the start of a communication step
+
+
+@kernel
+def begin_coordinates(system):
+    """Let all lines, points and coordinates (modified) begin a communication step with their states."""
+    header, count = globals_of(system).header, 0
+    header[COUNT] = header[IS_KNOWN] = 0.0
+    for k in range(lines_of(system)):
+        numbers = numbers_of(system, k)
+        numbers[SHEAVE] = numbers[DRUM] = -1.0
+        if goes_on(system, k):
+            numbers[SHEAVE] = count
+            begin_sheave(system, k, coordinate_at(system, count))
+            count += 1
+    for k in range(lines_of(system)):
+        if carries_drum(system, k) or has_own_drum(system, k):
+            numbers_of(system, k)[DRUM] = count
+            begin_drum(system, k, coordinate_at(system, count))
+            count += 1
+    header[COUNT] = count
+    for k in range(lines_of(system)):
+        take_holders(system, k)
+        numbers_of(system, k)[FIRST_LENGTH] = numbers_of(system, k)[LENGTH] = conditions_of(system, k).reeling[0]
+        if is_rope(system, k):
+            take_weights(system, k)
+    find_profile(system)
+    for j in range(count):
+        take_brake(system, j)
+
+
+@kernel
+def begin_sheave(system, k, own):
+    """Numbers of the sheave at the end of line k (modified)."""
+    parameters, state = parameters_of(system, k), state_of(system, k)
+    has_losses = parameters[at.SHEAVE_FRICTION] > 0.0 or parameters[at.SHEAVE_EFFICIENCY] != 1.0
+    clear(own)
+    own[LINE], own[MASS], own[FRICTION] = k, parameters[at.SHEAVE_MASS], 1.0 if has_losses else 0.0
+    own[SPEED], own[ACCELERATION] = state[at.SHEAVE_SPEED], state[at.SHEAVE_ACCELERATION]
+
+
+@kernel
+def begin_drum(system, k, own):
+    """Numbers of the drum that line k carries (modified)."""
+    conditions, state = conditions_of(system, k), state_of(system, k)
+    drum = drum_of(conditions.parameters, conditions.force, conditions.force_rate)
+    clear(own)
+    own[LINE], own[IS_DRUM], own[MASS], own[DAMPING], own[FRICTION] = k, 1.0, drum.mass, drum.damping, drum.friction
+    own[LOAD], own[LOAD_RATE] = drum.force, drum.force_rate
+    if has_coordinates(system):
+        own[SPEED], own[ACCELERATION] = state[at.DRUM_SPEED], state[at.DRUM_ACCELERATION]
+    else:
+        own[SPEED], own[ACCELERATION] = state[at.REELING], state[at.ACCELERATION]
+        own[IS_MASSLESS] = 1.0 if drum.mass == 0.0 and not feels_rope(conditions.parameters) else 0.0
+
+
+@kernel
+def hold_by(system, k, end, j, weight):
+    """Let coordinate j be one more holder of an end of line k (modified)."""
+    numbers, count = numbers_of(system, k), holders_of(system, k, end)
+    place = at.MOST_HOLDERS * end + count
+    numbers[HOLDERS + end], numbers[HOLDER + place], numbers[WEIGHT + place] = count + 1.0, j, weight
+
+
+@kernel
+def take_holders(system, k):
+    """Holders of both ends of line k (modified). What they pay out is no function of time."""
+    numbers, parameters = numbers_of(system, k), parameters_of(system, k)
+    numbers[HOLDERS] = numbers[HOLDERS + 1] = 0.0
+    numbers[FACTOR] = numbers[FACTOR + 1] = 1.0
+    if has_own_drum(system, k):
+        hold_by(system, k, 0, numbers[DRUM], 1.0)
+    elif comes_from(system, k):
+        hold_by(system, k, 0, numbers_of(system, k - 1)[SHEAVE], 1.0)
+    elif is_turned(system, k):
+        for i in range(at.MOST_HOLDERS):
+            carrier = int(parameters[at.HELD_BY + i])
+            if carrier > 0:
+                hold_by(system, k, 0, numbers_of(system, carrier - 1)[DRUM], parameters[at.HELD_RATIO + i])
+    if goes_on(system, k):
+        hold_by(system, k, 1, numbers[SHEAVE], -1.0)
+    numbers[RUNS] = 1.0 if is_rope(system, k) else 0.0
+    if holders_of(system, k, 0) > 0:
+        hold_length(system, k, conditions_of(system, k).reeling[0])
+
+
+@kernel
+def take_weights(system, k):
+    """`Weights` of line k (modified). Beyond the gap of a line that has let go, the part of its start falls below 0."""
+    n, conditions, own, of_start = segments_of(system, k), conditions_of(system, k), weights_of(system, k), 1.0
+    for i in range(n + 1):
+        if i == n and not is_freed(system, k):
+            of_start = 0.0
+        own.first[i], own.last[i] = of_start, of_start - 1.0
+        if i < n:
+            share = property_of(conditions, i, at.SHARE)
+            own.growth_first[i] = own.growth_last[i] = share
+            of_start -= share
+
+
+@kernel
+def find_profile(system):
+    """Profile of the matrix of all global unknowns (modified): those at a line meet each other."""
+    m, points, matrix = unknowns_of(system), 3 * free_points(system), globals_of(system).matrix
+    for i in range(m):
+        matrix.first[i] = i - i % 3 if i < points else i
+    if m > 1:
+        for k in range(lines_of(system)):
+            for end in range(2):
+                for other in range(2):
+                    join_ends(system, k, end, other, matrix)
+    profile.begin(matrix, m)
+
+
+@kernel
+def join_ends(system, k, end, other, matrix):
+    """Let the profile (modified) have what an end of line k has of unknowns with those of an end."""
+    points = 3 * free_points(system)
+    if is_at_point(system, k, end):
+        for axis in range(3):
+            row = 3 * point_at(system, k, end) + axis
+            if is_at_point(system, k, other):
+                profile.join(matrix, row, 3 * point_at(system, k, other))
+                profile.join(matrix, 3 * point_at(system, k, end), 3 * point_at(system, k, other) + axis)
+    for i in range(holders_of(system, k, end)):
+        j, _ = holder(system, k, end, i)
+        if is_at_point(system, k, other):
+            profile.join(matrix, points + j, 3 * point_at(system, k, other))
+        for place in range(holders_of(system, k, other)):
+            o, _ = holder(system, k, other, place)
+            profile.join(matrix, points + j, points + o)
+
+
+@kernel
+def take_brake(system, j):
+    """Brake a drum (modified) that holds nothing that is whole."""
+    own, held = coordinate_at(system, j), 0
+    for k in range(lines_of(system)):
+        for end in range(2):
+            held += weight_of(system, j, k, end) != 0.0
+    own[IS_BRAKED] = 1.0 if held == 0 else 0.0
+    if held == 0:
+        own[SPEED] = own[ACCELERATION] = own[SIGN] = 0.0
+        own[IS_HELD] = 1.0
+
+
+# --- pieces of time
+
+
+@kernel
+def take_running(system):
+    """Let lines (modified) whose holders are all held in a piece of time be chains without ropes."""
+    for k in range(lines_of(system)):
+        if is_rope(system, k):
+            count = 0
+            for end in range(2):
+                for i in range(holders_of(system, k, end)):
+                    j, _ = holder(system, k, end, i)
+                    count += is_free(system, j)
+            numbers_of(system, k)[RUNS] = 1.0 if count > 0 else 0.0
+
+
+@kernel
+def let_all_run(system):
+    """Let all lines with holders (modified) have ropes."""
+    for k in range(lines_of(system)):
+        if is_rope(system, k):
+            numbers_of(system, k)[RUNS] = 1.0
+
+
+@kernel
+def settle(system):
+    """Let what has passed belong to the lengths of lines (modified), so that these hold without coordinates."""
+    for k in range(lines_of(system)):
+        if is_rope(system, k):
+            come_in, reeling = let_in_over_both(system, k, PASSED), conditions_of(system, k).reeling
+            put_reeling(system, k, winch.from_length(reeling[0] + come_in, reeling))
+    for j in range(count_of(system)):
+        own = coordinate_at(system, j)
+        own[TOTAL] += own[PASSED]
+        own[PASSED] = 0.0
+
+
+# --- chains
+
+
+@kernel
+def take_rates(system, k, time):
+    """Length of line k, and rates, gains, rests and inertias of both ends, at a time [s] from the coordinates (modified)."""
+    numbers, reeling = numbers_of(system, k), conditions_of(system, k).reeling
+    numbers[LENGTH] = winch.length_at(reeling, time)
+    for end in range(2):
+        length = rate = gain = rest = inertia = 0.0
+        for i in range(holders_of(system, k, end)):
+            j, weight = holder(system, k, end, i)
+            own = coordinate_at(system, j)
+            length += weight * own[PASSED_NOW]
+            rate += weight * own[SPEED_NOW]
+            gain += weight * own[GAIN_NOW]
+            rest += weight * own[OF_REST]
+            inertia += weight * own[ADDED_UP]
+        numbers[LENGTH] += length
+        numbers[HELD_GAIN + end], numbers[REST + end], numbers[INERTIA + end] = gain, rest, inertia
+        if end == 0:
+            rate += winch.rate_at(reeling, time)
+            gain += winch.gain_at(reeling, time)
+        numbers[RATE + end], numbers[GAIN + end] = rate, gain
+
+
+@view
+def chain_at_stage(system, k):
+    """`Chain` of line k, into which coordinates let rope, at a stage; without the forces of rope that flows."""
+    numbers, conditions = numbers_of(system, k), conditions_of(system, k)
+    motion = numbers[LENGTH], numbers[RATE] + numbers[RATE + 1], 0.0, (-0.0, -0.0)
+    return chain_with_flow(conditions.n, conditions.parameters, *motion, conditions.wind, False)
+
+
+@view
+def chain_with_rope(system, k):
+    """The same with these forces, where dampers see the strain."""
+    numbers, conditions = numbers_of(system, k), conditions_of(system, k)
+    leaving = -numbers[RATE + 1], -numbers[GAIN + 1]
+    motion = numbers[LENGTH], numbers[RATE] + numbers[RATE + 1], numbers[GAIN] + numbers[GAIN + 1]
+    chain = portion_moving(conditions, *motion, leaving)
+    flows = chain.flows and feels_rope(conditions.parameters)
+    return chain_with_flow(conditions.n, conditions.parameters, *motion, leaving, conditions.wind, flows)
+
+
+@view
+def chain_now(system, k, time):
+    """`Chain` of line k at a time [s] of the communication step; with coordinates as at the stage."""
+    if has_rope(system, k):
+        return chain_with_rope(system, k)
+    return chain_during(conditions_of(system, k), time)
+
+
+@view
+def chain_reached(system, k, time, which):
+    """`Chain` of line k with rope that its coordinates have let in, one of their numbers; at a time [s], as if at rest."""
+    conditions = conditions_of(system, k)
+    return chain_with(conditions, winch.length_at(conditions.reeling, time) + let_in_over_both(system, k, which), 0.0)
+
+
+@view
+def chain_of_state(system, k, time):
+    """`Chain` of line k in its state, at a time [s] of the communication step."""
+    conditions = conditions_of(system, k)
+    length = winch.length_at(conditions.reeling, time) + let_in_over_both(system, k, PASSED)
+    rate = winch.rate_at(conditions.reeling, time) + let_in_over_both(system, k, SPEED)
+    return chain_with(conditions, length, rate)
+
+
+# --- what moves
+
+
+@kernel
+def has_free_nodes(system, k):
+    """Whether any node of line k moves freely."""
+    conditions = conditions_of(system, k)
+    return conditions.first <= conditions.last
+
+
+@kernel
+def has_longest(system, k):
+    """Whether a drum pays out line k, up to a longest length."""
+    return is_turned(system, k) or has_own_drum(system, k)
+
+
+@kernel
+def moves(system, k):
+    """Whether line k takes part in a step: a node moves freely, or rope may run in or out."""
+    return has_free_nodes(system, k) or is_rope(system, k)
+
+
+def any_line(holds):
+    """The kernel that says whether something holds for any line; holds : the kernel that says it of one."""
+
+    @kernel
+    def of_system(system):
+        count = 0
+        for k in range(lines_of(system)):
+            count += holds(system, k)
+        return count > 0
+
+    return of_system
+
+
+does_any_move, is_any_rope = any_line(moves), any_line(has_rope)
+
+
+# --- fixed steps
+
+Step = namedtuple("Step", "time h kind turns")
+Step.__doc__ = """A fixed step: its start [s] in the communication step, h [s], its kind (`backward_euler.start`).
+
+turns : whether the speeds of coordinates are found in it; else rope runs as fast as in the last iteration.
+"""
+
+
+@view
+def attempt_of(system, k, step):
+    """`incremental_potential.Attempt` of line k."""
+    _, v = motion_of(system, k)
+    return Attempt(conditions_of(system, k), chain_now(system, k, step.time + step.h), step.h, v)
