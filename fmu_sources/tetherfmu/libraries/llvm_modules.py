@@ -24,6 +24,10 @@ APART = (
     *("net18find_accelerations", "states8evaluate", "events4stop", "fixed9take_rope"),
 )
 
+# Rooms and modules of kernels that do not lie in the loop of a step, or only call it: their code is kept short, so that it
+# calls the long kernels instead of taking them in
+RARE = ("rest", "step", "motion6breaks", "motion6events", "motion6states", "motion7turning", "motion8fallback")
+
 
 def whole_module(code):
     """A module of all functions without what cannot happen; a second round alone would leave some of Python in."""
@@ -40,6 +44,8 @@ def _linked(code):
     for function in linked.functions:
         if any(name in function.name for name in APART):
             function.add_function_attribute("noinline")
+        if _is_rare(function.name):
+            function.add_function_attribute("optsize")
     # the names that numba gives have counters and addresses in them
     for place, item in enumerate([*linked.global_variables, *linked.functions]):
         if not item.is_declaration and item.name not in code.names.values():
@@ -48,6 +54,11 @@ def _linked(code):
         elif item.name.startswith("numba.dynamic.globals"):
             item.name = f"python.{place}"
     return linked
+
+
+def _is_rare(name):
+    """Whether a function, by numba's name, is a kernel of `RARE`."""
+    return re.match(rf"_ZN9tetherfmu7kernels\d+({'|'.join(RARE)})", name) is not None
 
 
 def as_one_module(texts):

@@ -54,6 +54,7 @@ from ..points.room import (
     has_longest,
     has_rope,
     integrator_of,
+    is_drum,
     is_free,
     is_rope,
     line_of,
@@ -182,7 +183,7 @@ def jump_ends(system, k, changes):
 def urges_now(system, j):
     """The same with the tensions that are known."""
     own, k = coordinate_at(system, j), line_of(system, j)
-    if own[room.IS_DRUM] != 0.0:
+    if is_drum(system, j):
         return net.urges(system, j, own[room.AGAINST], own[room.PULLED], 1.0)
     return net.urges(system, j, numbers_of(system, k)[TENSION + 1], numbers_of(system, k + 1)[TENSION], own[room.LOSS])
 

@@ -53,6 +53,7 @@ from .room import (
     growth_of,
     has_longest,
     has_rope,
+    is_drum,
     is_held,
     line_of,
     moves,
@@ -339,7 +340,7 @@ def take_change(system, k, end, h):
 def tensions_at(system, j):
     """What sets against coordinate j, and what pulls it, at the end of the move: T_1 and T_2 of a sheave [N]."""
     own, k = coordinate_at(system, j), line_of(system, j)
-    if own[room.IS_DRUM] == 0.0:
+    if not is_drum(system, j):
         behind, ahead = numbers_of(system, k), numbers_of(system, k + 1)
         return behind[TENSION + 1] + behind[MOVED + 1], ahead[TENSION] + ahead[MOVED]
     pull, own[room.MAGNITUDE] = 0.0, own[room.FRICTION] + abs(own[room.LOAD])
@@ -359,7 +360,7 @@ def left_over(system, j, time, h, way, change):
     own, (behind, ahead) = coordinate_at(system, j), tensions_at(system, j)
     speed = own[room.SPEED_NOW] + change
     inertia = own[room.MASS] * (speed - own[room.REACHED_SPEED]) / h
-    if own[room.IS_DRUM] != 0.0:
+    if is_drum(system, j):
         counter = own[room.LOAD] + time * own[room.LOAD_RATE] + own[room.DAMPING] * speed
         return ahead - behind - counter - way * own[room.FRICTION] - inertia
     moving = property_of(conditions_of(system, line_of(system, j)), 0, at.LINE_DENSITY) * speed * speed
@@ -372,7 +373,7 @@ def left_over(system, j, time, h, way, change):
 def way_of_held(system, j, time, h):
     """Which way coordinate j, which is held, goes next with the changes of the tensions, at a time [s]; h [s]."""
     own, (behind, ahead) = coordinate_at(system, j), tensions_at(system, j)
-    if own[room.IS_DRUM] != 0.0:
+    if is_drum(system, j):
         behind += own[room.LOAD] + time * own[room.LOAD_RATE]
     forwards, backwards, margin = net.urges(system, j, behind, ahead, own[room.LOSS])
     going_on = own[room.MASS] * own[room.REACHED_SPEED] / h  # of what it loses by being held

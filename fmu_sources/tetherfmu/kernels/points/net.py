@@ -20,7 +20,7 @@ from ..equations.end_motion import velocity_at
 from ..equations.free_points import free_points, is_at_point, load_at, point_at, points_of, rows_of
 from ..equations.lines import conditions_of, lines_of, parameters_of, segments_of
 from ..equations.properties import property_of
-from ..equations.ropes import comes_from
+from ..equations.ropes import comes_from, has_sheaves
 from ..line import strand
 from ..line.rodas4p import GAMMA_I
 from ..line.strand_room import (
@@ -47,6 +47,7 @@ from .room import (
     has_rope,
     holder,
     holders_of,
+    is_drum,
     is_free,
     is_held,
     line_of,
@@ -81,7 +82,7 @@ def losses_beside(system, j):
 def own_force(system, j, time):
     """Force [N] on coordinate j at a stage, a time [s], but for its lines and its inertia."""
     own = coordinate_at(system, j)
-    if own[room.IS_DRUM] != 0.0:
+    if is_drum(system, j):
         counter = own[room.LOAD] + time * own[room.LOAD_RATE] + own[room.DAMPING] * own[room.SPEED_NOW]
         return -counter - own[room.FRICTION] * own[room.SIGN]
     if own[room.SIGN] == 0.0:
@@ -95,7 +96,7 @@ def take_damping(system, j):
     """BY_SPEED of coordinate j (modified) at the start of the step."""
     own = coordinate_at(system, j)
     own[room.BY_SPEED] = own[room.DAMPING]
-    if own[room.IS_DRUM] == 0.0 and own[room.SIGN] != 0.0:
+    if not is_drum(system, j) and own[room.SIGN] != 0.0:
         behind, ahead = losses_beside(system, j)
         density = property_of(conditions_of(system, line_of(system, j)), 0, at.LINE_DENSITY)
         own[room.BY_SPEED] += 2.0 * (ahead - behind) * density * own[room.SPEED_NOW]
@@ -129,7 +130,7 @@ def urges(system, j, behind, ahead, loss):
     behind, ahead : what sets against a drum and what its ropes pull, or T_1 and T_2 of a sheave [N].  loss : E of it.
     """
     own = coordinate_at(system, j)
-    if own[room.IS_DRUM] != 0.0:
+    if is_drum(system, j):
         pull, friction = ahead - behind, own[room.FRICTION]
         return pull - friction, -pull - friction, OVERLOAD * own[room.MAGNITUDE]
     margin = OVERLOAD * (abs(behind) + abs(ahead))
@@ -178,7 +179,7 @@ def take_losses(system):
     """LOSS of all sheaves at a stage (modified)."""
     for j in range(count_of(system)):
         own = coordinate_at(system, j)
-        if own[room.IS_DRUM] == 0.0:
+        if not is_drum(system, j):
             own[room.LOSS] = 1.0
             if own[room.FRICTION] != 0.0:
                 k = line_of(system, j)
@@ -188,6 +189,8 @@ def take_losses(system):
 @kernel
 def loss_at(system, k, end, tension):
     """E that a tension [N] at an end of line k counts with: where rope runs on over a sheave against it, and it pulls."""
+    if not has_sheaves(system):
+        return 1.0
     j = int(numbers_of(system, k)[room.SHEAVE]) if end == 1 else -1
     sign = 1.0
     if end == 0 and comes_from(system, k):
@@ -494,10 +497,10 @@ def take_residuals(system, time):
     for j in range(count_of(system)):
         own = coordinate_at(system, j)
         against = own_force(system, j, time)
-        own[room.AGAINST] = -against - own[room.FRICTION] * own[room.SIGN] * own[room.IS_DRUM]
+        own[room.AGAINST] = -against - (own[room.FRICTION] * own[room.SIGN] if is_drum(system, j) else 0.0)
         if own[room.IS_MASSLESS] == 0.0:
             whole.right[points + j] += own[room.PULLED] + against - own[room.MASS] * own[room.GAIN_NOW]
-        if own[room.IS_DRUM] != 0.0:
+        if is_drum(system, j):
             motor = abs(own[room.LOAD] + time * own[room.LOAD_RATE])
             own[room.MAGNITUDE] += motor + own[room.FRICTION]
         magnitude = max(magnitude, own[room.MAGNITUDE])

@@ -32,7 +32,7 @@ from ..equations.lines import (
 )
 from ..equations.properties import chain_with_flow, property_of
 from ..equations.rope import feels_rope
-from ..equations.ropes import comes_from, goes_on, has_coordinates, is_freed, is_turned
+from ..equations.ropes import comes_from, goes_on, has_coordinates, has_sheaves, is_freed, is_turned
 from ..flat_arrays import part
 from ..line import rosenbrock, second_order
 from ..line.incremental_potential import Attempt
@@ -286,13 +286,13 @@ def unknowns_of(system):
 @kernel
 def line_of(system, j):
     """The line before a sheave, or that carries a drum."""
-    return int(coordinate_at(system, j)[LINE])
+    return int(coordinate_at(system, j)[LINE]) if lines_of(system) > 1 else 0
 
 
 @kernel
 def is_drum(system, j):
     """Whether a coordinate is a drum."""
-    return coordinate_at(system, j)[IS_DRUM] != 0.0
+    return not has_sheaves(system) or coordinate_at(system, j)[IS_DRUM] != 0.0
 
 
 @kernel
@@ -313,8 +313,7 @@ def count_free(system):
 @kernel
 def is_held(system, k, end):
     """Whether a coordinate lets rope into line k over an end, in a piece of time in which any of the line moves."""
-    numbers = numbers_of(system, k)
-    return numbers[HOLDERS + end] > 0.0 and numbers[RUNS] != 0.0
+    return holders_of(system, k, end) > 0 and numbers_of(system, k)[RUNS] != 0.0
 
 
 @kernel
@@ -332,12 +331,16 @@ def is_rope(system, k):
 @kernel
 def holders_of(system, k, end):
     """How many do over an end."""
+    if end == 1 and not has_sheaves(system):
+        return 0
     return int(numbers_of(system, k)[HOLDERS + end])
 
 
 @kernel
 def holder(system, k, end, i):
     """Number of the coordinate that is holder i of an end of line k, and its weight."""
+    if not has_coordinates(system):
+        return int(numbers_of(system, k)[DRUM]), 1.0
     place = at.MOST_HOLDERS * end + i
     return int(numbers_of(system, k)[HOLDER + place]), numbers_of(system, k)[WEIGHT + place]
 
