@@ -1,12 +1,14 @@
-"""The block tridiagonal solver against numpy on the full matrix."""
+"""The solvers of linear equations against numpy on the full matrix."""
 
 from itertools import product
 
 import numpy as np
 import pytest
 
+from tetherfmu.kernels.linear_algebra import profile
 from tetherfmu.kernels.linear_algebra.block_tridiagonal import Matrix, factorize, solve
 from tetherfmu.kernels.linear_algebra.point_blocks import add_to_block, factorize_definite, matrix_size, solve_definite
+from tetherfmu.kernels.linear_algebra.profile import Profile
 
 
 @pytest.mark.parametrize(("first", "last"), [(0, 5), (1, 4), (1, 5), (0, 2), (2, 3), (2, 2)])
@@ -53,3 +55,37 @@ def test_definite_matrix_of_points(w):
             found = b.copy()
             solve_definite(count, w, blocks, found)
             np.testing.assert_allclose(found, np.linalg.solve(matrix, b), rtol=1e-12)
+
+
+def in_profile(matrix, first):
+    """`Profile` of a matrix whose row and column i begin at first[i]."""
+    m = len(first)
+    entries = int(sum(i + 1 - begin for i, begin in enumerate(first)))
+    made = Profile(np.array(first, float), np.zeros(m), np.zeros(entries), np.zeros(entries))
+    assert profile.begin(made, m) == entries
+    for i, j in product(range(m), repeat=2):
+        if first[max(i, j)] <= min(i, j):
+            profile.add_entry(made, i, j, matrix[i, j])
+    return made
+
+
+@pytest.mark.parametrize("held", [None, 0, 3, 6])
+@pytest.mark.parametrize("first", [[0, 0, 0, 0, 0, 0, 0], [0, 1, 1, 2, 0, 4, 3], [0, 1, 2, 3, 4, 5, 6]])
+def test_matrix_with_a_profile(first, held):
+    """What is held has the row of the unit matrix."""
+    rng, rows = np.random.default_rng(3), np.arange(7)
+    lowest = np.minimum.outer(rows, rows)
+    within = np.array(first)[np.maximum.outer(rows, rows)] <= lowest
+    matrix, b, found = within * rng.normal(size=(7, 7)) + 8.0 * np.eye(7), rng.normal(size=7), np.zeros(7)
+    stored = in_profile(matrix, first)
+    if held is not None:
+        profile.hold_row(stored, 7, held)
+        matrix[held] = rows == held
+    assert profile.factorize(stored, 7)
+    profile.solve(stored, 7, b, found)
+    np.testing.assert_allclose(found, np.linalg.solve(matrix, b), rtol=1e-12)
+
+
+@pytest.mark.parametrize("bad", [0.0, np.nan])
+def test_singular_matrix_with_a_profile(bad):
+    assert not profile.factorize(in_profile(np.diag([1.0, bad, 1.0]), [0, 0, 1]), 3)

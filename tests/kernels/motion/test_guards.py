@@ -5,6 +5,7 @@ over n internal steps (adaptive), or `limits.MOST_BUDGETS` times as many unless 
 `layout.ITERATION_BUDGET` over n iterations, plus those of one fixed step. `bounds.most_work` adds them up.
 """
 
+from math import inf
 from types import SimpleNamespace
 
 import numpy as np

@@ -3,7 +3,8 @@
 The profile is symmetric: row i of L begins in the same column as column i of U begins in its row. Both stand side by side,
 so that every inner product runs through two arrays from place to place:
 
-    lower : rows of L with the diagonal of U;  upper : columns of U above it;  a place of row i is `start[i]` + column
+    lower : rows of L with the diagonal of U, once factorized 1 over it;  upper : columns of U above it
+    a place of row i is `start[i]` + column
 """
 
 from collections import namedtuple
@@ -75,9 +76,10 @@ def factorize(profile, m):
             begin = max(own, int(first[j]))
             left = lower[here + j] - inner(lower, here + begin, upper, there + begin, j - begin)
             upper[here + j] -= inner(lower, there + begin, upper, here + begin, j - begin)
-            lower[here + j] = left / lower[there + j]
-        lower[here + i] -= inner(lower, here + own, upper, here + own, i - own)
-        regular = regular and abs(lower[here + i]) > 0.0
+            lower[here + j] = left * lower[there + j]
+        pivot = lower[here + i] - inner(lower, here + own, upper, here + own, i - own)
+        regular = regular and abs(pivot) > 0.0
+        lower[here + i] = 1.0 / pivot
     return regular
 
 
@@ -90,6 +92,6 @@ def solve(profile, m, right, solution):
         solution[i] = right[i] - inner(lower, here + own, solution, own, i - own)
     for i in range(m - 1, -1, -1):
         own, here = int(first[i]), int(start[i])
-        solution[i] /= lower[here + i]
+        solution[i] *= lower[here + i]
         for k in range(own, i):
             solution[k] -= upper[here + k] * solution[i]
