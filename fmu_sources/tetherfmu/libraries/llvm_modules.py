@@ -24,9 +24,23 @@ APART = (
     *("net18find_accelerations", "states8evaluate", "events4stop", "fixed9take_rope"),
 )
 
-# Rooms and modules of kernels that do not lie in the loop of a step, or only call it: their code is kept short, so that it
-# calls the long kernels instead of taking them in
-RARE = ("rest", "step", "motion6breaks", "motion6events", "motion6states", "motion7turning", "motion8fallback")
+# Rooms and modules of kernels that do not lie in the loop of an adaptive step, or only call it: their code is kept short, so
+# that it calls long kernels instead of taking them in. A loop over a tuple must not be among them: only once it is unrolled,
+# LLVM sees that its index is in range
+RARE = (
+    "rest",
+    "packing",
+    "motion6breaks",
+    "motion6events",
+    "motion6states",
+    "motion7turning",
+    "motion8fallback",
+    "motion11fixed_steps",
+    "points7descent",
+    "points5fixed",
+    "points5guess",
+    "points11coordinates",
+)
 
 
 def whole_module(code):
