@@ -40,6 +40,8 @@ RARE = (
     "points5fixed",
     "points5guess",
     "points11coordinates",
+    "step12plausibility",
+    "step13power_balance",
 )
 
 

@@ -124,7 +124,7 @@ def end_coordinates(system, time):
 def write_coordinates(system, k):
     """What the sheave at the end of line k and the drum that it carries are, into its state (modified)."""
     numbers, state = numbers_of(system, k), state_of(system, k)
-    if numbers[SHEAVE] >= 0.0:
+    if goes_on(system, k):
         own = coordinate_at(system, int(numbers[SHEAVE]))
         state[at.PAYOUT] += own[room.TOTAL]
         state[at.SHEAVE_SPEED], state[at.SHEAVE_ACCELERATION] = own[room.SPEED], own[room.GAIN_NOW]

@@ -16,6 +16,7 @@ from ..equations.drum import INWARDS, OUTWARDS, is_at_stop
 from ..equations.lines import conditions_of, lines_of, note_line
 from ..equations.properties import property_of
 from ..equations.rope import feels_rope
+from ..equations.ropes import goes_on
 from ..line.massless_drum import project
 from ..line.second_order import TO_NEXT, start_of_second, start_of_third
 from ..line.strand_room import LENGTH, SHEAVE, TENSION
@@ -29,6 +30,7 @@ from ..points.room import (
     count_of,
     has_longest,
     has_rope,
+    is_drum,
     line_of,
     numbers_of,
     take_rates,
@@ -71,15 +73,15 @@ def attempt_whole_step(system, time, h):
     begin(system)
     for j in range(count_of(system)):
         own = coordinate_at(system, j)
-        if own[room.FRICTION] != 0.0 and own[room.IS_MASSLESS] == 0.0 and has_inertia(own):
+        if own[room.FRICTION] != 0.0 and own[room.IS_MASSLESS] == 0.0 and has_inertia(system, j):
             own[room.KEEPS] = 0.0 if own[room.SPEED] == 0.0 else (1.0 if own[room.SPEED] > 0.0 else -1.0)
     attempt(system, time, h)
 
 
 @kernel
-def has_inertia(own):
+def has_inertia(system, j):
     """Whether a coordinate does not jump where friction changes its sign: rope over a sheave, or a drum that has mass."""
-    return own[room.IS_DRUM] == 0.0 or own[room.MASS] > 0.0
+    return not is_drum(system, j) or coordinate_at(system, j)[room.MASS] > 0.0
 
 
 @kernel
@@ -163,7 +165,7 @@ def turn_smoothly(system):
     for j in range(count_of(system)):
         own = coordinate_at(system, j)
         stages = own[room.LONG_BEFORE], own[room.BEFORE], own[room.SPEED_NOW]
-        if not turns_smoothly(own[room.FRICTION] != 0.0, has_inertia(own), own[room.START_SPEED], *stages):
+        if not turns_smoothly(own[room.FRICTION] != 0.0, has_inertia(system, j), own[room.START_SPEED], *stages):
             return False
     return True
 
@@ -217,7 +219,7 @@ def energy_and_power(system, k, x, v):
         return 0.0, power_of_spring(spring, x, v)
     chain, part, pull, n, energy = chain_with_rope(system, k), 1.0, 0.0, spring.n, 0.0
     into, leaving = chain.reeling + chain.leaving, chain.leaving
-    if numbers[SHEAVE] >= 0.0:
+    if goes_on(system, k):
         energy += 0.5 * coordinate_at(system, int(numbers[SHEAVE]))[room.MASS] * leaving * leaving
     for s in range(n):
         x_p, x_q, v_p, v_q = get(x, s), get(x, s + 1), get(v, s), get(v, s + 1)
@@ -256,7 +258,7 @@ def energy_of_drums(system):
     energy = 0.0
     for j in range(count_of(system)):
         own = coordinate_at(system, j)
-        energy += own[room.IS_DRUM] * 0.5 * own[room.MASS] * own[room.SPEED_NOW] ** 2
+        energy += 0.5 * own[room.MASS] * own[room.SPEED_NOW] ** 2 if is_drum(system, j) else 0.0
     return energy
 
 
