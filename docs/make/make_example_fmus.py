@@ -166,7 +166,7 @@ VARIABLES = """# Variables of the example FMUs
 
 For everyone who connects the [example FMUs](../use/example_fmus.md): their equations, variables and parameters.
 
-## Shared variables
+## Several FMUs
 
 Both kites have the [parameters of air and wind](variables.md#parameters) of the tethers, `FlyingKite` also `gravity`. These
 variables have the same meaning in several FMUs:
