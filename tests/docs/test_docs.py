@@ -48,7 +48,7 @@ def cited_sections():
     return found
 
 
-@pytest.mark.parametrize("name", ["commands", "variables", "keys_of_maps", "materials", "scene_files"])
+@pytest.mark.parametrize("name", ["commands", "variables", "keys_of_maps", "scene_files"])
 def test_pages_are_what_their_scripts_write(name):
     script = importlib.import_module(f"make_{name}")
     assert script.PAGE.read_text(encoding="utf-8") == script.page()
