@@ -49,11 +49,12 @@ builds them and five systems of them as SSP files. They are PythonFMU slaves of 
 | `TurbulentWind` | position of the kite, `shape` | `wind_velocity`, `kite_wind`, `wind_at` | tethers and kites |
 
 Connect variables with the same name. Set everything else (wind, profile, air density) to the same value in every FMU. The
-ground station is the origin. Prefer `PointMassKite`: `FlyingKite` receives the force one communication step late, which limits
-the step to some milliseconds ([Coupling](coupling.md)).
+ground station is the origin. Prefer `PointMassKite`: `FlyingKite` receives the force one communication step late, which
+limits the step to some milliseconds ([Coupling](coupling.md)).
 
 `input_continuation`: `linear` (1) if all FMUs step from the same communication point, `held` (2), `interpolated` (3) if
-your tool steps one FMU after the other. Invalid inputs are refused (`fmi2Discard`). States are saved and restored bit for bit.
+your tool steps one FMU after the other. Invalid inputs are refused (`fmi2Discard`). States are saved and restored bit for
+bit.
 
 ## A kite power system
 
@@ -74,10 +75,10 @@ Two cycles (`--cycles 2`) in a wind of 8 m/s at 10 m, by default 20 ms and 10 se
 | `--segments 30` | 4036 | 1807 | 3529 |
 | `--segments 1` | 4165 | 1817 | 3692 |
 
-The kite load is delayed, which limits the step ([Coupling](coupling.md#the-ways)): with the Jacobi exchange to 30 ms at 8 m/s
-(35 ms diverge), and to 20 ms at 10 to 14 m/s (30 ms diverge). The example works in 6 to 14 m/s; from 11 m/s on it prints for
-how long the motor is too weak. The work over a cycle balances within 1 % (`tests/physics/test_pumping_energy.py`). The flight
-is plausible, not measured.
+The kite load is delayed, which limits the step ([Coupling](coupling.md#the-ways)): with the Jacobi exchange to 30 ms at 8
+m/s (35 ms diverge), and to 20 ms at 10 to 14 m/s (30 ms diverge). The example works in 6 to 14 m/s; from 11 m/s on it
+prints for how long the motor is too weak. The work over a cycle balances within 1 %
+(`tests/physics/test_pumping_energy.py`). The flight is plausible, not measured.
 
 ## The winch inside the tether
 
@@ -120,11 +121,12 @@ file there is only the mean wind.
 - **Axes.** x of the box is downwind, y to the left when looking downwind, z up; `wind_direction` is where the wind blows
   *to*. `box_origin` is the middle of its front at the start. The lowest row is at the height of the TurbSim file,
   otherwise 0, plus `box_origin[3]`.
-- **Order of planes.** In Mann and numpy files the last plane is the front, in TurbSim files the first. A reversed order plays
-  the turbulence backwards; spectra do not reveal it. PyConTurb 2.7.4 writes the points of a `.bts` plane upwards first,
-  TurbSim and this reader across first.
-- **Outside the box.** `outside` = periodic (1) repeats the box in all directions, but refuses the step beyond the end of a
-  TurbSim file that is not periodic (`UsableTime` = "ALL" makes it so). repeated (3) repeats any file, with a warning. refused (2) refuses every step outside the box, also below TurbSim's grid.
+- **Order of planes.** In Mann and numpy files the last plane is the front, in TurbSim files the first. A reversed order
+  plays the turbulence backwards; spectra do not reveal it. PyConTurb 2.7.4 writes the points of a `.bts` plane upwards
+  first, TurbSim and this reader across first.
+- **Outside the box.** `outside` = periodic (1) repeats the box in all directions, but refuses the step beyond the end of
+  a TurbSim file that is not periodic (`UsableTime` = "ALL" makes it so). repeated (3) repeats any file, with a warning.
+  refused (2) refuses every step outside the box, also below TurbSim's grid.
 
 `python examples/wind/turbulence.py` flies a parked kite and a kite on a circle, in a box that it makes (15 % of 8 m/s at 10
 m; `--box FILE` reads yours):
@@ -148,8 +150,8 @@ from numbers to numbers. Add its name to `SLAVES` in `examples/shared/example_fm
 ## Systems as SSP files
 
 `kite_power_system.ssp` and `winch_inside.ssp` are the systems above; `circular_flight.ssp` is `KiteOnPath` and
-`TetherDynamic`. The tether has 10 segments and a `relative_tolerance` of 1e-4 in `SystemStructure.ssd`, 3 and 1e-3 in `SystemStructure_coarse.ssd`, 30 and 1e-6 in
-`SystemStructure_fine.ssd`.
+`TetherDynamic`. The tether has 10 segments and a `relative_tolerance` of 1e-4 in `SystemStructure.ssd`, 3 and 1e-3 in
+`SystemStructure_coarse.ssd`, 30 and 1e-6 in `SystemStructure_fine.ssd`.
 
 - libcosim (`CosimExecution.from_ssp_file`, on the extracted file) and Ecos (`EcosSimulation(ssp_path=...)`) agree with the
   Jacobi master of the example to ten digits.

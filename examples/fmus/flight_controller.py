@@ -1,8 +1,8 @@
 """PythonFMU slave: flight controller of a pumping kite: figures of eight while reeling out, a climb while reeling in.
 
-The kite is steered to a point on a figure of eight, the angle `look_ahead` in front of the kite; while reeling in, to a point
-high above. A course error e requests the turn rate `course_gain` e, and the turn rate law of `aerodynamics` gives the
-steering.
+The kite is steered to a point on a figure of eight, the angle `look_ahead` in front of the kite; while reeling in, to a
+point high above. A course error e requests the turn rate `course_gain` e, and the turn rate law of `aerodynamics` gives
+the steering.
 
     traction     s = sqrt(T/K)
     reeling in   s = -s0 max(0, 1 - T/T0) min(1, (steepest - elevation)/20 deg)

@@ -3,8 +3,8 @@
     m ds/dt = T - F - c s - f s/sqrt(s^2 + s0^2),   m = I/r^2
 
 s reel-out speed, T tether tension, F = torque/r motor pull. In speed control F = T + G (s - s_set), where s_set follows
-`set_speed` within `largest_acceleration`; in force control F = `set_force`. Near the ends of the tether on the drum the motor
-brakes with at most half of that acceleration.
+`set_speed` within `largest_acceleration`; in force control F = `set_force`. Near the ends of the tether on the drum the
+motor brakes with at most half of that acceleration.
 
 Sources: law of WinchModels.jl; drum, inertia (0.204 kg.m2 at a motor behind a gear of 6.2), friction, gain and acceleration
 of KiteModels.jl for the winch of Fechner et al. (Renewable Energy 83, 2015), torque from the 8000 N of its larger kite.

@@ -14,7 +14,7 @@ from tetherfmu.check import __main__, apart
 
 LOOP = "while True: pass"
 HOSTILE = {
-    "ends with status 0": ("import os; os._exit(0)", "left no result: the FMU ended the process that ran it"),
+    "ends with status 0": ("import os; os._exit(0)", "wrote no result: the FMU ended the process that ran it"),
     "ends with status 3": ("import os; os._exit(3)", "the run of the evidence set failed: exit code 3"),
     "kills itself": ("import os; os.kill(os.getpid(), 9)", "the process that ran the FMU died (exit code -9)"),
     "holds": (LOOP, "the run of the evidence set did not end within 1 s"),

@@ -79,7 +79,7 @@ WRONG = [  # what is typed, status, what must be said
     ("build --out text.txt", 2, ("--out", "'text.txt'", "is a file")),
     ("build --out text.txt/deeper/out", 2, ("--out", "'text.txt/deeper/out'", "text.txt is a file")),
     ("build --out ''", 2, ("--out", "''", "is no folder")),
-    ("build --fmi 3", 2, ("--fmi 3 goes with --native",)),
+    ("build --fmi 3", 2, ("--fmi 3 requires --native",)),
     ("build --fmi 2.0", 2, ("--fmi", "'2.0' is not possible")),
     ("build --set density=970 --set density=724", 2, ("density is given twice; give one of them",)),
     ("build --set kite_position=1,2,3 --set kite_position[1]=4", 2, ("kite_position and kite_position[1]", "given twice")),

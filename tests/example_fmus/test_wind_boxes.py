@@ -162,7 +162,7 @@ def damaged(folder, what):
         return other, "is compressed and cannot be mapped into memory; write it with numpy.savez"
     if what == "is no archive":
         other.write_bytes(whole)
-        return other, "is no file of numpy.savez with the arrays velocity and spacing: File is not a zip file"
+        return other, "is not a numpy.savez file with the arrays velocity and spacing: File is not a zip file"
     if what == "lacks an array":
         np.savez(other, velocity=grid["velocity"])
         return other, "There is no item named 'spacing.npy' in the archive"

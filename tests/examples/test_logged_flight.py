@@ -238,7 +238,7 @@ WRONG = [  # what is typed behind `tetherfmu fly`, what must be said
     ("wind.csv --length 220.3 --wind 8 0 0", ("wind.csv", "wind_velocity", "--wind")),
     ("empty.csv --length 505", ("empty.csv", "has 0 lines", "a header row")),
     ("head.csv --length 505", ("head.csv", "has 1 lines", "4 rows at least")),
-    ("twice.csv --length 505", ("twice.csv", "column kite_position[1] is there twice")),
+    ("twice.csv --length 505", ("twice.csv", "column kite_position[1] appears twice")),
     ("far.csv --length 505", ("far.csv", "row 2, column kite_position[1]", "at most 1e+09")),
     ("--set initial_length=510", ("tetherfmu fly", "--set", "initial_length follows from --length")),
 ]

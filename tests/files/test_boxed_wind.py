@@ -126,7 +126,7 @@ WRONG = {
     "outside": (
         "wind_points = 5",
         'outside = "refused"\norigin = [0, -900, 0]',
-        r".*box.npz does not reach the point \(.*\) m at .* s: .*; move its origin, take a larger box or a periodic one",
+        r".*box.npz does not reach the point \(.*\) m at .* s: .*; move its origin, use a larger box or a periodic one",
     ),
     "free end": (
         'kind = "parked"\ndistance = "500 m"',

@@ -353,7 +353,7 @@ WRONG = {  # what stands in an example, what is there instead, what is said
     ),
     "length": (SETTINGS, "l_tether:", "no_length:", "initial.l_tethers (l_tether), the length of the tether, is missing"),
     "program": (SETTINGS, "\ntether:", "\nrope:", "is neither a file of settings of KiteUtils.jl"),
-    "body": (MOORED, "4    Coupled", "4    Body1  ", "row 14: it is on body 1, which this file has not"),
+    "body": (MOORED, "4    Coupled", "4    Body1  ", "row 14: it is on body 1, which is not in this file"),
     "turbine": (
         MOORED,
         "4    Coupled",
@@ -364,7 +364,7 @@ WRONG = {  # what stands in an example, what is there instead, what is said
         MOORED,
         "2    rope      2  ",
         "2    rope      R2b  ",
-        "row 19: it is attached to rod 2, which this file has not",
+        "row 19: it is attached to rod 2, which is not in this file",
     ),
     "curve": (MOORED, "614600   473", "curve.dat 473", "row 6: EA is 'curve.dat'; it must be a number: a tether has one"),
     "place": (MOORED, "4    Coupled     0 ", "4    Coupled     x ", "row 14: X is 'x'; it must be a finite number"),
@@ -417,5 +417,5 @@ def test_a_wrong_file_is_told_with_its_row(name, tmp_path, capsys):
 def test_a_file_that_is_there_is_not_replaced(tmp_path, capsys):
     (tmp_path / "made.toml").write_text("mine", encoding="utf-8")
     assert imported(SETTINGS, tmp_path)[1] == 2
-    assert "made.toml is there already; choose another file with --out" in capsys.readouterr().err
+    assert "made.toml exists already; choose another file with --out" in capsys.readouterr().err
     assert (tmp_path / "made.toml").read_text(encoding="utf-8") == "mine"

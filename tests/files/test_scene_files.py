@@ -86,7 +86,7 @@ WRONG_SERIES = {
         (HEAD + "0,1,1e300,3\n").encode(),
         "row 2, column kite_position[2] is 1e+300; it must be at most 1e+09 in magnitude",
     ),
-    "a column twice": ((HEAD.strip() + ",time\n" + "0,1,2,3,0\n" * 5).encode(), "the column time is there twice"),
+    "a column twice": ((HEAD.strip() + ",time\n" + "0,1,2,3,0\n" * 5).encode(), "the column time appears twice"),
     "too few cells": ((HEAD + "0,1,2\n").encode(), "row 2, column kite_position[3] has no number; it must be"),
     "too many cells": ((HEAD + "0,1,2,3,4\n" * 5).encode(), "row 2 has more cells than the header"),
     "time stands still": ((HEAD + "0,1,2,3\n" * 5).encode(), "row 3: time is 0 after 0; it must grow from row to row"),
@@ -148,7 +148,7 @@ def test_only_regular_files_are_read(tmp_path, capsys):
         line = complaint(written(tmp_path, SERIES.replace("flight.csv", name)), capsys)
         assert f"cannot be read ({says}" in line or f"cannot be read (it is {says}" in line
     for name in ("pipe", "."):
-        assert "cannot be read (it is no regular file)" in complaint(tmp_path / name, capsys)
+        assert "cannot be read (it is not a regular file)" in complaint(tmp_path / name, capsys)
     (tmp_path / "secret").write_text("user:password\nadmin:hunter2\n" * 5, encoding="utf-8")
     line = complaint(written(tmp_path, SERIES.replace("flight.csv", "secret")), capsys)
     assert "unknown column 'user:password'" in line

@@ -55,7 +55,7 @@ def server_of(place, port):
     except OSError as error:
         if error.errno not in (errno.EADDRINUSE, errno.EACCES):
             raise
-        raise WrongUse(f"port {port} cannot be used ({error.strerror}); give another --port, or none") from None
+        raise WrongUse(f"port {port} cannot be used ({error.strerror}); choose another --port, or none") from None
 
 
 def serve(server):

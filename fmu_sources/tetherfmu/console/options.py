@@ -118,7 +118,7 @@ def file(text):
 def address(text):
     """Type of an option that is the address of a server."""
     if not ADDRESS.fullmatch(text):
-        raise argparse.ArgumentTypeError(f"{text!r} is no address; it must be one such as tcp://127.0.0.1:8786")
+        raise argparse.ArgumentTypeError(f"{text!r} is not an address; it must be like tcp://127.0.0.1:8786")
     return text
 
 
@@ -141,7 +141,7 @@ def new_file(text):
     if not path.parent.is_dir():
         raise argparse.ArgumentTypeError(f"{text!r} cannot be written: there is no folder {path.parent}")
     if not os.access(path if path.exists() else path.parent, os.W_OK):
-        raise argparse.ArgumentTypeError(f"{text!r} cannot be written: nobody may write it here")
+        raise argparse.ArgumentTypeError(f"{text!r} cannot be written: it is write-protected")
     return path
 
 

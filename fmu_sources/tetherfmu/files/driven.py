@@ -129,7 +129,7 @@ def of_scene(table, flight, folder):
     if "kite_load" in courses and not flight.kite_is_free:
         raise ValueError("series.kite_load is a force on a free end; flight.kind must be 'free_end'")
     if len(controls := [name for name in WINCH[1:] if name in courses]) > 1:
-        raise ValueError(f"series has {' and '.join(controls)}; one of them controls the winch, the other must go")
+        raise ValueError(f"series has {' and '.join(controls)}; only one of them can control the winch: remove the other")
     if "winch_length" in courses and "reel_out_speed" in courses:
-        raise ValueError("series has winch_length and reel_out_speed, which follows from it; one of them must go")
+        raise ValueError("series has winch_length and reel_out_speed, which follows from it; remove one of them")
     return Driven(flight, courses)

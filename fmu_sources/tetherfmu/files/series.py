@@ -65,7 +65,7 @@ def problems_of_names(names):
             shown = name if len(name) <= LONGEST_NAME else f"{name[:LONGEST_NAME]}..."
             yield f"unknown column {shown!r}; known are {', '.join(COLUMNS)}{meant(name, COLUMNS)}"
         if names.count(name) > 1:
-            yield f"the column {name} is there twice"
+            yield f"the column {name} appears twice"
     given = {name.partition("[")[0] for name in names}
     angles = given.intersection(csv_files.ANGLES)
     if angles and "kite_position" in given:

@@ -120,7 +120,7 @@ def load(path: str | Path) -> SystemFile:
 def read(table, name):
     """`SystemFile` from the table of a file; ValueError names the key. name : of the system, if the table has none."""
     if "flight" in table:
-        raise ValueError("describes a scene, no system of tethers; tetherfmu fly, advise, sweep and build --scene take it")
+        raise ValueError("describes a scene, not a system of tethers; use tetherfmu fly, advise, sweep or build --scene")
     require(table, "", ("name", *TABLES, *OF_THE_FLIGHT), ("points", "lines"))
     name = table.get("name", name)
     if not isinstance(name, str):
@@ -145,7 +145,7 @@ def named(tables, section):
         raise ValueError(f"{section} is {tables!r}; it must have tables [{section}.NAME]")
     for name in tables:
         if name in TAKEN:
-            raise ValueError(f"{section}.{name}: the whole system has something called {name}; choose another name")
+            raise ValueError(f"{section}.{name}: {name} is a name of the whole system; choose another one")
     return tables.items()
 
 

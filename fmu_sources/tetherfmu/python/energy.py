@@ -47,12 +47,12 @@ class Energy:
     True
     """
 
-    kinetic: float = _energy("of the nodes that move freely; the half particle at a driven end belongs to what drives it")
+    kinetic: float = _energy("of the nodes that move freely; the half particle at a driven end belongs to its driver")
     elastic: float = _energy("of the springs")
     potential: float = _energy(
-        "weight times height over z = 0, with both half particles; and what the ground stores under free nodes"
+        "weight times height over z = 0, with both half particles; and the energy stored in the ground under free nodes"
     )
-    ground_power: float = _power("what the holder of the end puts into the tether, - end force . end velocity")
+    ground_power: float = _power("power from the holder of the end into the tether, - end force . end velocity")
     kite_power: float = _power("the same at the kite; at a free kite end: load . velocity")
     winch_power: float = _power("work against the tension where the tether gets shorter or longer, - sum T (l/l0) dl0/dt")
     material_power: float = _power(
@@ -62,8 +62,8 @@ class Energy:
     damping_loss: float = _power("heat in the dampers; at least 0 with the strain-rate law")
     drag_loss: float = _power("heat in the air, drag force . (wind - tether velocity); at least 0")
     drum: float = _energy("kinetic energy of a drum that is controlled by force")
-    drum_power: float = _power("what the tension of the rope (`ground_tension`) puts into the drum, tension . speed")
-    motor_power: float = _power("what the motor puts into the drum, - winch_force . speed")
+    drum_power: float = _power("power from the rope tension (`ground_tension`) into the drum, tension . speed")
+    motor_power: float = _power("power from the motor into the drum, - winch_force . speed")
     friction_loss: float = _power("heat of the friction of the drum; at least 0")
     contact_loss: float = _power(
         "heat in the ground where nodes sink into it or leave it; its elastic energy is part of `potential`"

@@ -53,7 +53,7 @@ class Running:
         """For pickle; PicklingError with other kernels than those of the installation."""
         if self._kernels is not None:
             raise PicklingError(
-                f"this {type(self).__name__} was made with kernels of its own; without them it can be pickled"
+                f"this {type(self).__name__} was made with its own kernels; only without them can it be pickled"
             )
         return super().__reduce_ex__(protocol)
 

@@ -170,7 +170,7 @@ class TetherSystem(Running):
         positions = {**{each.name: each.position for each in self.points}, **(positions or {})}
         wanted = [name for name, position in positions.items() if position is None]
         if not set(wanted) <= set(self._instance.free):
-            raise ValueError(f"{next(iter(set(wanted) - set(self._instance.free)))} is no free point: give its position")
+            raise ValueError(f"{next(iter(set(wanted) - set(self._instance.free)))} is not a free point: give its position")
         with self._all_or_nothing():
             moving = {"velocities": {each.name: each.velocity for each in self.points}}
             moving |= starts(self.lines, self.winches, self._instance.free, self.wind_points)

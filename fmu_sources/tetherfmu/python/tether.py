@@ -81,7 +81,7 @@ class TetherModel(Running):
         tethers, *records = arguments.with_quantities(name, quantities, tethers, *records)
         records[2].check_effect()
         if not variant.has_nodes and (len(tethers) > 1 or point_masses):
-            raise ValueError(f"{name} is one uniform line: it takes one Tether and no point_masses")
+            raise ValueError(f"{name} is one uniform line: it accepts one Tether and no point_masses")
         segments = sum(each.segments for each in tethers)
         masses = arguments.checked_masses(point_masses, segments)
         if self._kite and self._kite.kite_mass:
@@ -151,7 +151,7 @@ class TetherModel(Running):
             The other ones of `Inputs`; 0 if not given.
         """
         if positions is not None and not self._variant.has_waves:
-            raise ValueError(f"{type(self).__name__} is always in equilibrium: it takes no positions of nodes")
+            raise ValueError(f"{type(self).__name__} is always in equilibrium: it accepts no node positions")
         nodes = arguments.motion_of_nodes(positions, velocities, self.segments)
         if nodes is not None:
             (ground_position, *_, kite_position), (ground_velocity, *_, kite_velocity) = nodes

@@ -37,10 +37,10 @@ def kite_at(elevation: float, azimuth: float, distance: float, ground_position: 
     if not np.all(np.abs(elevation) <= 0.5 * np.pi):  # NaN is not
         raise ValueError(
             f"elevation is {elevation!r}; it must be at least -pi/2 and at most pi/2 rad: angles are in rad, "
-            "math.radians makes them of degrees"
+            "math.radians converts degrees"
         )
     if np.any(np.abs(azimuth) > TURNS):
-        said = f"azimuth is {azimuth!r} rad, more than two turns; angles are in rad, math.radians makes them of degrees"
+        said = f"azimuth is {azimuth!r} rad, more than two turns; angles are in rad, math.radians converts degrees"
         warn(said, PlausibilityWarning, stacklevel=2)
     return np.add(ground_position, polar(distance, elevation, azimuth))
 

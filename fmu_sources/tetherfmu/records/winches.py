@@ -87,8 +87,8 @@ class SharedWinch:
                 )
         if self.control == BY_FORCE and all(ratio < 0.0 for ratio in self.lines.values()):
             raise ValueError(
-                f"{self.name}.lines has the ratios {list(self.lines.values())}; with the control 'force' one of them must "
-                "be above 0: give all of them the other sign"
+                f"{self.name}.lines has the ratios {list(self.lines.values())}; with the control 'force' one of "
+                "them must be above 0: reverse all signs"
             )
         for name in ("reel_out_speed", "winch_force"):
             if not ANY_INPUT.allows(getattr(self, name)):
@@ -186,8 +186,8 @@ def shares_of(winches):
         values = np.linalg.svd(ratios, compute_uv=False)
         if len(held) < len(winches) or values[-1] < DEPENDENT * values[0]:
             raise ValueError(
-                f"the winches {', '.join(each.name for each in winches)} hold the same lines in the same ratios, so that "
-                "what each has paid out cannot be told; leave one out"
+                f"the winches {', '.join(each.name for each in winches)} hold the same lines in the same "
+                "ratios, so that their payouts cannot be distinguished; omit one"
             )
     return held, ratios, np.linalg.pinv(ratios) if winches else ratios.T
 

@@ -96,7 +96,7 @@ DOUBTED_ENU = {
         "kite_position is below the outlet",
     ),
     "no wind": (lambda t: t.drop(columns="wind_x"), "no wind_velocity: the tethers fly in still air"),
-    "no tether": (lambda t: t, "the map does not say which tether flew: the default is used, 4 mm and 9.1 g/m"),
+    "no tether": (lambda t: t, "the map does not specify the tether: the default is used, 4 mm and 9.1 g/m"),
     "no length": (lambda t: t.drop(columns="tether_length"), "not checked.*kite_position against tether_length"),
     "speed with the wrong sign, no length": (
         lambda t: changed(t.drop(columns="tether_length"), reel_out_speed=np.negative),

@@ -126,7 +126,7 @@ WRONG = {
     "no map": (["--as", "nonsense"], "there is no map nonsense; it must be one of kitepower, "),
     "no part": (["--from", "500"], "the part from 500 to 123.7 s is not possible: the log has 0 to 123.7 s"),
     "too short": (["--from", "10", "--to", "11"], "the shortest flight is 5 s"),
-    "fit": (["--fit", "nothing", "delay"], "nothing stands alone"),
+    "fit": (["--fit", "nothing", "delay"], "nothing cannot be combined"),
     "constant": (["--set", "tether.diameter=50 km"], "tether.diameter is '50 km'; it must be"),
     "no section": (["--set", "rope.diameter=1"], "rope.diameter is no constant of a map; sections are"),
     "no key": (["--set", "tether.colour=1"], "unknown key tether.colour; known are"),

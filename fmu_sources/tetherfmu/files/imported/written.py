@@ -39,7 +39,7 @@ def said(made):
     yield from (f"left out: {each}" for each in made.left_out)
     yield from made.notes
     if made.defaults:
-        yield f"not in the file, so taken by default: {', '.join(made.defaults)}"
+        yield f"not in the file, default used: {', '.join(made.defaults)}"
 
 
 def toml(made, origin):

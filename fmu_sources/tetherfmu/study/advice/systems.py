@@ -175,7 +175,7 @@ def advised(path, settings=(), budget=of_scenes.BUDGET):
     flight = load(path, settings)
     if "releases" in flight.series:
         raise SceneError(f"{path}: {NO_ADVICE}")
-    now(f"flying {flight.found.name} with candidates and with a finer one")
+    now(f"flying {flight.found.name} with candidates and a finer one")
     with flown_from(path, "system"):
         advice = advise(flight, budget)
     return flight, advice, explain(flight, advice)

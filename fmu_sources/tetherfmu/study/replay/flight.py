@@ -224,8 +224,8 @@ def refuse_gaps(log, position, start, end):
         jump = row and log.time[row] - log.time[row - 1]
         why = f": the time jumps by {jump:.1f} s at row {log.rows[row]} of the file" if jump > longest else ""
         raise log.wrong(
-            f"no position is known from {time[k]:.1f} to {time[k + 1]:.1f} s{why}; fly a part (--from, --to), or allow it "
-            f"with smoothing.longest_gap (now {longest:g} s)"
+            f"no position is known from {time[k]:.1f} to {time[k + 1]:.1f} s{why}; replay a part (--from, "
+            f"--to), or allow it with smoothing.longest_gap (now {longest:g} s)"
         )
     bridged = gaps > 1.5 * usual
     log.report.count("bridged", int(bridged.sum()), len(gaps), f"gaps of up to {gaps[k]:.2f} s in the position")

@@ -67,7 +67,7 @@ class Replay:
             if each.refusals:
                 yield refused(name, each)
             if each.break_time >= 0.0:
-                yield f"{name} broke after {each.break_time:.3g} s: what it gives from then on is that of a broken tether"
+                yield f"{name} broke after {each.break_time:.3g} s; its later results are those of a broken tether"
         yield from self.not_flown
 
 
@@ -152,7 +152,7 @@ def wanted_fits(flight, named):
     """
     if named:
         if NOTHING in named and len(named) > 1:
-            raise WrongUse(f"--fit {' '.join(named)} is not possible; {NOTHING} stands alone")
+            raise WrongUse(f"--fit {' '.join(named)} is not possible; {NOTHING} cannot be combined")
         return tuple(dict.fromkeys(each for each in named if each != NOTHING))
     known, table = flight.log.map.station.length_offset, flight.log.table
     if known or not flight.has_length or "ground_tension" not in table:
