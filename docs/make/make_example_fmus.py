@@ -159,8 +159,8 @@ from numbers to numbers. Add its name to `SLAVES` in `examples/shared/example_fm
   kite without its first steering, which moves the path by centimetres.
 - FMPy's `simulate_ssp` sets all connected inputs to 0 in the first step: kites refuse it, circles start with a false tension
   of over 4e5 N. Use another tool.
-- `extra/com.open-simulation-platform` has the system for the Open Simulation Platform
-  (`CosimExecution.from_osp_config_file`), where each FMU may have its own step.
+- `extra/com.open-simulation-platform` has the system for `CosimExecution.from_osp_config_file`, where each FMU may have its
+  own step.
 """
 VARIABLES = """# Variables of the example FMUs
 
