@@ -1,4 +1,4 @@
-"""What FMPy and an FMU do, in a process of its own that they may end, crash or hold: `python -m tetherfmu.check.apart`.
+"""Run FMPy and an FMU in a separate process, which they may end, crash or block: `python -m tetherfmu.check.apart`.
 
 The process ends with the one that started it, and after `LONGEST` seconds; what it leaves is a file of JSON, or nothing.
 """

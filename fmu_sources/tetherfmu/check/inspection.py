@@ -1,4 +1,4 @@
-"""What can be said of an FMU and of this machine without running the FMU; needs FMPy."""
+"""Inspect an FMU and this machine without running the FMU; needs FMPy."""
 
 import platform
 import re
@@ -85,7 +85,7 @@ def platforms(names, version):
 
 
 def hosts_that_are_not_python():
-    """What a host that is no Python program needs for an FMU made by PythonFMU."""
+    """Requirements of FMUs made by PythonFMU for hosts that are not Python programs."""
     if sys.platform != "linux":
         return []
     library = shared_python()

@@ -60,7 +60,7 @@ def archive(path):
 
 
 def too_much(files):
-    """What is too much of these entries (`zipfile.ZipInfo`) for this check: a list of one finding, or an empty one."""
+    """Limits that these entries (`zipfile.ZipInfo`) exceed: a list of one finding, or an empty one."""
     if len(files) > MOST_FILES:
         return [Finding(PROBLEM, f"the archive has {len(files)} files; {MOST}{MOST_FILES}")]
     size = sum(each.file_size for each in files)

@@ -195,7 +195,7 @@ def _problems(options):
 
 @contextmanager
 def said(name="", about=None):
-    """What is in doubt goes to stderr, and what an FMU cannot have ends the program; name : of the FMU, before each line.
+    """Print doubts on stderr; end the program if the FMU is impossible. name : of the FMU, before each line.
 
     about : dict (modified) that gets the names of the FMUs by the doubt instead, to `tell` each doubt once.
     """

@@ -46,7 +46,7 @@ class Table:
         return found[0] if len(found) == 1 else None
 
     def unit(self, column):
-        """What the header, or the row below it, says of the unit of a column; "" if nothing."""
+        """Unit of a column by the header or the row below it; "" if there is none."""
         below = self.units.get(column, "").strip("[]() ")
         return split(column)[1] or ("" if below in NO_UNIT else below)
 

@@ -1,4 +1,4 @@
-"""What the table [series] of a file drives: points along courses, and in a scene the flight with them."""
+"""The table [series] of a file: courses of points, and in a scene the driven flight."""
 
 from itertools import pairwise
 
@@ -111,7 +111,7 @@ class Driven:
         return self.flight.at_rest(tether, gravity, self.load(0.0), self.ground(0.0))
 
     def __getattr__(self, name):
-        """What else the flight has, as its kite mass."""
+        """Other attributes of the flight, such as its kite mass."""
         return getattr(self.__dict__["flight"], name) if "flight" in self.__dict__ else super().__getattribute__(name)
 
 

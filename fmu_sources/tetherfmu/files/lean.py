@@ -25,7 +25,7 @@ TRUTHS = {"true": 1.0, "false": 0.0, True: 1.0, False: 0.0}  # what people may g
 
 @dataclass(frozen=True)
 class Lean:
-    """What an FMU is built with.
+    """Contents of a lean FMU.
 
     inputs, outputs, parameters : names of variables without the index of an element, of those of all points and lines of a
     system without their names, of groups (`selection.GROUPS`), or patterns with * and ?; None for those of the preset.

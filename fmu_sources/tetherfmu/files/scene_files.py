@@ -69,7 +69,7 @@ def yes_or_no(value):
 
 @dataclass(frozen=True)
 class Wanted:
-    """What the user asks for; errors are relative, see docs/use/quality_of_advice.md, "Errors and cost"."""
+    """Requirements of the user; errors are relative, see docs/use/quality_of_advice.md, "Errors and cost"."""
 
     outputs: tuple = field(default=("kite_force",), metadata={"read": output_names})
     allowed_error: float = quantity(0.01, "", "allowed error of each output", minimum=1e-4, maximum=0.5)
@@ -92,7 +92,7 @@ class Wanted:
 
 @dataclass(frozen=True)
 class TableOfWinch(without(WINCH, Winch)):
-    """What a file says of the winch: its drum, and the force that it holds."""
+    """Winch of a scene file: its drum and its constant force."""
 
     force: float = quantity(0.0, "N", "constant force with which the winch pulls; 0: no force control", 0.0, 1e9)
 

@@ -30,7 +30,7 @@ TAKEN = {"time", "wind", *(each.name for each in (*INPUT_TABLE, *OUTPUT_TABLE))}
 
 @dataclass(frozen=True)
 class TableOfPoint:
-    """What a file says of a point."""
+    """Point of a system file."""
 
     position: tuple | None = field(default=None, metadata={"read": vector_in("m", at.LARGEST_INPUT)})
     velocity: tuple = field(default=(0.0, 0.0, 0.0), metadata={"read": vector_in("m/s", at.LARGEST_INPUT)})
@@ -39,7 +39,7 @@ class TableOfPoint:
 
 @dataclass(frozen=True)
 class TableOfLine(Winch, Tether):
-    """What a file says of a line, beside its points and its material."""
+    """Line of a system file, besides its points and its material."""
 
     reel_out_speed: float = quantity(0.0, "m/s", "at the start; positive pays out", -at.LARGEST_INPUT, at.LARGEST_INPUT)
 
@@ -75,7 +75,7 @@ def list_of(unit):
 
 @dataclass(frozen=True)
 class TableOfSheaves:
-    """What a file says of a line that runs over sheaves, beside what it says of any line; `Line` has the defaults."""
+    """Additional keys of a line over sheaves in a system file; `Line` has the defaults."""
 
     through: tuple = field(default=(), metadata={"read": names_in})
     initial_portions: tuple | None = field(default=None, metadata={"read": list_of("m")})
@@ -86,7 +86,7 @@ class TableOfSheaves:
 
 @dataclass(frozen=True)
 class TableOfWinch(Winch):
-    """What a file says of a winch that holds several lines, beside these and its control."""
+    """Winch of several lines in a system file, besides these lines and its control."""
 
     reel_out_speed: float = quantity(0.0, "m/s", "at the start; positive pays out", -at.LARGEST_INPUT, at.LARGEST_INPUT)
     winch_force: float = quantity(0.0, "N", "at the start; positive reels in", -at.LARGEST_INPUT, at.LARGEST_INPUT)
@@ -98,7 +98,7 @@ OF_A_LINE = ("from", "to", "material", *keys_of(TableOfLine), *keys_of(TableOfSh
 
 @dataclass(frozen=True)
 class SystemFile:
-    """What a file says of a system: its name, the arguments of `TetherSystem`, and what its FMU is built with."""
+    """Contents of a system file: name, arguments of `TetherSystem`, build options of its FMU."""
 
     name: str
     points: tuple

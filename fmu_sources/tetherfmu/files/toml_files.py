@@ -24,7 +24,7 @@ LARGEST_FILE = 1_000_000_000  # [B]
 
 
 class WrongUse(ValueError):
-    """What a user typed, or wrote into a file, cannot be used; the message says in one line why and what is allowed."""
+    """Unusable input from the command line or a file; the message gives the reason and the allowed values in one line."""
 
 
 def without(prefix, record):

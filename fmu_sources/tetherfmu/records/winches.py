@@ -41,8 +41,8 @@ class SharedWinch:
     name : str
         Letters, digits and underscores.
     lines : dict of str to float
-        Names of lines and their ratios: rope of the line for each metre that the winch pays out; negative where it reels in
-        then. A line may be in several winches: what they pay out adds up. It has no winch of its own.
+        Names of lines and their ratios: rope of the line for each metre that the winch pays out; negative if it then reels
+        in. A line may be in several winches, whose payouts are summed. It has no other winch.
     control : "speed", "force" or "length"
         Its input: `reel_out_speed`; `winch_force`, which the sum of tensions times ratios has to overcome [N]; or
         `winch_length`, the length paid out since the start [m].
@@ -51,10 +51,10 @@ class SharedWinch:
     winch_force : float
         At the start [N], with the control "force"; positive reels in.
     winch_mass, winch_damping, winch_friction : float
-        Of its drum as those of a `Winch`, with the control "force" [kg], [N.s/m], [N].
+        Drum properties as in `Winch`, with the control "force" [kg], [N.s/m], [N].
     winch_start : "given" or "equilibrium"
-        With the control "force": the drum has paid out nothing, or so much that it is in balance with `winch_force`, all its
-        lines and free points without position in equilibrium together.
+        With the control "force": no initial payout, or the payout at which the drum is in balance with `winch_force`
+        while its lines and the free points without position are in equilibrium.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""What is physically impossible, with its limit and the sentence of one warning; the numbers are not changed.
+"""Implausible values: limit and warning of each; the numbers are not changed.
 
 The kernels note it in the state (`layout.WARNINGS`), see `kernels/step/plausibility.py`.
 """
@@ -161,7 +161,7 @@ _END = dict.fromkeys((GROUND_ACCELERATION, GROUND_SPEED, GROUND_RESIDUE, GROUND_
 
 
 def facts(kind):
-    """What the sentence of a kind says whatever the value is."""
+    """Constant values in the sentence of a kind."""
     return {
         "end": _END.get(kind, "kite"),
         "allowed": 100.0 * (LARGEST_STRETCH - 1.0),
@@ -183,7 +183,7 @@ def bits(number, count):
 
 
 def kinds(state):
-    """What was implausible since the start of a state, as a set of bits; ValueError if no state holds such a number."""
+    """Kinds that were implausible since the start of a state, a set of bits; ValueError for an impossible number."""
     return bits(state[at.WARNINGS], at.WARNING_KINDS)
 
 

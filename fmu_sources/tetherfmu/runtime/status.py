@@ -181,5 +181,5 @@ def index(status):
 
 
 def sentence(status, **facts):
-    """What a status says, with the facts that its sentence asks for."""
+    """Message of a status, with the facts that its sentence needs."""
     return SENTENCES[code(status)].format(**LIMITS, **facts)

@@ -95,12 +95,12 @@ class FrozenTurbulence:
     mean : MeanWind
         A box that contains a mean wind replaces its speed and height.
     box : wind.wind_boxes.Box or None
-        As `open_box` gives it; None: the mean wind alone.
+        Result of `open_box`; None: the mean wind only.
     origin : (3,) array
         Of the box [m].
     periodic : bool
-        Whether the box is repeated in all directions, but along the wind only if its file does not say that it is not
-        periodic. Elsewhere WrongBox names a point beyond it.
+        Whether the box is repeated in all directions; along the wind only if its file does not say that it is not periodic.
+        Otherwise WrongBox names a point outside.
     repeated : bool
         Whether a periodic box is repeated along the wind, whatever its file says; a warning names the jump.
 
@@ -152,7 +152,7 @@ class FrozenTurbulence:
     def at(self, time: float | NDArray, points: NDArray) -> NDArray:
         """Wind [m/s], array (K, 3), at a time [s], or one for each point (K,), and at points [m], array (K, 3).
 
-        WrongBox if a point is outside of a box that is not periodic, or if the box has a number there that is no wind.
+        WrongBox if a point is outside a box that is not periodic, or if the box has an impossible number there.
         """
         if not self.box:
             wind = np.zeros((3, len(points)))

@@ -57,9 +57,9 @@ class Box(NamedTuple):
 
 
 def open_box(file: str | os.PathLike, points: Sequence[int] = (0, 0, 0), spacing: Sequence[float] = (0.0, 0.0, 0.0)) -> Box:
-    """The `Box` in a file of any kind, by the end of its name; WrongBox says what is wrong with it.
+    """Open the `Box` in a file; the end of its name selects the format. WrongBox gives the problem.
 
-    points, spacing : of a Mann box, which does not say it: how many points along, across and up, how far apart [m].
+    points, spacing : numbers of points along, across and up, and distances [m], which the file of a Mann box lacks.
 
     >>> import numpy as np, tempfile
     >>> with tempfile.TemporaryDirectory() as folder:

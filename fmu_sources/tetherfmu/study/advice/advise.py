@@ -106,7 +106,7 @@ class Search:
 
 
 class Advice(NamedTuple):
-    """What to use, and how well that is known."""
+    """Recommendation and its certainty."""
 
     point: Measured  # its configuration, and errors against the finer model
     least: float  # the error is at least this, and at most `expected` [-]: measured against the finer model, less and

@@ -55,7 +55,7 @@ class SystemConfig(NamedTuple):
 
 
 class SystemAdvice(NamedTuple):
-    """What to use, and how well that is known."""
+    """Recommendation and its certainty."""
 
     point: Measured  # its configuration, and errors against the finer system
     least: float  # the error is at least this, and at most `expected` [-], as of `advise.Advice`
@@ -151,7 +151,7 @@ def advise(flight, budget=of_scenes.BUDGET):
 
 
 def table(flight, advice):
-    """What was flown: segments, tolerance, error, where it is largest, and the step time over that of the file."""
+    """Configuration with its segments, tolerance, error and where it is largest, and step time relative to the file's."""
     rows, own = [], advice.points[0].cost
     for each in advice.points:
         counts = flight.segments_of_lines(each.config.factor)

@@ -25,7 +25,7 @@ MEASURED = {"tension": "ground_tension", "length": "tether_length", "speed": "re
 
 @dataclass(frozen=True)
 class Correction:
-    """What is added to a log, so that its quantities fit each other; see `fitting`."""
+    """Corrections that are added to a log, so that its quantities agree; see `fitting`."""
 
     length: float = 0.0  # to the length [m]
     origin: tuple = (0.0, 0.0, 0.0)  # to the positions [m]

@@ -1,4 +1,4 @@
-"""What a sweep varies: values of a scene on a grid, in a list, or drawn from a distribution.
+"""Varied values of a sweep: values of a scene on a grid, in a list, or drawn from a distribution.
 
 tether.diameter=3 mm..6 mm:4       four values, evenly spaced
 wind.seed=1..20                    whole numbers
