@@ -77,7 +77,7 @@ def test_entities(fmu, kind, file):
             lambda text: text.replace("UTF-8", "EBCDIC-XX"),
             "modelDescription.xml is not readable XML: unknown encoding",
         ),
-        (lambda text: "", "modelDescription.xml is no XML that can be read"),
+        (lambda text: "", "modelDescription.xml is not readable XML"),
         (
             lambda text: text.replace('="foreign"', '="../../foreign"'),
             "has the modelIdentifier '../../foreign'; it must be a name",
@@ -172,4 +172,4 @@ def test_a_long_list_of_files(tmp_path, count, length, words):
 def test_a_truncated_archive(fmu, part):
     content = fmu.read_bytes()
     fmu.write_bytes(content[: int(part * len(content))])
-    refused(fmu, "this is no zip archive that can be read")
+    refused(fmu, "this is not a readable zip archive")

@@ -78,7 +78,7 @@ WRONG = [  # what is typed, status, what must be said
     ("build --material steel --diameter 5mm", 2, ("--diameter", "'5mm'", "a number")),
     ("build --out text.txt", 2, ("--out", "'text.txt'", "is a file")),
     ("build --out text.txt/deeper/out", 2, ("--out", "'text.txt/deeper/out'", "text.txt is a file")),
-    ("build --out ''", 2, ("--out", "''", "is no folder")),
+    ("build --out ''", 2, ("--out", "''", "is not a folder")),
     ("build --fmi 3", 2, ("--fmi 3 requires --native",)),
     ("build --fmi 2.0", 2, ("--fmi", "'2.0' is not possible")),
     ("build --set density=970 --set density=724", 2, ("density is given twice; give one of them",)),
@@ -88,9 +88,9 @@ WRONG = [  # what is typed, status, what must be said
     ("advise circle --set density=970 --set tether.density=724", 2, ("density and tether.density", "given twice")),
     ("replay text.txt --set kite.area=1 --set kite.area=2", 2, ("kite.area is given twice",)),
     ("build --diameter 0.01 --set diameter=0.008", 2, ("--diameter and --set diameter are both given",)),
-    ("build --header", 2, ("--header", "goes with --native")),
-    ("build --sources", 2, ("--sources goes with --native",)),
-    ("build --sources --system none.toml", 2, ("--sources goes with --native",)),
+    ("build --header", 2, ("--header", "requires --native")),
+    ("build --sources", 2, ("--sources requires --native",)),
+    ("build --sources --system none.toml", 2, ("--sources requires --native",)),
     ("build --native --fmi 1", 2, ("--fmi", "2, 3")),
     ("build --colour", 2, ("tetherfmu build", "there is no option --colour")),
     ("build --scene none.toml", 2, ("none.toml", "cannot be read")),
@@ -126,9 +126,9 @@ WRONG = [  # what is typed, status, what must be said
     ("fly --start upside_down", 2, ("--start", "'upside_down'", "quasi_steady")),
     ("fly --out text.txt", 2, ("--out", "'text.txt'", "is a file")),
     ("web --out text.txt", 2, ("tetherfmu web", "--out", "'text.txt'", "is a file")),
-    ("web --port 8000", 2, ("--port goes with --serve",)),
+    ("web --port 8000", 2, ("--port requires --serve",)),
     ("web --serve --port 0", 2, ("--port", "'0'", "whole number, at least 1 and at most 65535")),
-    ("web --out ''", 2, ("--out", "''", "is no folder")),
+    ("web --out ''", 2, ("--out", "''", "is not a folder")),
     ("tutorial 99", 2, ("tetherfmu tutorial", "'99'", "01, 02, 03, 03b")),
     ("tutorial ''", 2, ("LESSON", "''", "quasi_steady_scaling, all")),
     ("tutorial 01 --out text.txt", 2, ("--out", "'text.txt'", "is a file")),
@@ -169,7 +169,7 @@ WRONG = [  # what is typed, status, what must be said
     ("make_benchmarks --figure diagram.docx", 2, ("--figure", "'diagram.docx'", ".svg")),
     ("at_rest.catenary --out text.txt", 2, ("--out", "'text.txt'", "is a file")),
     ("at_rest.catenary 7", 2, ("unrecognized arguments: 7",)),
-    ("at_rest.forces_over_wind_and_slack --out ''", 2, ("--out", "''", "is no folder")),
+    ("at_rest.forces_over_wind_and_slack --out ''", 2, ("--out", "''", "is not a folder")),
     ("at_rest.catenary --fmu text.txt", 2, ("text.txt", "no FMU")),
     ("at_rest.catenary --fmu none.fmu", 2, ("--fmu", "none.fmu", "no file")),
     ("at_rest.forces_over_wind_and_slack --wind 3", 2, ("there is no option --wind; there are --out, --fmu, --help",)),
@@ -183,7 +183,7 @@ WRONG = [  # what is typed, status, what must be said
     ("cranes.hoisting 7", 2, ("unrecognized arguments: 7",)),
     ("cranes.set_down --out text.txt", 2, ("--out", "'text.txt'", "is a file")),
     ("ground.landing 7", 2, ("unrecognized arguments: 7",)),
-    ("cranes.constant_tension --out ''", 2, ("--out", "''", "is no folder")),
+    ("cranes.constant_tension --out ''", 2, ("--out", "''", "is not a folder")),
 ]
 
 
@@ -337,7 +337,7 @@ def test_a_release_that_fails_leaves_an_empty_folder(monkeypatch, capsys, tmp_pa
 
 def test_a_damaged_fmu_of_a_study_is_named(tmp_path):
     (tmp_path / "TetherStraight.fmu").write_text("no archive")
-    with pytest.raises(WrongUse, match=r"TetherStraight\.fmu is no FMU"):
+    with pytest.raises(WrongUse, match=r"TetherStraight\.fmu is not an FMU"):
         fmus_in(tmp_path)
 
 

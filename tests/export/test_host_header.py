@@ -119,7 +119,7 @@ def test_headers_of_two_fmus_of_one_name_in_one_file(native_folder, tmp_path, pr
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        ("--native --header-prefix A_", "it goes with --header"),
+        ("--native --header-prefix A_", "it requires --header"),
         ("--native --header --header-prefix 9-", "'9-' is no beginning of a name in C"),
     ],
 )

@@ -68,7 +68,7 @@ def test_keys_of_kiteutils_11(tmp_path, capsys):
     assert (tether.initial_length, tether.axial_stiffness, tether.axial_damping) == (200.0, 7e5, 260.0)
     shown = capsys.readouterr().out
     assert "tether.e_tether" in shown
-    assert "taken by default: environment.gravity = 9.81\n" in shown
+    assert "default used: environment.gravity = 9.81\n" in shown
 
 
 def test_wind_is_that_of_the_vector_where_the_file_says_so(tmp_path):
@@ -125,7 +125,7 @@ def test_the_drum_of_a_winch_waits_for_a_force(tmp_path, capsys):
 def test_what_is_missing_is_said(tmp_path, capsys):
     imported(SETTINGS, tmp_path, drag=("cd_tether: 1.0", "other: 1.0"), law=("profile_law: 2", "rule: 2"))
     missing = "gravity = 9.81, environment.wind_profile = 1\n"
-    assert f"taken by default: tether.drag_coefficient = 0.958, environment.{missing}" in capsys.readouterr().out
+    assert f"default used: tether.drag_coefficient = 0.958, environment.{missing}" in capsys.readouterr().out
 
 
 def test_what_is_left_out_is_said(tmp_path, capsys):
@@ -372,7 +372,7 @@ WRONG = {  # what stands in an example, what is there instead, what is said
         MOORED,
         "2    rope      2  ",
         "2    rope      9  ",
-        "row 19: it is attached to 9, which is no point of this",
+        "row 19: it is attached to 9, which is not a point of this",
     ),
     "type": (MOORED, "2    rope ", "2    cord ", "row 19: LineType is 'cord'; there are rope, wire"),
     "diameter": (MOORED, "wire       0.001", "wire       thin ", "row 7: Diam is 'thin'; it must be a finite number"),

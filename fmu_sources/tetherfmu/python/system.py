@@ -296,7 +296,7 @@ class TetherSystem(Running):
         """`SystemOutputs` that belong to the present state; StepRefused before `initialize`."""
         self._check_started()
         if self._instance.take_outputs() != OK:
-            raise StepRefused("the outputs that belong to this state are no finite numbers")
+            raise StepRefused("the outputs that belong to this state are not finite numbers")
         return self._present()
 
     def _present(self):

@@ -187,7 +187,7 @@ def member(archive, name, file, size):
 
 
 def size_of(file):
-    """Bytes of a file; WrongBox if there is none, or if it is no regular file (a folder, a device, a pipe)."""
+    """Bytes of a file; WrongBox if there is none, or if it is not a regular file (a folder, a device, a pipe)."""
     try:
         found = os.stat(file)
     except (OSError, ValueError) as problem:

@@ -26,7 +26,7 @@ REFUSED = {
         lambda t: t.drop(columns="phase").to_csv(index=False, header=False),
         "number in each cell of the first row",
     ),
-    "binary": (lambda t: bytes(range(256)) * 100, "is no text file"),
+    "binary": (lambda t: bytes(range(256)) * 100, "is not a text file"),
     "binary without zeros": (lambda t: bytes(range(1, 256)) * 100, "column|header"),
     "a page of the web": (lambda t: "<html>\n<body>Not found</body>\n</html>", "the column time .* is missing"),
     "a column is missing": (lambda t: t.drop(columns="vd"), "the column vd of the map own is missing; there are time, lat"),
@@ -168,7 +168,7 @@ def test_the_part_before_a_jump_of_the_clock_is_flown(folder):
 
 
 def test_a_folder_and_a_missing_file_are_refused(folder, own):
-    with pytest.raises(log.LogError, match="is no regular file"):
+    with pytest.raises(log.LogError, match="is not a regular file"):
         log.read(folder, own)
     with pytest.raises(log.LogError, match=r"nowhere.csv: cannot be read \(No such file"):
         log.read(folder / "nowhere.csv", own)

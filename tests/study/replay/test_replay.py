@@ -128,7 +128,7 @@ WRONG = {
     "too short": (["--from", "10", "--to", "11"], "the shortest flight is 5 s"),
     "fit": (["--fit", "nothing", "delay"], "nothing cannot be combined"),
     "constant": (["--set", "tether.diameter=50 km"], "tether.diameter is '50 km'; it must be"),
-    "no section": (["--set", "rope.diameter=1"], "rope.diameter is no constant of a map; sections are"),
+    "no section": (["--set", "rope.diameter=1"], "rope.diameter is not a constant of a map; sections are"),
     "no key": (["--set", "tether.colour=1"], "unknown key tether.colour; known are"),
     "part of the fit": (["--fit-from", "90", "--fit-to", "20"], "the part from 90 to 20 s is not possible"),
     "lead": (["--lead", "hope"], "'hope' is not possible; choose from tension, length, speed"),

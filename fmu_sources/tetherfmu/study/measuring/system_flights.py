@@ -222,6 +222,8 @@ def refuse(flight):
     free = [each.name for each in flight.found.points if not each.is_driven]
     for name in flight.loads:
         if name not in free:
-            raise ValueError(f"loads.{name} is given, and {name} is no free point{meant_or_all(name, free, 'those are {}')}")
+            raise ValueError(
+                f"loads.{name} is given, and {name} is not a free point{meant_or_all(name, free, 'those are {}')}"
+            )
         if name in flight.series.get("loads", {}):
             raise ValueError(f"loads.{name} and series.{name}.load are both given; give one of them")

@@ -217,7 +217,7 @@ class Columns:
         for key, value in changes.items():
             section, _, name = key.partition(".")
             if section not in (known := (*OWN, *OF_SCENES)):
-                raise MapError(f"{key} is no constant of a map{meant_or_all(section, known, 'sections are {}')}")
+                raise MapError(f"{key} is not a constant of a map{meant_or_all(section, known, 'sections are {}')}")
             records.setdefault(section, {})[name] = value
         with prefixed("", MapError):
             return replace(self, **read_records(records, self))
