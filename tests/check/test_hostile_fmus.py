@@ -22,7 +22,7 @@ HOSTILE = {
     "says much": ("import sys, os; sys.stderr.write('a' * 10**8); os._exit(1)", "the run of the evidence set failed: "),
     "leaves a result": (
         "import sys, os; open(sys.argv[3], 'w').write('{}'); os._exit(0)",
-        "left a result that is none",
+        "the result of the evidence run cannot be read",
     ),
 }
 

@@ -131,7 +131,7 @@ WRONG = {
     "free end": (
         'kind = "parked"\ndistance = "500 m"',
         'kind = "free_end"',
-        "wind.file is given to a free end, of which it is not known where it will be",
+        "wind.file is given to a free end, whose path is unknown",
     ),
 }
 

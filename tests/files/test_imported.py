@@ -304,7 +304,7 @@ def test_a_free_body_is_refused(tmp_path, capsys):
     )
     assert main(["import", str(tmp_path / "deck.txt"), "--out", str(tmp_path / "deck.toml")]) == 2
     assert (
-        "row 14: it is on body 1, which is Free in row 10: points have a mass here, no body turns" in capsys.readouterr().err
+        "row 14: it is on body 1, which is Free in row 10: points only have a mass here" in capsys.readouterr().err
     )
 
 

@@ -261,5 +261,5 @@ def test_what_is_no_scene_is_told_as_what_it_is(tmp_path):
     (tmp_path / "flight.csv").write_text(HEAD.replace("\n", ",release\n") + rows)
     file = written(tmp_path, SERIES)
     assert load(file).flight.has_release
-    with pytest.raises(WrongUse, match=r"lets the tether go; only fly and sweep take that"):
+    with pytest.raises(WrongUse, match=r"series.release is for fly and sweep only"):
         load_for_advice(file)

@@ -102,7 +102,7 @@ WRONG = {
     "idle point": (r"\[points.load\]", "[points.idle]\nmass = 1\n[points.load]", "no line goes to the point idle"),
     "point and line": (r"\[lines.tag\]", "[lines.hook]", "the name hook is given twice"),
     "point twice": (r"\[points.drone\]", "[points.load]", "is not a TOML file"),
-    "taken name": (r"\[lines.tag\]", "[lines.gravity]", "lines.gravity: the whole system has something called gravity"),
+    "taken name": (r"\[lines.tag\]", "[lines.gravity]", "lines.gravity: gravity is a name of the whole system"),
     "no structured name": (r"\[lines.tag\]", '[lines."a.b"]', "the name of a line is 'a.b'; it must be letters"),
     "name of the model": ('"Crane"', '"My Crane"', "the name of a system is 'My Crane'; it must be letters"),
     "number as name": ('"Crane"', "3", "name is 3; it must be a text"),
