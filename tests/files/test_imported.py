@@ -303,9 +303,7 @@ def test_a_free_body_is_refused(tmp_path, capsys):
         DECK.format(tables=f"{bodies}{POINTS}1 Body1 3 0 0\n{LINES}1 chain 1 1 9 3 -", options="")
     )
     assert main(["import", str(tmp_path / "deck.txt"), "--out", str(tmp_path / "deck.toml")]) == 2
-    assert (
-        "row 14: it is on body 1, which is Free in row 10: points only have a mass here" in capsys.readouterr().err
-    )
+    assert "row 14: it is on body 1, which is Free in row 10: points only have a mass here" in capsys.readouterr().err
 
 
 WRONG = {  # what stands in an example, what is there instead, what is said
