@@ -64,7 +64,7 @@ def row(action, formatter):
     value = formatter._format_args(action, action.dest.upper()) if action.nargs != 0 else ""
     written = " ".join(filter(None, [", ".join(action.option_strings), value]))
     about = OF_THIS_MACHINE.sub("(default: this one)", formatter._expand_help(action))
-    return f"| `{escaped(written)}` | {escaped(about)} |"
+    return f"|`{escaped(written)}`|{escaped(about)}|"
 
 
 def section(name):
@@ -73,7 +73,7 @@ def section(name):
     formatter = parser._get_formatter()
     rows = [row(action, formatter) for action in parser._actions if "--help" not in action.option_strings]
     head = f"## {name}\n\n{known.about[0].upper()}{known.about[1:]}. [More]({SEE[name]}).\n\n```text\n{known.example}\n```"
-    return "\n".join([head, "", "| option | meaning |", "|---|---|", *rows])
+    return "\n".join([head, "", "|option|meaning|", "|---|---|", *rows])
 
 
 def page():

@@ -29,16 +29,14 @@ TEXT = """# Example FMUs
 
 <!-- Written by docs/make/make_example_fmus.py from the sources: edit those, and run it again. -->
 
-For those who need partners for a tether: kites, a winch, a flight controller, a prescribed flight, turbulent wind. Fly or
-copy them.
+For those who need partners for a tether: kites, a winch, a flight controller, a prescribed flight, turbulent wind.
 
 ```text
 tetherfmu build --examples
 ```
 
 builds them and five systems of them as SSP files. They are PythonFMU slaves of 70 to 150 lines (`examples/fmus/`);
-`TurbulentWind` needs numpy. [Variables of the example FMUs](../reference/variables_of_examples.md) has their equations and
-parameters.
+`TurbulentWind` needs numpy. [Equations and variables](../reference/variables_of_examples.md) have a separate page.
 
 | FMU | in | out | for |
 |---|---|---|---|
@@ -51,17 +49,17 @@ parameters.
 | `TurbulentWind` | position of the kite, `shape` | `wind_velocity`, `kite_wind`, `wind_at` | tethers and kites |
 
 Connect variables with the same name. Set everything else (wind, profile, air density) to the same value in every FMU. The
-ground station is the origin. `PointMassKite` is the better kite: `FlyingKite` gets the force one communication step late,
-which limits the step to some milliseconds ([Coupling](coupling.md)).
+ground station is the origin. Prefer `PointMassKite`: `FlyingKite` receives the force one communication step late, which
+limits the step to some milliseconds ([Coupling](coupling.md)).
 
 `input_continuation`: `linear` (1) if all FMUs step from the same communication point, `held` (2), `interpolated` (3) if
-your tool steps one FMU after the other. Steps with an input that is not finite or out of range are refused (`fmi2Discard`)
-and change nothing. States are saved and restored bit for bit.
+your tool steps one FMU after the other. Invalid inputs are refused (`fmi2Discard`). States are saved and restored bit for
+bit.
 
 ## A kite power system
 
-`python examples/power_system/pumping_cycle.py` flies `TetherDynamicFree`, `PointMassKite`, `FlightController` and `Winch`
-through FMPy:
+`python examples/power_system/pumping_cycle.py` couples `TetherDynamicFree`, `PointMassKite`, `FlightController` and `Winch`
+in FMPy:
 
 ![Force, reel-out speed, power and length over three traction phases](../figures/pumping_series.svg)
 
@@ -77,16 +75,15 @@ Two cycles (`--cycles 2`) in a wind of 8 m/s at 10 m, by default 20 ms and 10 se
 | `--segments 30` | 4036 | 1807 | 3529 |
 | `--segments 1` | 4165 | 1817 | 3692 |
 
-The load on the kite is delayed, so there is a longest step ([Coupling](coupling.md#the-ways)). With the Jacobi exchange it
-is 30 ms at 8 m/s, where 35 ms diverge, and 20 ms at 10 to 14 m/s, where 30 ms diverge. The example recognizes divergence. It
-flies in 6 to 14 m/s; from 11 m/s on it prints for how long the motor is too weak. The work over a cycle balances within 1 %
+The kite load is delayed, which limits the step ([Coupling](coupling.md#the-ways)): with the Jacobi exchange to 30 ms at 8
+m/s (35 ms diverge), and to 20 ms at 10 to 14 m/s (30 ms diverge). The example works in 6 to 14 m/s; from 11 m/s on it
+prints for how long the motor is too weak. The work over a cycle balances within 1 %
 (`tests/physics/test_pumping_energy.py`). The flight is plausible, not measured.
 
 ## The winch inside the tether
 
-`python examples/power_system/winch_inside.py` flies it with the `Winch` FMU, and with the drum inside the tether
-(`winch_control` = force). Then only the motor is outside: `WinchMotor` gives the next `winch_force`. Mean power over a
-cycle in 8 m/s [W]:
+`python examples/power_system/winch_inside.py` compares the `Winch` FMU with a drum inside the tether (`winch_control` =
+force), for which `WinchMotor` computes the `winch_force`. Mean power over a cycle in 8 m/s [W]:
 
 | exchange | winch | 20 ms | 100 ms | 200 ms |
 |---|---|---|---|---|
@@ -98,15 +95,13 @@ cycle in 8 m/s [W]:
 
 ![Reel-out speed over a cycle in three steps: the winch FMU swings in 200 ms](../figures/winch_inside.svg)
 
-Two signals are delayed. The load on the kite makes steps of 100 ms diverge, unless tether and kite iterate. The tension
-saturates the motor of the `Winch` FMU at 200 ms, and the speed oscillates during reel-in. A drum inside the tether feels
-the tension at every instant. Set its stops, `shortest_length` and `longest_length` of the tether, to 0: those of
-`FlightController` turn the phases.
+Two signals are delayed. The kite load makes steps of 100 ms diverge, unless tether and kite iterate. The tension saturates
+the motor of the `Winch` FMU at 200 ms, and the speed oscillates during reel-in; a drum inside the tether avoids this delay.
+Set `shortest_length` and `longest_length` of the tether to 0: `FlightController` has the limits.
 
 ## Turbulent wind
 
-`TurbulentWind` lets the mean wind U e carry a box of turbulence past kite and tether, at the height z over the reference
-height h:
+`TurbulentWind` carries a turbulence box past kite and tether at the mean wind U e (height z, reference height h):
 
     v(x, t) = U (z/h)^alpha e + fluctuations of the box
 
@@ -118,25 +113,23 @@ height h:
 
 `file` is a String parameter: set it before the initialization, or build the FMU with it (`build("TurbulentWind", folder,
 [("file", path)])` of `examples/shared/example_fmus.py`). A path that begins with `resources/` refers to the FMU; without a
-file there is the mean wind alone. The file must not change during a run.
+file there is only the mean wind.
 
-- **Wiring.** Connect `kite_position`, and `shape` of a tether built with `--wind-points 21`, which gets `wind_at`
-  (set `wind_points` to 2). Without `shape` the points are on the straight line from the origin to the kite. `wind_velocity`
-  is the mean along the tether, for one with `wind_profile` = uniform; short gusts cancel. `kite_wind` goes to
-  `wind_velocity` of a kite with a uniform profile.
+- **Wiring.** Connect `kite_position`, and `shape` and `wind_at` of a tether built with `--wind-points 21` (set `wind_points`
+  to 2). Without `shape` the points are on the straight line from the origin to the kite. `wind_velocity` is the mean along
+  the tether, for tethers with `wind_profile` = uniform. `kite_wind` is for `wind_velocity` of a kite with a uniform profile.
 - **Axes.** x of the box is downwind, y to the left when looking downwind, z up; `wind_direction` is where the wind blows
   *to*. `box_origin` is the middle of its front at the start. The lowest row is at the height of the TurbSim file,
   otherwise 0, plus `box_origin[3]`.
-- **Order of planes.** In space in files of Mann generators and numpy, so the last one is the front; in time in those of
-  TurbSim. The wrong order turns time back, which spectra do not show. PyConTurb 2.7.4 writes the points of a `.bts` plane
-  upwards first, TurbSim and this reader have them across first.
-- **Outside of the box.** `outside` = periodic (1) repeats it in all directions; seams are smooth only if it was made
-  periodic (in TurbSim: `UsableTime` = "ALL"). A TurbSim file that says it is not periodic ends: the step beyond its end is
-  refused. repeated (3) repeats it all the same, with a warning. refused (2) refuses every step outside of the box, always
-  where a tether starts below TurbSim's grid.
+- **Order of planes.** In Mann and numpy files the last plane is the front, in TurbSim files the first. A reversed order
+  plays the turbulence backwards; spectra do not reveal it. PyConTurb 2.7.4 writes the points of a `.bts` plane upwards
+  first, TurbSim and this reader across first.
+- **Outside the box.** `outside` = periodic (1) repeats the box in all directions, but refuses the step beyond the end of
+  a TurbSim file that is not periodic (`UsableTime` = "ALL" makes it so). repeated (3) repeats any file, with a warning.
+  refused (2) refuses every step outside the box, also below TurbSim's grid.
 
 `python examples/wind/turbulence.py` flies a parked kite and a kite on a circle, in a box that it makes (15 % of 8 m/s at 10
-m; `--box FILE` takes yours):
+m; `--box FILE` reads yours):
 
 ![Wind at the kite and along the tether, and tension at the ground, over 120 s](../figures/turbulence.svg)
 
@@ -147,29 +140,27 @@ m; `--box FILE` takes yours):
 | circle | 11.7 ± 1.2 m/s | 10.1 ± 0.6 m/s | 2003 ± 118 N | 2209 N |
 | circle, mean wind alone | 11.6 ± 0.6 m/s | 10.0 ± 0.5 m/s | 2005 ± 120 N | 2186 N |
 
-Means and standard deviations from 20 s on. On the circle, a prescribed path, only the drag of the tether changes.
+Means and standard deviations are from 20 s on. On the prescribed circle only the tether drag changes.
 
 ## A model of your own
 
 Copy a file of `examples/fmus`: a class that declares inputs, outputs and parameters, with the methods `first` and `next`,
-from numbers to numbers. `model_slave.py` does the rest. Add its name to `SLAVES` in `examples/shared/example_fmus.py`, or
-call `build` there. Without FMI a kite is ten lines of Python in `examples/first_flight/fly_your_kite.py`.
+from numbers to numbers. Add its name to `SLAVES` in `examples/shared/example_fmus.py`, or call `build` there.
 
 ## Systems as SSP files
 
 `kite_power_system.ssp` and `winch_inside.ssp` are the systems above; `circular_flight.ssp` is `KiteOnPath` and
-`TetherDynamic`. FMUs carry their start values, because not every importer sets enumerations. The tether has 10 segments and
-a `relative_tolerance` of 1e-4 in `SystemStructure.ssd`, 3 and 1e-3 in `SystemStructure_coarse.ssd`, 30 and 1e-6 in
-`SystemStructure_fine.ssd`.
+`TetherDynamic`. The tether has 10 segments and a `relative_tolerance` of 1e-4 in `SystemStructure.ssd`, 3 and 1e-3 in
+`SystemStructure_coarse.ssd`, 30 and 1e-6 in `SystemStructure_fine.ssd`.
 
 - libcosim (`CosimExecution.from_ssp_file`, on the extracted file) and Ecos (`EcosSimulation(ssp_path=...)`) agree with the
   Jacobi master of the example to ten digits.
 - fmu-manipulation-toolbox makes one FMU of a system (`fmucontainer -container kite_power_system.ssp:0.02`); it starts the
   kite without its first steering, which moves the path by centimetres.
-- `simulate_ssp` of FMPy sets all connected inputs to 0 in the first step. A kite refuses that; circles begin with a false
-  tension of 4e5 N and more. Use another tool.
-- `extra/com.open-simulation-platform` has the system for the Open Simulation Platform
-  (`CosimExecution.from_osp_config_file`), where each FMU may have its own step.
+- FMPy's `simulate_ssp` sets all connected inputs to 0 in the first step: kites refuse it, circles start with a false tension
+  of over 4e5 N. Use another tool.
+- `extra/com.open-simulation-platform` has the system for `CosimExecution.from_osp_config_file`, where each FMU may have its
+  own step.
 """
 VARIABLES = """# Variables of the example FMUs
 
@@ -177,10 +168,10 @@ VARIABLES = """# Variables of the example FMUs
 
 For everyone who connects the [example FMUs](../use/example_fmus.md): their equations, variables and parameters.
 
-## Parameters
+## Several FMUs
 
-Both kites have the [parameters of air and wind](variables.md#parameters) of the tethers, `FlyingKite` also
-`gravity`. Others of several FMUs:
+Both kites have the [parameters of air and wind](variables.md#parameters) of the tethers, `FlyingKite` also `gravity`. These
+variables have the same meaning in several FMUs:
 
 {shared}"""
 
@@ -206,9 +197,9 @@ def declared():
 
 
 def shared():
-    """Table of the parameters that several FMUs declare in the same way."""
-    rows = [(name, in_short(fmus), *rest) for (role, name, *rest), fmus in declared().items() if is_shared(role, fmus)]
-    return table(("name", "FMU", *HEAD[1:]), rows)
+    """Table of the variables that several FMUs declare in the same way."""
+    rows = [(name, in_short(fmus), role, *rest) for (role, name, *rest), fmus in declared().items() if len(fmus) > 1]
+    return table(("name", "FMU", "role", *HEAD[1:]), sorted(rows, key=lambda row: list(ROLES.values()).index(row[2])))
 
 
 def in_short(fmus):
@@ -216,16 +207,11 @@ def in_short(fmus):
     return "all" if len(fmus) == len(example_fmus.SLAVES) else "kites" if fmus == KITES else ", ".join(fmus)
 
 
-def is_shared(role, fmus):
-    """Whether a row stands in the table of shared parameters."""
-    return role == ROLES[PARAMETER] and len(fmus) > 1
-
-
 def section(name):
     """Equations, sources and variables of an FMU; those of `shared` aside."""
     module = sys.modules[example_fmus.slave(name).__module__]
     equations = "" if name in WITHOUT_EQUATIONS else f"```text\n{module.__doc__.partition(': ')[2].strip()}\n```\n\n"
-    own = [row for row, fmus in declared().items() if name in fmus and not is_shared(row[0], fmus)]
+    own = [row for row, fmus in declared().items() if fmus == [name]]
     in_order = sorted(own, key=lambda row: list(ROLES.values()).index(row[0]))
     rows = [(vector, role, *rest) for role, vector, *rest in in_order]
     return f"## {name}\n\n{equations}{table(('name', 'role', *HEAD[1:]), rows)}"

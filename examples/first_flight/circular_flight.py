@@ -251,7 +251,7 @@ def report(columns, given):
     columns : of each flight, dict by name.
     """
     if given.outputs and not given.csv:
-        raise WrongUse("--outputs chooses columns of --csv; it goes with it")
+        raise WrongUse("--outputs chooses columns of --csv; it requires --csv")
     columns = {name: results.since(each, given.begin) for name, each in columns.items()}
     for name, each in columns.items():
         for line in (*([f"{name}:"] if len(columns) > 1 else []), *results.summary(each)):
@@ -336,7 +336,7 @@ def fly_each(given, fly, parameters, names=None, find=find_fmu):
     path of an FMU.
     """
     if given.fmu and (given.fmus or given.tether):
-        raise WrongUse("--fmu is the one FMU that is flown; it goes without --tether and --fmus")
+        raise WrongUse("--fmu is the one FMU that is flown; it excludes --tether and --fmus")
     if given.html:
         import shared.flight_page  # noqa: F401 - before the flight, which would be in vain without plotly
     names = names or (TETHERS.values() if given.tether == "all" else [TETHERS[given.tether or "dynamic"]])

@@ -101,11 +101,11 @@ def tether_and_winch(flight, length):
 def problems(flight, length, wind, duration):
     """What is missing beside the file of a flight, or given there and by an option, texts."""
     if flight.has_length and length is not None:
-        yield f"has a column of the length, which begins with {flight.initial_length:g} m; --length goes without it"
+        yield f"has a column of the length, which begins with {flight.initial_length:g} m; omit --length"
     if not flight.has_length and not flight.has_force and length is None:
         yield "has no column winch_length (or tether_length); give the unstretched length at the start with --length"
     if flight.wind and wind is not None:
-        yield "has columns of wind_velocity; --wind goes without them"
+        yield "has columns of wind_velocity; omit --wind"
     if duration and duration > flight.duration + ROUNDING:
         yield f"has a flight of {flight.duration:g} s; --duration is {duration:g} s, it must be at most that"
 

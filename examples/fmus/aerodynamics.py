@@ -11,10 +11,10 @@ u steering, positive turns right as seen from the ground station; psi heading fr
 to the right; beta elevation. C_L and C_D go linearly from powered to depowered with `depower`. If the wing slips, the
 lift tilts with its span, and pulls the motion towards the heading.
 
-Sources. Wing: the 25 m2 kite V2 of TU Delft in the quasi-steady model of van der Vlugt, Bley, Noom and Schmehl (Renewable
-Energy 131, 2019; arXiv 1705.04133), with its mass of 19.6 kg. Turn rate law: Erhard and Strauch (arXiv 1202.3641), Jehle
-and Schmehl (J. Guidance, Control and Dynamics 37, 2014). c1, c2: settings of KiteControllers.jl for the kite of 20 m2
-(`fpc_settings_hydra20.yaml`). k: one-point kite of Fechner et al. (Renewable Energy 83, 2015) in KiteModels.jl.
+Sources. Wing: the 25 m2 kite V2 of TU Delft, 19.6 kg, by van der Vlugt et al. (Renewable Energy 131, 2019; arXiv
+1705.04133). Turn rate law: Erhard and Strauch (arXiv 1202.3641), Jehle and Schmehl (J. Guidance, Control and Dynamics 37,
+2014). c1, c2: KiteControllers.jl, kite of 20 m2 (`fpc_settings_hydra20.yaml`). k: Fechner et al. (Renewable Energy 83,
+2015).
 """
 
 from dataclasses import dataclass

@@ -1,18 +1,18 @@
 """PythonFMU slave: flight controller of a pumping kite: figures of eight while reeling out, a climb while reeling in.
 
-The kite is steered to a point that runs along a figure of eight, always the angle `look_ahead` in front of the kite; while
-reeling in, to a point high above. A course error e asks for the turn rate `course_gain` e; the turn rate law (see
-`aerodynamics`), solved for the steering, says what gives it.
+The kite is steered to a point on a figure of eight, the angle `look_ahead` in front of the kite; while reeling in, to a
+point high above. A course error e requests the turn rate `course_gain` e, and the turn rate law of `aerodynamics` gives
+the steering.
 
     traction     s = sqrt(T/K)
     reeling in   s = -s0 max(0, 1 - T/T0) min(1, (steepest - elevation)/20 deg)
 
-T tension at the ground. A kite whose pull is C (w - s)^2 in a wind w along the tether gives most power at s = w/3 (Loyd,
-J. Energy 4, 1980), which is K = 4 C. Reeling in is slower where the kite is high, or it would fly over the ground station.
-It begins at `longest_length` and ends at `shortest_length`; depower and speed change over together.
+T tension at the ground. A kite that pulls with C (w - s)^2 in a wind w along the tether has its largest power at s = w/3
+(Loyd, J. Energy 4, 1980): K = 4 C. Reeling in slows down where the kite is high, or it would fly over the ground station. It
+begins at `longest_length` and ends at `shortest_length`; depower and speed change together.
 
-Sources: steering by the turn rate law as in Erhard and Strauch (arXiv 1202.3641); `depower_rate` is that of the control unit
-of KiteModels.jl, 0.075 of its range in a second, of which a quarter is used. All else is chosen for the kite of TU Delft.
+Sources: steering as in Erhard and Strauch (arXiv 1202.3641); the control unit of KiteModels.jl moves by 0.075 of its
+range per second; depower uses a quarter of the range (`depower_rate`). Other values are chosen for the kite of TU Delft.
 """
 
 from dataclasses import dataclass

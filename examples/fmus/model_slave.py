@@ -37,7 +37,7 @@ class Coupling:
     input_continuation: int = quantity(
         LINEAR,
         "",
-        "how the inputs go on within a step",
+        "continuation of the inputs within a step",
         choices={
             "linear": "extrapolated linearly from their last two values",
             "held": "held as they are",

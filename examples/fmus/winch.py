@@ -2,13 +2,12 @@
 
     m ds/dt = T - F - c s - f s/sqrt(s^2 + s0^2),   m = I/r^2
 
-s reel-out speed, T tension of the tether, F = torque/r pull of the motor. In speed control F = T + G (s - s_set), where
-s_set goes to `set_speed` no faster than `largest_acceleration`; in force control F = `set_force`. Near the ends of the
-tether on the drum the motor brakes: s_set is no faster than what half of that acceleration stops in time.
+s reel-out speed, T tether tension, F = torque/r motor pull. In speed control F = T + G (s - s_set), where s_set follows
+`set_speed` within `largest_acceleration`; in force control F = `set_force`. Near the ends of the tether on the drum the
+motor brakes with at most half of that acceleration.
 
-Sources: law from docs/winch.md of WinchModels.jl; drum, inertia (0.204 kg.m2 at a motor behind a gear of 6.2), friction,
-gain and acceleration from the settings of KiteModels.jl for the winch of Fechner et al. (Renewable Energy 83, 2015), torque
-from the 8000 N of its larger kite.
+Sources: law of WinchModels.jl; drum, inertia (0.204 kg.m2 at a motor behind a gear of 6.2), friction, gain and acceleration
+of KiteModels.jl for the winch of Fechner et al. (Renewable Energy 83, 2015), torque from the 8000 N of its larger kite.
 """
 
 from dataclasses import dataclass

@@ -1,14 +1,14 @@
 """PythonFMU slave: motor of a pumping kite's winch, whose drum is inside the tether (`winch_control` = force).
 
-The flight controller wants a speed s(T) for a tension T, which the `Winch` follows. Here the motor, by its force W, lets a
-drum of mass m move as one of mass m' that is held by a tension T', which is the one for its speed:
+The flight controller requests a speed s(T) at the tension T. The motor force W lets a drum of mass m move as one of mass m'
+that is held by the tension T', at which its speed is requested:
 
     W = T - (T - T') m/m' - friction,   s(T') = s + (T - T') h/m'
 
-The right side is the speed at the end of the next communication step, which is as long as the last one, h. T and s at its
-start are good enough as long as m' is not much less than m: what the tension does within the step, the drum itself feels.
+The right side is the speed at the end of the next communication step, h long. T and s at its start suffice as long as m' is
+not much less than m.
 
-Sources: s(T) is that of `FlightController`, the drum that of `Winch`.
+Sources: s(T) of `FlightController`, drum of `Winch`.
 """
 
 from dataclasses import dataclass

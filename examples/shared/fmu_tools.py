@@ -42,9 +42,9 @@ def description_of(fmu_file):
     try:
         description = read_model_description(str(fmu_file))
     except Exception as error:  # also what zipfile and the readers of XML raise
-        raise WrongUse(f"{fmu_file} is no FMU that can be read: {one_line(error)}") from None
+        raise WrongUse(f"{fmu_file} is not a readable FMU: {one_line(error)}") from None
     if description.fmiVersion not in SLAVES or description.coSimulation is None:
-        raise WrongUse(f"{fmu_file} is no FMU for co-simulation by FMI 2.0 or 3.0")
+        raise WrongUse(f"{fmu_file} is not an FMU for co-simulation by FMI 2.0 or 3.0")
     if description.fmiVersion == "3.0":
         description.modelVariables = scalars(description.modelVariables)
     return description

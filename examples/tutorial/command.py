@@ -54,9 +54,9 @@ def parse(arguments, prog):
     given = parser.parse_args(arguments)
     running = given.out or given.show or given.animate or given.save_frames
     if given.copy and (given.lessons or running):
-        parser.error("--copy goes without LESSON and its options")
+        parser.error("--copy excludes LESSON and its options")
     if given.overwrite and not given.copy:
-        parser.error("--overwrite goes with --copy DIR")
+        parser.error("--overwrite requires --copy DIR")
     if running and not given.lessons:
         parser.error(f"which LESSON? choose from {', '.join(lessons())}, or all")
     return given
@@ -69,7 +69,7 @@ def copy(place, overwrite):
     files = [file for file in found if "__pycache__" not in file.parts]
     there = next((place / file for file in files if (place / file).exists()), None)
     if there and not overwrite:
-        raise WrongUse(f"{there} is there already; --overwrite replaces it and all others")
+        raise WrongUse(f"{there} exists already; --overwrite replaces it and all others")
     for file in files:
         (place / file).parent.mkdir(parents=True, exist_ok=True)
         shutil.copyfile(origin / file, place / file)

@@ -14,7 +14,7 @@ from tetherfmu.check import __main__, apart
 
 LOOP = "while True: pass"
 HOSTILE = {
-    "ends with status 0": ("import os; os._exit(0)", "left no result: the FMU ended the process that ran it"),
+    "ends with status 0": ("import os; os._exit(0)", "wrote no result: the FMU ended the process that ran it"),
     "ends with status 3": ("import os; os._exit(3)", "the run of the evidence set failed: exit code 3"),
     "kills itself": ("import os; os.kill(os.getpid(), 9)", "the process that ran the FMU died (exit code -9)"),
     "holds": (LOOP, "the run of the evidence set did not end within 1 s"),
@@ -22,7 +22,7 @@ HOSTILE = {
     "says much": ("import sys, os; sys.stderr.write('a' * 10**8); os._exit(1)", "the run of the evidence set failed: "),
     "leaves a result": (
         "import sys, os; open(sys.argv[3], 'w').write('{}'); os._exit(0)",
-        "left a result that is none",
+        "the result of the evidence run cannot be read",
     ),
 }
 

@@ -97,7 +97,7 @@ def test_a_diameter_that_scales_the_stiffness_says_so_once(tmp_path, capsys, opt
     """Of two FMUs in one line, with the values that they start with."""
     assert main(["build", "straight", "catenary", "--out", str(tmp_path), *options.split()]) == 0
     said = "diameter = 0.008 m scales stiffness and damping: axial_stiffness = 2.458e+06 N and axial_damping = 1892 N.s"
-    expected = [f"TetherStraight, TetherCatenary: {said}; set them to have others"] if scales else []
+    expected = [f"TetherStraight, TetherCatenary: {said}; set them to change this"] if scales else []
     assert capsys.readouterr().err.splitlines() == expected
 
 

@@ -125,10 +125,10 @@ def damaged(folder, what):
         return folder / "none.bts", "No such file"
     if what == "is a folder":
         (folder / "folder.bts").mkdir()
-        return folder / "folder.bts", "no regular file"
+        return folder / "folder.bts", "not a regular file"
     if what == "is a pipe":
         os.mkfifo(folder / "pipe.bts")
-        return folder / "pipe.bts", "no regular file"
+        return folder / "pipe.bts", "not a regular file"
     if what == "has another name":
         return folder / "box.wnd", "it must end in .bts (TurbSim), in .npz (numpy), or in u.bin or u.turb"
     if what == "is empty":
@@ -162,7 +162,7 @@ def damaged(folder, what):
         return other, "is compressed and cannot be mapped into memory; write it with numpy.savez"
     if what == "is no archive":
         other.write_bytes(whole)
-        return other, "is no file of numpy.savez with the arrays velocity and spacing: File is not a zip file"
+        return other, "is not a numpy.savez file with the arrays velocity and spacing: File is not a zip file"
     if what == "lacks an array":
         np.savez(other, velocity=grid["velocity"])
         return other, "There is no item named 'spacing.npy' in the archive"
@@ -175,7 +175,7 @@ def damaged(folder, what):
     if what == "is an archive cut off":
         np.savez(other, **grid)
         other.write_bytes(other.read_bytes()[:-30])
-        return other, "is no file of numpy.savez"
+        return other, "is not a numpy.savez file"
     if what == "has a wrong array":
         np.savez(other, **grid)
         other.write_bytes(other.read_bytes().replace(b"(4, 3, 2, 3)", b"(4, 3, 9, 3)"))

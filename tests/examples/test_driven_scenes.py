@@ -185,4 +185,4 @@ def test_no_advice_for_a_tether_that_is_let_go(asked, tmp_path, monkeypatch, cap
     """A tether that recoils has no error that converges."""
     monkeypatch.chdir(tmp_path)
     assert status_of(*asked.split()) == 2
-    assert "series.release lets the tether go; only fly and sweep take that" in capsys.readouterr().err
+    assert "series.release is for fly and sweep only" in capsys.readouterr().err

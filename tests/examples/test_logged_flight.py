@@ -217,7 +217,7 @@ def test_noise_is_told(fmu_folder, tmp_path):
 
 WRONG = [  # what is typed behind `tetherfmu fly`, what must be said
     ("none.csv --length 505", ("none.csv", "No such file")),
-    ("folder --length 505", ("folder", "no regular file")),
+    ("folder --length 505", ("folder", "not a regular file")),
     ("text.csv --length 505", ("text.csv", "row 5, column kite_position[1] has no number")),
     ("plain.csv", ("plain.csv", "no column winch_length", "--length")),
     ("length.csv --length 505", ("length.csv", "begins with 502 m", "--length")),
@@ -237,8 +237,8 @@ WRONG = [  # what is typed behind `tetherfmu fly`, what must be said
     ("plain.csv other.csv --length 505", ("unrecognized arguments: other.csv",)),
     ("wind.csv --length 220.3 --wind 8 0 0", ("wind.csv", "wind_velocity", "--wind")),
     ("empty.csv --length 505", ("empty.csv", "has 0 lines", "a header row")),
-    ("head.csv --length 505", ("head.csv", "has 1 lines", "4 rows at least")),
-    ("twice.csv --length 505", ("twice.csv", "column kite_position[1] is there twice")),
+    ("head.csv --length 505", ("head.csv", "has 1 lines", "at least 4 rows")),
+    ("twice.csv --length 505", ("twice.csv", "column kite_position[1] appears twice")),
     ("far.csv --length 505", ("far.csv", "row 2, column kite_position[1]", "at most 1e+09")),
     ("--set initial_length=510", ("tetherfmu fly", "--set", "initial_length follows from --length")),
 ]

@@ -145,8 +145,8 @@ def test_a_small_mean_of_large_values_has_digits():
 
 
 WRONG = {
-    "hoist --duration 0.6 --csv none/table.csv": "there is no folder none",
-    "hoist --duration 0.6 --outputs power": "--outputs chooses columns of --csv; it goes with it",
+    "hoist --duration 0.6 --csv none/table.csv": "there is not a folder none",
+    "hoist --duration 0.6 --outputs power": "--outputs chooses columns of --csv; it requires --csv",
     "hoist --duration 0.6 --csv t.csv --outputs tension_form": "has no tension_form; did you mean tension_from?",
     "hoist --duration 0.6 --from 3": "--from is 3 s; it must be at most the end of the flight, 0.6 s",
     "hoist --from -1": "'-1' is not possible; it must be a number, at least 0 s",

@@ -119,8 +119,8 @@ def test_headers_of_two_fmus_of_one_name_in_one_file(native_folder, tmp_path, pr
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        ("--native --header-prefix A_", "it goes with --header"),
-        ("--native --header --header-prefix 9-", "'9-' is no beginning of a name in C"),
+        ("--native --header-prefix A_", "it requires --header"),
+        ("--native --header --header-prefix 9-", "'9-' cannot begin a name in C"),
     ],
 )
 def test_a_wrong_prefix(options, said, capsys):

@@ -160,8 +160,8 @@ def test_c_sources_and_header(tmp_path):
 
 WRONG = {
     "--outputs kite_fors": "outputs: this FMU has no 'kite_fors' among its outputs; did you mean kite_force?",
-    "--outputs kite_force[1]": "outputs: kite_force[1] is an element of kite_force; a vector is there as a whole, or not",
-    "--inputs none --outputs none --parameters none": "an FMU without inputs, outputs and parameters is none",
+    "--outputs kite_force[1]": "outputs: kite_force[1] is an element of kite_force; name the whole vector",
+    "--inputs none --outputs none --parameters none": "an FMU needs inputs, outputs or parameters",
     "--inputs diameter": "inputs: this FMU has no 'diameter' among its inputs",
     "--set diametr=4": "there is no input or parameter 'diametr' to set; did you mean diameter?",
     "--set segments=2.5": "segments is 2.5; it must be a whole number",

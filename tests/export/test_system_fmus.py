@@ -296,8 +296,8 @@ def test_equal_files_give_equal_bytes(folder, tmp_path):
 WRONG = {
     "no file": (None, "nowhere.toml: cannot be read"),
     "key": ("mass =", "weight =", "unknown key points.knot.weight"),
-    "clash": ("[points.knot]", "[points.gravity]", "the whole system has something called gravity"),
-    "terminal": ("[points.knot]", "[points.wind]", "the whole system has something called wind"),
+    "clash": ("[points.knot]", "[points.gravity]", "gravity is a name of the whole system"),
+    "terminal": ("[points.knot]", "[points.wind]", "wind is a name of the whole system"),
     "name": ('"YBridle"', '"TetherDynamic"', "must not be that of the FMU of a single tether"),
     "material": ('"dyneema_sk75"', '"rubber"', "lines.main.material is 'rubber'"),
 }

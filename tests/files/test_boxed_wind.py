@@ -126,12 +126,12 @@ WRONG = {
     "outside": (
         "wind_points = 5",
         'outside = "refused"\norigin = [0, -900, 0]',
-        r".*box.npz does not reach the point \(.*\) m at .* s: .*; move its origin, take a larger box or a periodic one",
+        r".*box.npz does not reach the point \(.*\) m at .* s: .*; move its origin, use a larger box or a periodic one",
     ),
     "free end": (
         'kind = "parked"\ndistance = "500 m"',
         'kind = "free_end"',
-        "wind.file is given to a free end, of which it is not known where it will be",
+        "wind.file is given to a free end, whose path is unknown",
     ),
 }
 

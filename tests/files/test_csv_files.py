@@ -166,10 +166,10 @@ WRONG = {
         joined(names=[*NAMES, *ANGLES], rows=[[*row, "0.5", "0", "200"] for row in ROWS]),
         "has columns of kite_position and azimuth, distance, elevation; it must have one of both",
     ),
-    "half of UTF-16": (("\ufeff" + joined()).encode("utf-16-le")[:-1], "is no text file"),
+    "half of UTF-16": (("\ufeff" + joined()).encode("utf-16-le")[:-1], "is not a text file"),
     "a misspelt name": (joined(names=[NAMES[0], "kite_positon[1]", *NAMES[2:]]), "release; did you mean kite_position[1]?"),
     "half a release": (joined(names=[*NAMES[:4], "release"]), "row 2, column release is 200; it must be 0 or 1"),
-    "bytes": (bytes(range(256)) * 4, "is no text file"),
+    "bytes": (bytes(range(256)) * 4, "is not a text file"),
     "one column": ("time\n" + "1\n" * 9, "the column kite_position[1] is missing"),
 }
 

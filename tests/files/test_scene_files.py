@@ -29,7 +29,7 @@ WRONG = {
     "unknown flight": ("circle", "spiral", "flight.kind is 'spiral'; it must be one of circle"),
     "unknown output": (r"allowed_error", 'outputs = ["sag"]\nallowed_error', "wanted.outputs is ['sag']"),
     "no table": (r"\[tether\]", "tether = 3\n[more]", "unknown key more; known are name, duration, flight"),
-    "no TOML": ("duration =.*", "duration =", "is no TOML file"),
+    "no TOML": ("duration =.*", "duration =", "is not a TOML file"),
     "nested lists": ("duration =.*", "duration = " + "[" * 5000, "nested too deeply"),
     "nested tables": ("duration =.*", "duration = " + "{a=" * 5000, "nested too deeply"),
     "ground without contact": (r"\[wind", "[ground]\nheight = 3\n[wind", "the key ground.contact is missing"),
@@ -77,8 +77,8 @@ WRONG = {
 }
 WRONG_SERIES = {
     "unreadable": (None, "cannot be read"),
-    "no text": (b"\xff\xfe\x00", "is no text file"),
-    "empty": (b"", "has 0 lines; it must have a header row and 4 rows at least"),
+    "no text": (b"\xff\xfe\x00", "is not a text file"),
+    "empty": (b"", "has 0 lines; it must have a header row and at least 4 rows"),
     "missing column": (b"time,kite_position[1]\n0,1\n", "the column kite_position[2] is missing"),
     "unknown column": ((HEAD.replace("time", "time,colour") + "0,0,1,2,3\n" * 5).encode(), "unknown column 'colour'"),
     "word in a cell": ((HEAD + "0,1,2,x\n").encode(), "row 2, column kite_position[3] has no number; it must be"),
@@ -86,7 +86,7 @@ WRONG_SERIES = {
         (HEAD + "0,1,1e300,3\n").encode(),
         "row 2, column kite_position[2] is 1e+300; it must be at most 1e+09 in magnitude",
     ),
-    "a column twice": ((HEAD.strip() + ",time\n" + "0,1,2,3,0\n" * 5).encode(), "the column time is there twice"),
+    "a column twice": ((HEAD.strip() + ",time\n" + "0,1,2,3,0\n" * 5).encode(), "the column time appears twice"),
     "too few cells": ((HEAD + "0,1,2\n").encode(), "row 2, column kite_position[3] has no number; it must be"),
     "too many cells": ((HEAD + "0,1,2,3,4\n" * 5).encode(), "row 2 has more cells than the header"),
     "time stands still": ((HEAD + "0,1,2,3\n" * 5).encode(), "row 3: time is 0 after 0; it must grow from row to row"),
@@ -144,11 +144,15 @@ def test_a_wrong_series_is_told_in_one_line(tmp_path, capsys, content, says):
 def test_only_regular_files_are_read(tmp_path, capsys):
     """A pipe waits for ever, a device has no end, a file without a size is taken as empty; the head line alone is quoted."""
     os.mkfifo(tmp_path / "pipe")
-    for name, says in (("pipe", "it is no regular file"), ("/dev/zero", "it is no regular file"), (".", "no regular file")):
+    for name, says in (
+        ("pipe", "it is not a regular file"),
+        ("/dev/zero", "it is not a regular file"),
+        (".", "not a regular file"),
+    ):
         line = complaint(written(tmp_path, SERIES.replace("flight.csv", name)), capsys)
         assert f"cannot be read ({says}" in line or f"cannot be read (it is {says}" in line
     for name in ("pipe", "."):
-        assert "cannot be read (it is no regular file)" in complaint(tmp_path / name, capsys)
+        assert "cannot be read (it is not a regular file)" in complaint(tmp_path / name, capsys)
     (tmp_path / "secret").write_text("user:password\nadmin:hunter2\n" * 5, encoding="utf-8")
     line = complaint(written(tmp_path, SERIES.replace("flight.csv", "secret")), capsys)
     assert "unknown column 'user:password'" in line
@@ -249,11 +253,13 @@ def test_a_series_is_the_flight_that_it_samples(tmp_path):
 
 def test_what_is_no_scene_is_told_as_what_it_is(tmp_path):
     """A system, and a flight whose tether lets go."""
-    with pytest.raises(WrongUse, match=r"hoist\.toml: describes a system of tethers, no scene; tetherfmu fly, advise and"):
+    with pytest.raises(
+        WrongUse, match=r"hoist\.toml: describes a system of tethers, not a scene; use tetherfmu fly, advise or"
+    ):
         load(named_systems()["hoist"])
     rows = "".join(f"{0.1 * k},300,{k},400,{int(k > 5)}\n" for k in range(200))
     (tmp_path / "flight.csv").write_text(HEAD.replace("\n", ",release\n") + rows)
     file = written(tmp_path, SERIES)
     assert load(file).flight.has_release
-    with pytest.raises(WrongUse, match=r"lets the tether go; only fly and sweep take that"):
+    with pytest.raises(WrongUse, match=r"series.release is for fly and sweep only"):
         load_for_advice(file)

@@ -27,7 +27,7 @@ def test_equal_sources_give_equal_bytes_whatever_was_compiled_together(tmp_path,
     assert first == f"compiling kernels for {this_platform()}, once: straight"
     assert second.startswith("  straight after ")
     others = "catenary, quasi_steady, dynamic, systems of tethers, tetherfmu web"
-    assert third == f"not yet compiled, each will be when it is first used: {others}"
+    assert third == f"not yet compiled; each will be compiled at its first use: {others}"
     with monkeypatch.context() as broken:
         broken.setitem(ready.FOR_NUMBA, "NUMBA_DISABLE_JIT", "1")  # see `test_what_the_compiler_says_is_told`
         ready.compiled_in(tmp_path, ["straight"], [*HERE, OTHER])

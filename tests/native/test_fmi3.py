@@ -212,7 +212,7 @@ def test_instances_that_are_refused(fmi3_folder):
     host.fmu.guid = "{another}"
     with pytest.raises(Exception, match="Failed to instantiate"):
         host.fmu.instantiate(logMessage=host.log)
-    assert "the guid or token is {another}; that of this FMU is {" in host.messages[-1]
+    assert "the guid or token is {another}; this FMU has {" in host.messages[-1]
     facts = {"unzipDirectory": host.folder, "modelIdentifier": "TetherDynamic", "guid": host.description.guid}
     with pytest.raises(Exception, match="Failed to instantiate"):
         FMU3Model(instanceName="model", **facts).instantiate(logMessage=host.log)

@@ -145,7 +145,7 @@ def test_a_step_that_resolves_no_swing_is_said():
     """The heavy load swings by 0.9 rad in a step: order 2, wrong by some percent; a light one hangs on a rod."""
     for mass, left in ((5e4, 0), (50.0, 50)):
         _, model, (said,) = swinging(1e10, mass, 0.02)
-        assert said.startswith("fixed steps of 0.02 s are too long for how a tether")
+        assert said.startswith("fixed steps of 0.02 s are too long for the axial oscillation of a tether")
         assert model.outputs().fallback_steps == left
 
 

@@ -136,7 +136,11 @@ def test_releases_that_are_no_numbers():
     points = [Point("a", (0.0, 0.0, 0.0)), Point("s", (1.0, 0.0, 0.0)), Point("b", (3.0, 0.0, -4.0), mass=0.0)]
     system = TetherSystem(points, [Line("rope", "a", "b", rope(5.05, 4), through=["s"], initial_portions=[1.0, 4.05])])
     system.initialize()
-    for value, said in ((np.nan, "rope.release is nan"), (np.inf, "rope.release is inf"), (True, "without any mass")):
+    for value, said in (
+        (np.nan, "rope.release is nan"),
+        (np.inf, "rope.release is inf"),
+        (True, "released end has no mass"),
+    ):
         before = system.get_state()
         with pytest.raises(StepRefused, match=said):
             system.step(0.02, releases={"rope": value})

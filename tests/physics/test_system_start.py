@@ -114,7 +114,7 @@ def test_other_starts_are_refused_in_words():
     with pytest.raises(StepRefused, match="no point of the system is driven"):
         TetherSystem(pair, [Line("line", "a", "b", LINE)]).initialize()
     driven = TetherSystem([Point("a", (0.0, 0.0, 0.0)), pair[1]], [Line("line", "a", "b", LINE)])
-    with pytest.raises(ValueError, match="a is no free point: give its position"):
+    with pytest.raises(ValueError, match="a is not a free point: give its position"):
         driven.initialize(positions={"a": None})
     with pytest.raises(StepRefused, match=r"the input a\.position\[2\] is nan"):
         driven.initialize(positions={"a": (0.0, np.nan, 0.0)})

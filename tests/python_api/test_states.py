@@ -144,7 +144,7 @@ def test_kernels_of_its_own_are_shared_by_copies_and_refused_by_pickle():
     tether = TetherDynamic(kernels=TetherDynamic()._instance.kernels)
     tether.initialize()
     assert copy.deepcopy(tether)._instance.kernels is tether._instance.kernels
-    with pytest.raises(pickle.PicklingError, match="this TetherDynamic was made with kernels of its own"):
+    with pytest.raises(pickle.PicklingError, match="this TetherDynamic was made with its own kernels"):
         pickle.dumps(tether)
 
 

@@ -44,7 +44,7 @@ height = "-2 m"
 initial_shape = "straight"
 """
 WRONG = {
-    "no TOML": ("name =.*", "name =", "is no TOML file"),
+    "no TOML": ("name =.*", "name =", "is not a TOML file"),
     "nested": ("name =.*", "name = " + "[" * 5000, "nested too deeply"),
     "unknown table": (r"\[solver\]", "[solvers]", "unknown key solvers; did you mean solver?"),
     "nearest key": ("segments = 4", "segment = 4", "unknown key lines.rope.segment; did you mean segments?"),
@@ -101,8 +101,8 @@ WRONG = {
     "to itself": ('to = "load"', 'to = "hook"', "the line rope goes from the point hook to itself"),
     "idle point": (r"\[points.load\]", "[points.idle]\nmass = 1\n[points.load]", "no line goes to the point idle"),
     "point and line": (r"\[lines.tag\]", "[lines.hook]", "the name hook is given twice"),
-    "point twice": (r"\[points.drone\]", "[points.load]", "is no TOML file"),
-    "taken name": (r"\[lines.tag\]", "[lines.gravity]", "lines.gravity: the whole system has something called gravity"),
+    "point twice": (r"\[points.drone\]", "[points.load]", "is not a TOML file"),
+    "taken name": (r"\[lines.tag\]", "[lines.gravity]", "lines.gravity: gravity is a name of the whole system"),
     "no structured name": (r"\[lines.tag\]", '[lines."a.b"]', "the name of a line is 'a.b'; it must be letters"),
     "name of the model": ('"Crane"', '"My Crane"', "the name of a system is 'My Crane'; it must be letters"),
     "number as name": ('"Crane"', "3", "name is 3; it must be a text"),
@@ -122,7 +122,7 @@ WRONG = {
         '[winches."my drum"]\nlines = {tag = 1}\n[ground]',
         "the name of a winch is 'my drum'; it must be letters",
     ),
-    "scene": (r"\[ground\]", "[flight]\n[ground]", "describes a scene, no system of tethers; tetherfmu fly, advise"),
+    "scene": (r"\[ground\]", "[flight]\n[ground]", "describes a scene, not a system of tethers; use tetherfmu fly, advise"),
     "name over sheaves": (
         "initial_length = 22",
         'initial_length = 22\nthrough = "hook"',

@@ -46,7 +46,11 @@ WRONG = {
     "not a number": (lambda: Tether(density=np.nan), ValueError, "density is nan; it must be at least 0.001 kg/m3"),
     "unknown name": (lambda: TetherDynamic(wind_profile="log"), ValueError, r"wind_profile is 'log'; .* 3 \(logarithmic\)"),
     "short segments": (lambda: TetherDynamic(initial_length=0.1), ValueError, "it must be at least 0.01 m for each"),
-    "nodes of a line": (lambda: TetherCatenary(point_masses={0: 1.0}), ValueError, "one uniform line: it takes one Tether"),
+    "nodes of a line": (
+        lambda: TetherCatenary(point_masses={0: 1.0}),
+        ValueError,
+        "one uniform line: it accepts one Tether",
+    ),
     "no such node": (lambda: TetherDynamic(point_masses={21: 1.0}), ValueError, "a node from 0 to 20"),
     "negative mass": (lambda: TetherDynamic(point_masses={2: -1.0}), ValueError, "at least 0 kg"),
     "points": (lambda: TetherDynamic(shape_points=-1), ValueError, "shape_points is -1; it must be a whole number"),

@@ -62,7 +62,7 @@ def evidence(path, ready):
         found, units = result
         return [comparison(kind, found[kind], each, units) for kind, each in wanted.items()]
     except (AttributeError, KeyError, IndexError, TypeError, ValueError):
-        return [Finding(PROBLEM, "the run of the evidence set left a result that is none: the FMU has changed it")]
+        return [Finding(PROBLEM, "the result of the evidence run cannot be read: the FMU has changed it")]
 
 
 def comparison(kind, result, wanted, units):

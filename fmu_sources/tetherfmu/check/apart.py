@@ -1,4 +1,4 @@
-"""What FMPy and an FMU do, in a process of its own that they may end, crash or hold: `python -m tetherfmu.check.apart`.
+"""Run FMPy and an FMU in a separate process, which they may end, crash or block: `python -m tetherfmu.check.apart`.
 
 The process ends with the one that started it, and after `LONGEST` seconds; what it leaves is a file of JSON, or nothing.
 """
@@ -23,7 +23,7 @@ LONGEST = 300  # seconds, of the clock and of the processor; a tether takes one 
 LARGEST_FILE = 1_000_000_000  # bytes of a file that it writes
 LAST_CHARACTERS, LAST_LINES = 10_000, 5  # of what a failed process said
 NOT_LOADED = "Failed to load shared library"  # what FMPy says
-TRAPS = "look at `Traps for hosts` in docs/reference/fmi.md of TetherFMU"
+TRAPS = "see `Traps for hosts` in docs/reference/fmi.md of TetherFMU"
 
 
 def validated(path):
@@ -64,11 +64,11 @@ def apart(task, path, what):
 def failure(what, status, said):
     """`Finding` on a process that left no result; status : its exit code.  said : its last lines."""
     if status == 0:
-        return Finding(PROBLEM, f"{what} left no result: the FMU ended the process that ran it", TRAPS)
+        return Finding(PROBLEM, f"{what} wrote no result: the FMU ended the process that ran it", TRAPS)
     if status < 0 or status > 255:
-        text = f"the process that ran the FMU died (exit code {status}); it said last: {said or 'nothing'}"
+        text = f"the process that ran the FMU died (exit code {status}); its last output: {said or 'nothing'}"
         return Finding(PROBLEM, text, TRAPS)
-    remedy = "take an FMU for this processor and system" if NOT_LOADED in said else ""
+    remedy = "use an FMU for this processor and system" if NOT_LOADED in said else ""
     return Finding(PROBLEM, f"{what} failed: {said or f'exit code {status}'}", remedy)
 
 

@@ -1,4 +1,4 @@
-"""What can be said of an FMU and of this machine without running the FMU; needs FMPy."""
+"""Inspect an FMU and this machine without running the FMU; needs FMPy."""
 
 import platform
 import re
@@ -59,7 +59,7 @@ def layout(names, version):
     """Files that a version of FMI recommends and that this FMU has not."""
     missing = [name for name in (ICONS.get(version, ICONS["2"]), *RECOMMENDED) if name not in names]
     if missing:
-        return [Finding(NOTE, f"FMI recommends files that are not there: {', '.join(missing)}")]
+        return [Finding(NOTE, f"FMI recommends files that the FMU lacks: {', '.join(missing)}")]
     return [Finding(OK, "page, icon, licences and external dependencies are where FMI recommends them")]
 
 
@@ -85,7 +85,7 @@ def platforms(names, version):
 
 
 def hosts_that_are_not_python():
-    """What a host that is no Python program needs for an FMU made by PythonFMU."""
+    """Requirements of FMUs made by PythonFMU for hosts that are not Python programs."""
     if sys.platform != "linux":
         return []
     library = shared_python()
@@ -120,4 +120,4 @@ def paths(path, temporary):
     if characters:
         text = f"a host that extracts the FMU beside itself will crash: its path has {' '.join(characters)}"
         return [Finding(NOTE, text, "move the FMU to a folder with a plain path")]
-    return [Finding(OK, "paths: nothing that PythonFMU's library would crash on")]
+    return [Finding(OK, "paths: PythonFMU's library accepts their characters")]

@@ -30,7 +30,7 @@ UNREADABLE = (
     *(zipfile.BadZipFile, zlib.error, struct.error),
     *(EOFError, OSError, RuntimeError, NotImplementedError, ValueError, OverflowError),
 )
-MOST = "this check takes at most "
+MOST = "this check accepts at most "
 AGAIN = "build or download the FMU again"
 
 
@@ -55,12 +55,12 @@ def archive(path):
             if not found:
                 found = [Finding(PROBLEM, problem) for name in READ_AS_XML for problem in problems_of_xml(opened, name)]
     except UNREADABLE as error:
-        return [Finding(PROBLEM, f"this is no zip archive that can be read: {error}", AGAIN)]
+        return [Finding(PROBLEM, f"this is not a readable zip archive: {error}", AGAIN)]
     return found or [Finding(OK, f"archive: {len(files)} files, {Path(path).stat().st_size / 1000:.0f} kB, none damaged")]
 
 
 def too_much(files):
-    """What is too much of these entries (`zipfile.ZipInfo`) for this check: a list of one finding, or an empty one."""
+    """Limits that these entries (`zipfile.ZipInfo`) exceed: a list of one finding, or an empty one."""
     if len(files) > MOST_FILES:
         return [Finding(PROBLEM, f"the archive has {len(files)} files; {MOST}{MOST_FILES}")]
     size = sum(each.file_size for each in files)
@@ -74,7 +74,7 @@ def wrong_files(files):
     """Yield a finding for each entry that no FMU has, or that no importer should extract."""
     names = [each.orig_filename for each in files]
     if DESCRIPTION not in names:
-        yield Finding(PROBLEM, f"this is no FMU: it has no {DESCRIPTION} at its root")
+        yield Finding(PROBLEM, f"this is not an FMU: it has no {DESCRIPTION} at its root")
     for each in files:
         name = each.orig_filename
         if leads_out(name):
@@ -105,7 +105,7 @@ def problems_of_xml(opened, name):
     parser, depths, count = expat.ParserCreate(), [0], [0]
 
     def refuse_doctype(*_):
-        raise ValueError("has a document type declaration (DTD), which may define entities; an FMU has none")
+        raise ValueError("has a document type declaration (DTD), which may define entities; an FMU must not have one")
 
     def enter(_, attributes):
         identifier = attributes.get(IDENTIFIER, "a")
@@ -116,7 +116,7 @@ def problems_of_xml(opened, name):
         if depths[0] > DEEPEST:
             raise ValueError(f"has elements that are nested more than {DEEPEST} deep")
         if count[0] > MOST_ELEMENTS:
-            raise ValueError(f"has more than {MOST_ELEMENTS} elements, the most that this check takes")
+            raise ValueError(f"has more than {MOST_ELEMENTS} elements, the most that this check accepts")
 
     def leave(*_):
         depths[0] -= 1
@@ -128,7 +128,7 @@ def problems_of_xml(opened, name):
                 parser.Parse(chunk)
         parser.Parse(b"", True)
     except (expat.ExpatError, LookupError) as error:  # the second of an unknown encoding
-        return [f"{name} is no XML that can be read: {error}"]
+        return [f"{name} is not readable XML: {error}"]
     except ValueError as error:
         return [f"{name} {error}"]
     return []

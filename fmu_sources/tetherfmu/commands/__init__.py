@@ -1,1 +1,1 @@
-"""What a user types: the command `tetherfmu`, one module for each of its own subcommands."""
+"""The command `tetherfmu`, with one module for each subcommand of the package."""

@@ -51,7 +51,7 @@ def platforms(text):
     for name in names:
         if name not in TARGETS:
             hint = meant_or_all(name, (*TARGETS, "all"), "choose from {}")
-            raise argparse.ArgumentTypeError(f"no platform is called {name!r}{hint}")
+            raise argparse.ArgumentTypeError(f"there is no platform {name!r}{hint}")
     return names
 
 
@@ -69,7 +69,7 @@ def points(most):
 def c_prefix(text):
     """Type of what names in C begin with."""
     if not re.fullmatch(r"[A-Za-z_]\w*", text, re.ASCII):
-        raise argparse.ArgumentTypeError(f"{text!r} is no beginning of a name in C: letters, digits and _")
+        raise argparse.ArgumentTypeError(f"{text!r} cannot begin a name in C; use letters, digits and _")
     return text
 
 
@@ -166,12 +166,12 @@ def _problems(options):
     own = options.names, options.segments, options.diameter, options.material, options.examples
     if options.scene is not None and any(own):
         yield (
-            "--scene chooses the FMU and its start values: it goes without NAME, --segments, --diameter, --material and "
+            "--scene chooses the FMU and its start values; it excludes NAME, --segments, --diameter, --material and "
             "--examples"
         )
     if options.system is not None and any((*own, options.scene)):
         yield (
-            "the file of --system has its lines and their start values: it goes without NAME, --segments, --diameter, "
+            "the file of --system has the lines and their start values; it excludes NAME, --segments, --diameter, "
             "--material, --examples and --scene"
         )
     if options.material is not None and "diameter" in dict(options.starts):
@@ -180,22 +180,22 @@ def _problems(options):
         if getattr(options, name) is not None:
             yield f"--{name} and --set {name} are both given; give one of them"
     if options.list and (options.scene is not None or options.system is not None):
-        yield "--list is for FMUs by NAME; it goes without --scene and --system"
+        yield "--list is for FMUs by NAME; it excludes --scene and --system"
     if options.fmi == 3 and not options.native:
-        yield "PythonFMU makes FMUs for FMI 2; --fmi 3 goes with --native"
+        yield "PythonFMU makes FMUs for FMI 2; --fmi 3 requires --native"
     if options.header and not options.native:
-        yield "--header is for hosts in C, which take native FMUs; it goes with --native"
+        yield "--header is for hosts in C, which use native FMUs; it requires --native"
     if options.header_prefix and not options.header:
-        yield "--header-prefix is for the names of a header; it goes with --header"
+        yield "--header-prefix is for the names of a header; it requires --header"
     if options.sources and not options.native:
-        yield "C sources are those of native FMUs; --sources goes with --native"
+        yield "only native FMUs have C sources; --sources requires --native"
     if options.examples and options.native:
-        yield "the FMUs of the examples are written in Python; --examples goes without --native"
+        yield "the FMUs of the examples are written in Python; --examples excludes --native"
 
 
 @contextmanager
 def said(name="", about=None):
-    """What is in doubt goes to stderr, and what an FMU cannot have ends the program; name : of the FMU, before each line.
+    """Print doubts on stderr; end the program if the FMU is impossible. name : of the FMU, before each line.
 
     about : dict (modified) that gets the names of the FMUs by the doubt instead, to `tell` each doubt once.
     """
@@ -263,7 +263,7 @@ def build_for_scene(wanted):
         path = path_of(wanted.scene, named_scenes() | named_systems())
     if is_system(path):
         return build_for_system_of(wanted, path)
-    now(f"flying {wanted.scene} with candidates and with a finer model")
+    now(f"flying {wanted.scene} with candidates and a finer model")
     text, met, name, options = advised(wanted.scene, wanted.shape_points, wanted.platforms, lean_of(wanted))
     print(text)
     if not met:

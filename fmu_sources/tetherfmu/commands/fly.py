@@ -48,5 +48,5 @@ def main(arguments=None, prog="tetherfmu fly"):
     if is_scene(given.log):
         return fly_scene(given, parser)
     if given.rate is not None:
-        parser.error(f"--rate is of the circle; it goes without {logged.LOG}")
+        parser.error(f"--rate belongs to the circle; it excludes {logged.LOG}")
     return logged.main(arguments, prog)

@@ -19,7 +19,7 @@ def main(arguments=None, prog="tetherfmu import"):
     given = parser.parse_args(arguments)
     out = given.out or Path(f"{given.file.stem}.toml")
     if out.exists():
-        raise WrongUse(f"{out} is there already; choose another file with --out")
+        raise WrongUse(f"{out} exists already; choose another file with --out")
     try:
         made, text, sentences = import_module("tetherfmu.files.imported.reading").imported(given.file)
     except ValueError as problem:

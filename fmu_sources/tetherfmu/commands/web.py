@@ -55,7 +55,7 @@ def server_of(place, port):
     except OSError as error:
         if error.errno not in (errno.EADDRINUSE, errno.EACCES):
             raise
-        raise WrongUse(f"port {port} cannot be used ({error.strerror}); give another --port, or none") from None
+        raise WrongUse(f"port {port} cannot be used ({error.strerror}); choose another --port, or none") from None
 
 
 def serve(server):
@@ -80,7 +80,7 @@ def main(arguments=None, prog="tetherfmu web"):
     option("--port", type=number(1, 65535, whole=True), metavar="P", help=about)
     given = parser.parse_args(arguments)
     if given.port and not given.serve:
-        parser.error("--port goes with --serve")
+        parser.error("--port requires --serve")
     server = server_of(given.out, given.port or 0) if given.serve else None
     for path in page.write(given.out, webassembly.browser_file().read_bytes()):
         print(f"{path}  {path.stat().st_size / 1000:.0f} kB")

@@ -1,1 +1,1 @@
-"""What all commands and examples share: their options, how they end, what they say meanwhile."""
+"""Shared by all commands and examples: options, exit statuses, progress messages."""

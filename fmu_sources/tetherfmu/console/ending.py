@@ -67,7 +67,7 @@ def is_stop(error):
 
 
 def one_line(error):
-    """What an error says, in one line."""
+    """Message of an error in one line."""
     return " ".join(str(error).split())
 
 

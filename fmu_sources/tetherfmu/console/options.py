@@ -118,7 +118,7 @@ def file(text):
 def address(text):
     """Type of an option that is the address of a server."""
     if not ADDRESS.fullmatch(text):
-        raise argparse.ArgumentTypeError(f"{text!r} is no address; it must be one such as tcp://127.0.0.1:8786")
+        raise argparse.ArgumentTypeError(f"{text!r} is not an address; it must be like tcp://127.0.0.1:8786")
     return text
 
 
@@ -127,7 +127,7 @@ def folder(text):
     path = Path(text)
     there = next((each for each in (path, *path.parents) if each.exists()), Path())
     if not text or not there.is_dir():
-        raise argparse.ArgumentTypeError(f"{text!r} is no folder{f': {there} is a file' if text else ''}")
+        raise argparse.ArgumentTypeError(f"{text!r} is not a folder{f': {there} is a file' if text else ''}")
     if not os.access(there, os.W_OK | os.X_OK):
         raise argparse.ArgumentTypeError(f"{text!r} cannot be used: nobody may write to {there} here")
     return path
@@ -139,9 +139,9 @@ def new_file(text):
     if path.is_dir() or not text:
         raise argparse.ArgumentTypeError(f"{text!r} is a folder; it must be a file")
     if not path.parent.is_dir():
-        raise argparse.ArgumentTypeError(f"{text!r} cannot be written: there is no folder {path.parent}")
+        raise argparse.ArgumentTypeError(f"{text!r} cannot be written: there is not a folder {path.parent}")
     if not os.access(path if path.exists() else path.parent, os.W_OK):
-        raise argparse.ArgumentTypeError(f"{text!r} cannot be written: nobody may write it here")
+        raise argparse.ArgumentTypeError(f"{text!r} cannot be written: it is write-protected")
     return path
 
 

@@ -1,4 +1,4 @@
-"""What a command says while it works."""
+"""Progress messages of a command."""
 
 import sys
 

@@ -1,4 +1,4 @@
-"""What an FMU of a tether or a system is built with, beside its name, its folder and its flavour."""
+"""Build options of an FMU of a tether or a system, besides name, folder and flavour."""
 
 from dataclasses import dataclass, field
 
@@ -11,7 +11,7 @@ from tetherfmu.wiring.variables import table_of
 
 @dataclass(frozen=True)
 class Purpose:
-    """What an FMU for one purpose, a scene, has of its own."""
+    """Specific contents of an FMU for one purpose, a scene."""
 
     name: str  # is added to the file name of the FMU
     about: str  # sentence that is added to the description of the FMU
@@ -22,7 +22,7 @@ class Purpose:
 
 @dataclass(frozen=True)
 class BuildOptions:
-    """What can be chosen when an FMU is built; equal options give equal bytes."""
+    """Options of a build; equal options give equal bytes."""
 
     segments: int = DEFAULT_OPTIONS["segments"]  # start value of the parameter `segments`; a system has those of its file
     # points of the output `shape`; 0 leaves it out, None is one at each node of a system
@@ -37,7 +37,7 @@ class BuildOptions:
         return " ".join([BY_NAME[variant].description, *([self.purpose.about] if self.purpose else [])])
 
     def of_slave(self, variant):
-        """What the FMU of a variant must know, without defaults, as `fmi.resources.options_in` reads it.
+        """Options that the FMU of a variant needs, without defaults, as `fmi.resources.options_in` reads them.
 
         ValueError names what is no variable, or a start value that is not allowed.
         """

@@ -1,4 +1,4 @@
-"""What an FMU carries beside the model, for people and for tools: page, pictures, licences, evidence set, OSP's groups."""
+"""Files of an FMU besides the model: page, pictures, licences, evidence set, OSP's groups."""
 
 import re
 from html import escape
@@ -119,7 +119,7 @@ def listed(paths):
 
 
 def about(description, native=None):
-    """What the page of each FMU of a tether or a system says of it: dict of words for its text."""
+    """Texts of the page of an FMU of a tether or a system: dict of words."""
     flavour = "native" if native else "with PythonFMU"
     words = {"fmi": native or 2, "flavour": flavour, "version": __version__, "description": escape(description)}
     return words | {"manual": manual()}
@@ -196,7 +196,7 @@ def allowed(each):
 
 
 def meaning(each):
-    """What a variable or a vector of them means."""
+    """Meaning of a variable or of a vector of variables."""
     text = each[0].quantity.meaning
     return text if len(each) == 1 else re.sub(r"^point 1 of \d+", "points", text.removesuffix(", x"))
 

@@ -46,7 +46,7 @@ class Table:
         return found[0] if len(found) == 1 else None
 
     def unit(self, column):
-        """What the header, or the row below it, says of the unit of a column; "" if nothing."""
+        """Unit of a column by the header or the row below it; "" if there is none."""
         below = self.units.get(column, "").strip("[]() ")
         return split(column)[1] or ("" if below in NO_UNIT else below)
 
@@ -57,7 +57,7 @@ def read(contents, fewest):
     lines = [(row, line) for row, line in numbered if not line.lstrip().startswith(COMMENT)]
     comments = len(numbered) - len(lines)
     if len(lines) < 2:
-        raise ValueError(f"has {len(lines)} lines; it must have a header row and {fewest} rows at least")
+        raise ValueError(f"has {len(lines)} lines; it must have a header row and at least {fewest} rows")
     separator = max(SEPARATORS, key=lines[0][1].count)
     separator = separator if separator in lines[0][1] else None
     names, units, rows, places, broken = cells_of(lines[0][1], separator), {}, [], [], []
@@ -80,12 +80,12 @@ def text_of(contents):
     """Text of the bytes of a file, lines separated by newlines; ValueError if it is none."""
     utf_16 = contents.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
     if b"\0" in contents and not utf_16:
-        raise ValueError("is no text file (it has bytes that are 0)")
+        raise ValueError("is not a text file (it contains zero bytes)")
     try:
         text = contents.decode("utf-16" if utf_16 else "utf-8-sig")
     except UnicodeDecodeError:
         if utf_16:
-            raise ValueError("is no text file (it begins as UTF-16, and is none)") from None
+            raise ValueError("is not a text file (it begins like UTF-16, but is not valid)") from None
         text = contents.decode("latin-1")
     return text.replace("\r\n", "\n").replace("\r", "\n")
 
@@ -111,7 +111,7 @@ def refuse_names(names):
     if all(NUMBER.match(each) for each in names):
         raise ValueError("has a number in each cell of the first row; it must have the names of the columns there")
     if repeated := [each for each in dict.fromkeys(names) if each and names.count(each) > 1]:
-        raise ValueError(f"the column {shown(repeated)} is there twice")
+        raise ValueError(f"the column {shown(repeated)} appears twice")
 
 
 def is_row_of_units(first, second=()):

@@ -1,4 +1,4 @@
-"""What the table [series] of a file drives: points along courses, and in a scene the flight with them."""
+"""The table [series] of a file: courses of points, and in a scene the driven flight."""
 
 from itertools import pairwise
 
@@ -111,7 +111,7 @@ class Driven:
         return self.flight.at_rest(tether, gravity, self.load(0.0), self.ground(0.0))
 
     def __getattr__(self, name):
-        """What else the flight has, as its kite mass."""
+        """Other attributes of the flight, such as its kite mass."""
         return getattr(self.__dict__["flight"], name) if "flight" in self.__dict__ else super().__getattribute__(name)
 
 
@@ -129,7 +129,7 @@ def of_scene(table, flight, folder):
     if "kite_load" in courses and not flight.kite_is_free:
         raise ValueError("series.kite_load is a force on a free end; flight.kind must be 'free_end'")
     if len(controls := [name for name in WINCH[1:] if name in courses]) > 1:
-        raise ValueError(f"series has {' and '.join(controls)}; one of them controls the winch, the other must go")
+        raise ValueError(f"series has {' and '.join(controls)}; only one of them can control the winch: remove the other")
     if "winch_length" in courses and "reel_out_speed" in courses:
-        raise ValueError("series has winch_length and reel_out_speed, which follows from it; one of them must go")
+        raise ValueError("series has winch_length and reel_out_speed, which follows from it; remove one of them")
     return Driven(flight, courses)

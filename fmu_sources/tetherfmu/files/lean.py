@@ -25,7 +25,7 @@ TRUTHS = {"true": 1.0, "false": 0.0, True: 1.0, False: 0.0}  # what people may g
 
 @dataclass(frozen=True)
 class Lean:
-    """What an FMU is built with.
+    """Contents of a lean FMU.
 
     inputs, outputs, parameters : names of variables without the index of an element, of those of all points and lines of a
     system without their names, of groups (`selection.GROUPS`), or patterns with * and ?; None for those of the preset.
@@ -66,7 +66,7 @@ class Lean:
                 kept = {name for text in wanted for name in matches(key, text, listed)}
             found += [each.name for each in listed if each.name not in kept]
         if len(found) == len(table):
-            raise ValueError("an FMU without inputs, outputs and parameters is none: name at least one of them")
+            raise ValueError("an FMU needs inputs, outputs or parameters: name at least one of them")
         return tuple(found)
 
     def listed(self, table: Sequence) -> list:
@@ -99,7 +99,7 @@ class Lean:
             if grown:
                 values = " and ".join(f"{each} = {number:.4g} {given[each].quantity.unit}" for each, number in grown.items())
                 warn(
-                    f"{name} = {found[name]:g} m scales stiffness and damping: {values}; set them to have others",
+                    f"{name} = {found[name]:g} m scales stiffness and damping: {values}; set them to change this",
                     stacklevel=3,
                 )
             found |= grown
@@ -173,7 +173,7 @@ def matches(key, text, listed):
         return []
     vectors = {each.name: each.name.partition("[")[0] for each in listed}
     if text in vectors and "[" in text:
-        raise ValueError(f"{key}: {text} is an element of {vectors[text]}; a vector is there as a whole, or not at all")
+        raise ValueError(f"{key}: {text} is an element of {vectors[text]}; name the whole vector")
     names = [name for name, vector in vectors.items() if fnmatchcase(vector, text) or own_name(name) == text]
     names = names or [each.name for each in listed if each.group == text]
     if not names and text not in GROUPS:

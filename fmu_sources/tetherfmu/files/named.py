@@ -34,7 +34,7 @@ def path_of(given, known=None):
 
 
 def about(path):
-    """What a scene file says of itself: the first sentence of its first lines, which begin with #."""
+    """Description of a scene file: the first sentence of its first lines, which begin with #."""
     lines = path.read_text(encoding="utf-8").splitlines()
     count = next((k for k, line in enumerate(lines) if not line.startswith("#")), len(lines))
     return " ".join(line.lstrip("# ") for line in lines[:count]).partition(". ")[0].rstrip(".")

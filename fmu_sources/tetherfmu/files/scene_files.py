@@ -28,7 +28,7 @@ from .winds import BoxedWind, Wind, read_wind
 OUTPUTS = ("kite_force", "kite_direction", "ground_force", "ground_direction", "peak_force", "power", "shape")
 EVERY = 0.1  # `every` of a scene [s], about
 NOT_OF_A_SCENE = ("segments", "control")
-NO_ADVICE = "series.release lets the tether go; only fly and sweep take that: what recoils has no error that converges"
+NO_ADVICE = "series.release is for fly and sweep only: the error of a recoiling tether does not converge"
 ENDS = ("kite_position", "kite_velocity", "ground_position", "ground_velocity")  # inputs, in the order of `Motion`
 WINCH = "winch_"  # begins the names of most quantities of a `Winch`
 REQUIRED = {
@@ -69,7 +69,7 @@ def yes_or_no(value):
 
 @dataclass(frozen=True)
 class Wanted:
-    """What the user asks for; errors are relative, see docs/use/quality_of_advice.md, "Errors and cost"."""
+    """Requirements of the user; errors are relative, see docs/use/quality_of_advice.md, "Errors and cost"."""
 
     outputs: tuple = field(default=("kite_force",), metadata={"read": output_names})
     allowed_error: float = quantity(0.01, "", "allowed error of each output", minimum=1e-4, maximum=0.5)
@@ -92,7 +92,7 @@ class Wanted:
 
 @dataclass(frozen=True)
 class TableOfWinch(without(WINCH, Winch)):
-    """What a file says of the winch: its drum, and the force that it holds."""
+    """Winch of a scene file: its drum and its constant force."""
 
     force: float = quantity(0.0, "N", "constant force with which the winch pulls; 0: no force control", 0.0, 1e9)
 
@@ -254,7 +254,7 @@ def load_for_advice(path, settings=()):
 def read(table, folder, name):
     """`Scene` from the table of a file in a folder; ValueError names the key."""
     if "points" in table:
-        raise ValueError("describes a system of tethers, no scene; tetherfmu fly, advise and build --system take it")
+        raise ValueError("describes a system of tethers, not a scene; use tetherfmu fly, advise or build --system")
     require(table, "", ("name", "duration", "flight", "series", *RECORDS, "build"), REQUIRED[""])
     flight = read_flight(table["flight"], folder)
     if "series" in table:
@@ -274,9 +274,7 @@ def read(table, folder, name):
         raise ValueError("wind is given here and in the columns of the series; it must be given once")
     records["wind"] = flight.wind or read_wind(table.get("wind", {}), folder, records["environment"])
     if isinstance(records["wind"], BoxedWind) and flight.kite_is_free:
-        raise ValueError(
-            "wind.file is given to a free end, of which it is not known where it will be; give wind.velocity alone"
-        )
+        raise ValueError("wind.file is given to a free end, whose path is unknown; give wind.velocity only")
     length, first = records["tether"].initial_length, flight.initial_length
     if first is not None and not np.isclose(first, length, rtol=1e-6):
         raise ValueError(f"tether.initial_length is {length!r} m; tether_length of the series begins with {first!r} m")
@@ -320,7 +318,7 @@ def in_balance(table, flight):
 def winch_of(table, flight):
     """The `Winch` of a table of a file; ValueError if no force, or two, control it."""
     if table.force and (flight.has_force or flight.has_length):
-        raise ValueError("winch.force is given beside the column of the series that controls the winch; one of them must go")
+        raise ValueError("winch.force is given beside the column of the series that controls the winch; remove one of them")
     names = {each.removeprefix(WINCH): each for each, _ in quantities(Winch)}
     winch = Winch(**{names[key]: value for key, value in vars(table).items() if key in names})
     if winch != Winch() and not (flight.has_force or table.force):

@@ -59,13 +59,13 @@ def read_columns(contents):
 
 
 def problems_of_names(names):
-    """What is wrong with the names of the columns of a flight, texts."""
+    """Problems of the column names of a flight, texts."""
     for name in names:
         if name not in COLUMNS:
             shown = name if len(name) <= LONGEST_NAME else f"{name[:LONGEST_NAME]}..."
             yield f"unknown column {shown!r}; known are {', '.join(COLUMNS)}{meant(name, COLUMNS)}"
         if names.count(name) > 1:
-            yield f"the column {name} is there twice"
+            yield f"the column {name} appears twice"
     given = {name.partition("[")[0] for name in names}
     angles = given.intersection(csv_files.ANGLES)
     if angles and "kite_position" in given:
@@ -82,7 +82,7 @@ def problems_of_names(names):
 
 
 def problems(table, numbers):
-    """What is wrong with the rows of a `csv_files.Table` whose numbers are these, texts."""
+    """Problems in the rows of a `csv_files.Table` with these numbers, texts."""
     for row in table.broken:
         yield f"row {row} has more cells than the header"
     for row, column in np.argwhere(~np.isfinite(numbers.to_numpy())):
@@ -95,7 +95,7 @@ def problems(table, numbers):
 
 
 def too_large(inputs):
-    """What no input of a tether can be, texts."""
+    """Numbers that are too large for inputs, texts."""
     for row, column in np.argwhere(np.abs(inputs.to_numpy()) > LARGEST_INPUT):
         found = f"row {inputs.index[row]}, column {inputs.columns[column]} is {inputs.iat[row, column]:g}"
         yield f"{found}; it must be at most {LARGEST_INPUT:g} in magnitude"

@@ -30,7 +30,7 @@ TAKEN = {"time", "wind", *(each.name for each in (*INPUT_TABLE, *OUTPUT_TABLE))}
 
 @dataclass(frozen=True)
 class TableOfPoint:
-    """What a file says of a point."""
+    """Point of a system file."""
 
     position: tuple | None = field(default=None, metadata={"read": vector_in("m", at.LARGEST_INPUT)})
     velocity: tuple = field(default=(0.0, 0.0, 0.0), metadata={"read": vector_in("m/s", at.LARGEST_INPUT)})
@@ -39,7 +39,7 @@ class TableOfPoint:
 
 @dataclass(frozen=True)
 class TableOfLine(Winch, Tether):
-    """What a file says of a line, beside its points and its material."""
+    """Line of a system file, besides its points and its material."""
 
     reel_out_speed: float = quantity(0.0, "m/s", "at the start; positive pays out", -at.LARGEST_INPUT, at.LARGEST_INPUT)
 
@@ -75,7 +75,7 @@ def list_of(unit):
 
 @dataclass(frozen=True)
 class TableOfSheaves:
-    """What a file says of a line that runs over sheaves, beside what it says of any line; `Line` has the defaults."""
+    """Additional keys of a line over sheaves in a system file; `Line` has the defaults."""
 
     through: tuple = field(default=(), metadata={"read": names_in})
     initial_portions: tuple | None = field(default=None, metadata={"read": list_of("m")})
@@ -86,7 +86,7 @@ class TableOfSheaves:
 
 @dataclass(frozen=True)
 class TableOfWinch(Winch):
-    """What a file says of a winch that holds several lines, beside these and its control."""
+    """Winch of several lines in a system file, besides these lines and its control."""
 
     reel_out_speed: float = quantity(0.0, "m/s", "at the start; positive pays out", -at.LARGEST_INPUT, at.LARGEST_INPUT)
     winch_force: float = quantity(0.0, "N", "at the start; positive reels in", -at.LARGEST_INPUT, at.LARGEST_INPUT)
@@ -98,7 +98,7 @@ OF_A_LINE = ("from", "to", "material", *keys_of(TableOfLine), *keys_of(TableOfSh
 
 @dataclass(frozen=True)
 class SystemFile:
-    """What a file says of a system: its name, the arguments of `TetherSystem`, and what its FMU is built with."""
+    """Contents of a system file: name, arguments of `TetherSystem`, build options of its FMU."""
 
     name: str
     points: tuple
@@ -120,7 +120,7 @@ def load(path: str | Path) -> SystemFile:
 def read(table, name):
     """`SystemFile` from the table of a file; ValueError names the key. name : of the system, if the table has none."""
     if "flight" in table:
-        raise ValueError("describes a scene, no system of tethers; tetherfmu fly, advise, sweep and build --scene take it")
+        raise ValueError("describes a scene, not a system of tethers; use tetherfmu fly, advise, sweep or build --scene")
     require(table, "", ("name", *TABLES, *OF_THE_FLIGHT), ("points", "lines"))
     name = table.get("name", name)
     if not isinstance(name, str):
@@ -145,7 +145,7 @@ def named(tables, section):
         raise ValueError(f"{section} is {tables!r}; it must have tables [{section}.NAME]")
     for name in tables:
         if name in TAKEN:
-            raise ValueError(f"{section}.{name}: the whole system has something called {name}; choose another name")
+            raise ValueError(f"{section}.{name}: {name} is a name of the whole system; choose another one")
     return tables.items()
 
 

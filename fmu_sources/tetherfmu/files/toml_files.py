@@ -24,7 +24,7 @@ LARGEST_FILE = 1_000_000_000  # [B]
 
 
 class WrongUse(ValueError):
-    """What a user typed, or wrote into a file, cannot be used; the message says in one line why and what is allowed."""
+    """Unusable input from the command line or a file; the message gives the reason and the allowed values in one line."""
 
 
 def without(prefix, record):
@@ -43,7 +43,7 @@ def contents_of(path):
     try:
         status = path.stat()
         if not stat.S_ISREG(status.st_mode):
-            raise ValueError("cannot be read (it is no regular file)")
+            raise ValueError("cannot be read (it is not a regular file)")
         if status.st_size > LARGEST_FILE:
             raise ValueError(f"cannot be read (it has more than {LARGEST_FILE / 1e9:g} GB)")
         with path.open("rb") as file:
@@ -57,7 +57,7 @@ def tables_of(path):
     try:
         return tomllib.loads(contents_of(path).decode("utf-8-sig"))
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise ValueError(f"is no TOML file ({error})") from None
+        raise ValueError(f"is not a TOML file ({error})") from None
     except RecursionError:
         raise ValueError("cannot be used (its tables or lists are nested too deeply)") from None
 

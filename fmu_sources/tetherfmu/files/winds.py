@@ -90,7 +90,7 @@ def read_wind(table, folder, environment):
         raise ValueError(f"wind.file is {table['file']!r}; it must be the name of a box: .bts, u.bin, u.turb or .npz")
     for key in ("gust", "gust_period"):
         if key in table:
-            raise ValueError(f"wind.{key} is given with wind.file, whose gusts are those of the box; one of them must go")
+            raise ValueError(f"wind.{key} is given with wind.file, whose gusts are those of the box; remove one of them")
     if mean.velocity[2] != 0.0:
         raise ValueError(f"wind.velocity is {list(mean.velocity)}; with wind.file it must be horizontal")
     if environment.wind_profile not in PROFILES:

@@ -56,7 +56,7 @@ def complete(root, table, references, constants=()):
 
 
 def annotations(tag, entry, key, constants):
-    """What the description says of constants to whoever flies the FMU, a list of one Element or none.
+    """Annotation about constants for users of the FMU, a list of one Element or none.
 
     tag, entry, key : of the annotations of a version of FMI.  constants : triples as in `wiring.Wiring`.
     """
@@ -112,7 +112,7 @@ def base_units(unit):
 
 
 def known(unit):
-    """What `UNITS` says of a unit; ValueError if it does not have it."""
+    """Entry of a unit in `UNITS`; ValueError if there is none."""
     if unit not in UNITS:
         raise ValueError(f"the unit {unit} has no quantity and no base units: add it to UNITS in fmi/model_description.py")
     return UNITS[unit]
@@ -152,7 +152,7 @@ def items(variable):
 
 
 def attributes(name, reference, meaning, elements):
-    """What a model description says of a variable: dict of the attributes of FMI 2 and FMI 3, in their order.
+    """Attributes of a variable in a model description: dict for FMI 2 and FMI 3, in their order.
 
     name, reference, meaning : of the variable.  elements : `variables.Variable` of its elements, a scalar's is one; they
     differ in their start values only.

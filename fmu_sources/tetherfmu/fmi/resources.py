@@ -1,4 +1,4 @@
-"""What the builder puts into the resources of an FMU beside this package: compiled kernels and build options."""
+"""Resources of an FMU besides this package: compiled kernels and build options."""
 
 import json
 from functools import lru_cache

@@ -22,7 +22,7 @@ _KITE_END = slice(layout.KITE_POSITION, layout.KITE_VELOCITY + 3)  # inputs of t
 
 
 def _sheave(row, values):
-    """What `put_sheaves` takes, of a row of `Wiring.sheaves` and all values."""
+    """Arguments of `put_sheaves`, from a row of `Wiring.sheaves` and all values."""
     kind, *references = row
     defaults = (0.0, 0.0, 0.0, 1.0)
     given = zip(references, defaults, strict=False)
@@ -146,7 +146,7 @@ class TetherSlave(BaseSlave):
         return (*doubts, *self._instance.warnings()) if doubts else self._instance.warnings()
 
     def _packed(self, values, tolerance):
-        """What `_set_up` takes, from an array of all values; ValueError names a variable that is not allowed."""
+        """Arguments of `_set_up`, from an array of all values; ValueError names a variable that is out of range."""
         wiring = self._wiring
         for each in () if self._is_direct else wiring.table:  # of a tether alone `pack` names what is wrong as well
             if each.causality == PARAMETER:
@@ -256,7 +256,7 @@ class TetherSlave(BaseSlave):
                 raise ValueError(refusals.STATE_IMPOSSIBLE)
 
     def _packed_of_state(self, saved):
-        """What `_set_up` takes, from a saved state; ValueError if its state array does not belong to that."""
+        """Arguments of `_set_up`, from a saved state; ValueError if its state array does not belong to it."""
         if self._no_kernels:
             raise ValueError(f"cannot be used: {self._no_kernels}")
         try:

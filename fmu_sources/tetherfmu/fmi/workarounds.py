@@ -1,4 +1,4 @@
-"""What PythonFMU's library leaves undone (docs/contributors/fmus.md): lost references, the end of a process."""
+"""Workarounds for PythonFMU's library (docs/contributors/fmus.md): lost references, the end of a process."""
 
 import ctypes
 import os

@@ -37,7 +37,7 @@ def text(content, names):
 
 
 def _memory(file):
-    """What the memory is like at first."""
+    """Initial content of the memory."""
     ((address, content),) = file.data
     lines = [", ".join(map(str, content[k : k + 32])) for k in range(0, len(content), 32)]
     return (

@@ -1,4 +1,4 @@
-"""What the instructions of a WebAssembly file are in C.
+"""Instructions of a WebAssembly file in C.
 
 Source: WebAssembly Core Specification, 2.0, sections 4.3, "Numerics", and 5.4, "Instructions".
 """

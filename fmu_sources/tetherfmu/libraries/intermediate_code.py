@@ -19,7 +19,7 @@ from typing import NamedTuple
 
 
 class Code(NamedTuple):
-    """What is to be linked and optimized for a variant."""
+    """Code to be linked and optimized for a variant."""
 
     texts: list  # intermediate code
     names: dict  # name of each entry point there: name under which the library has it

@@ -7,7 +7,7 @@ from tetherfmu.libraries.linking import MATHEMATICS, MEMORY
 
 
 class Target(NamedTuple):
-    """What LLVM calls a platform, and the plainest processor there, so that the library runs on all of them."""
+    """LLVM's name of a platform, and its baseline processor, so that the library runs on all processors."""
 
     triple: str
     cpu: str

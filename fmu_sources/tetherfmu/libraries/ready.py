@@ -115,7 +115,7 @@ def _compile(folders, platforms, browser):
         later = [each for each in LIBRARIES if not has_all(place(root, each), each, platforms)]
         names = ("systems of tethers" if each == kernel_library.SYSTEM else each for each in later)
         listed = ", ".join([*names, "tetherfmu web"])
-        print(f"not yet compiled, each will be when it is first used: {listed}", file=sys.stderr, flush=True)
+        print(f"not yet compiled; each will be compiled at its first use: {listed}", file=sys.stderr, flush=True)
 
 
 def run(module, arguments, root):

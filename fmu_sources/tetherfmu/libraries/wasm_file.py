@@ -41,7 +41,7 @@ class Function(NamedTuple):
 
 
 class File(NamedTuple):
-    """What a WebAssembly file has."""
+    """Contents of a WebAssembly file."""
 
     imports: list  # (name, Signature) of functions, in their order
     functions: list  # `Function`; the first one has the number behind those of the imports

@@ -17,7 +17,7 @@ SPAN = 1000  # steps, about, whose rows are all kept at a time
 
 
 class Rows(NamedTuple):
-    """What was kept of a flight, a row for each kept step.
+    """Recorded rows of a flight, one for each kept step.
 
     outputs, peaks : (rows, outputs) of all lines, and the largest |kite_force| of each line since the row before [N], (rows,
     lines); None without them.  motion : of the nodes of each line [m], [m/s], a list of arrays (rows, 2, nodes, 3).

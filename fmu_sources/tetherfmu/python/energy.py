@@ -35,8 +35,8 @@ _energy, _power = _of("J"), _of("W")
 class Energy:
     """Energies [J] of a tether and the powers [W] that change them, in the order of `kernels.step.power_balance`.
 
-    Those of the drum of a winch (`drum`, `drum_power`, `motor_power`, `friction_loss`) are no part of `total` and `power`,
-    and 0 where it is not controlled by force.
+    Drum energies and powers (`drum`, `drum_power`, `motor_power`, `friction_loss`) are not part of `total` and `power`; they
+    are 0 without force control.
 
     Examples
     --------
@@ -47,12 +47,12 @@ class Energy:
     True
     """
 
-    kinetic: float = _energy("of the nodes that move freely; the half particle at a driven end belongs to what drives it")
+    kinetic: float = _energy("of the nodes that move freely; the half particle at a driven end belongs to its driver")
     elastic: float = _energy("of the springs")
     potential: float = _energy(
-        "weight times height over z = 0, with both half particles; and what the ground stores under free nodes"
+        "weight times height over z = 0, with both half particles; and the energy stored in the ground under free nodes"
     )
-    ground_power: float = _power("what the holder of the end puts into the tether, - end force . end velocity")
+    ground_power: float = _power("power from the holder of the end into the tether, - end force . end velocity")
     kite_power: float = _power("the same at the kite; at a free kite end: load . velocity")
     winch_power: float = _power("work against the tension where the tether gets shorter or longer, - sum T (l/l0) dl0/dt")
     material_power: float = _power(
@@ -62,8 +62,8 @@ class Energy:
     damping_loss: float = _power("heat in the dampers; at least 0 with the strain-rate law")
     drag_loss: float = _power("heat in the air, drag force . (wind - tether velocity); at least 0")
     drum: float = _energy("kinetic energy of a drum that is controlled by force")
-    drum_power: float = _power("what the tension of the rope (`ground_tension`) puts into the drum, tension . speed")
-    motor_power: float = _power("what the motor puts into the drum, - winch_force . speed")
+    drum_power: float = _power("power from the rope tension (`ground_tension`) into the drum, tension . speed")
+    motor_power: float = _power("power from the motor into the drum, - winch_force . speed")
     friction_loss: float = _power("heat of the friction of the drum; at least 0")
     contact_loss: float = _power(
         "heat in the ground where nodes sink into it or leave it; its elastic energy is part of `potential`"
@@ -114,7 +114,7 @@ def account(instance, line=0, **given):
 
 
 class EnergyAudit:
-    """Steps a tether, and integrates its powers, so that energy from nowhere is seen.
+    """Step a tether and integrate its powers, to find energy errors.
 
     The trapezoidal rule over the communication steps: its error falls with the square of the step, so take steps that are
     short against the shortest vibration of interest. The run itself is the same as without the audit.
@@ -122,7 +122,8 @@ class EnergyAudit:
     Parameters
     ----------
     model : TetherModel
-        Initialized, with nodes; or what has `step` and `energy` as it has. Do not step it elsewhere while the audit runs.
+        Initialized, with nodes; or an object with the same `step` and `energy`. Do not step it elsewhere during the
+        audit.
 
     Attributes
     ----------
@@ -148,7 +149,7 @@ class EnergyAudit:
         self.work = dict.fromkeys(POWERS, 0.0)
 
     def step(self, step: float, **inputs) -> Any:
-        """Advance the model by `step` [s]; inputs and result are those of its own `step`."""
+        """Advance the model by `step` [s]; inputs and result are the same as for its `step`."""
         before = self._model.energy(**{name: value for name, value in inputs.items() if name in WITH_POWER})
         outputs = self._model.step(step, **inputs)
         self.now = self._model.energy()
@@ -158,15 +159,15 @@ class EnergyAudit:
 
     @property
     def residual(self) -> float:
-        """Energy from nowhere [J]: change of the total energy since the start minus the work of all powers.
+        """Energy error [J]: change of the total energy since the start minus the work of all powers.
 
-        What a segment that broke has lost is accounted for.
+        It accounts for the energy lost with a broken segment.
         """
         work = Energy(**{field.name: self.work.get(field.name, 0.0) for field in fields(Energy)})
         return self.now.total + self.now.broken - self.start.total - self.start.broken - work.power
 
     @property
     def drum_residual(self) -> float:
-        """The same of the drum of a winch that is controlled by force [J]: what its powers do not explain."""
+        """The same for the drum of a force-controlled winch [J]."""
         gains = self.work["drum_power"] + self.work["motor_power"] - self.work["friction_loss"]
         return self.now.drum - self.start.drum - gains

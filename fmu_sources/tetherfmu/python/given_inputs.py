@@ -39,12 +39,12 @@ class Inputs(TypedDict, total=False):
     kite_load : (3,) array
         External force [N] on a free kite end: in its equilibrium (`kite_start`), and from the first step on.
     winch_force : float
-        Force [N] with which the winch pulls at the tether, with `winch_control` = force, from the first step on; positive
+        Force [N] with which the winch pulls, with `winch_control` = force, from the first step on; positive
         reels in.
     winch_length : float
-        Unstretched length [m] that the winch should have paid out, with `winch_control` = length; 0: `initial_length`.
+        Set point of the unstretched length [m], with `winch_control` = length; 0: `initial_length`.
     release : bool
-        True lets the tether go at its kite end, at the beginning of the step and for good (dynamic tethers only).
+        True: the tether permanently lets go of the kite at the start of the step (dynamic tethers only).
     wind_at : (wind_points, 3) array
         Wind [m/s] at the wind points of a tether that has them, and no other wind.
     """

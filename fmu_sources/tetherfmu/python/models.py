@@ -16,7 +16,7 @@ from .tether import TetherModel
 class TetherDynamic(TetherModel):
     """Lumped masses joined by non-linear spring-damper segments, with drag and reel-out; both ends driven or free.
 
-    Parameters are those of `TetherModel`, and one more.
+    It has the parameters of `TetherModel` and one more.
 
     Parameters
     ----------
@@ -45,10 +45,10 @@ class TetherDynamic(TetherModel):
 
 
 class TetherDynamicFree(TetherModel):
-    """The dynamic tether with a kite end that is a free point mass: a load comes in, its motion goes out.
+    """The dynamic tether with a free kite end, a point mass: its input is a load, its output the motion.
 
     `kite_position` and `kite_velocity` of `initialize` are where the motion starts; afterwards they are outputs.
-    Parameters are those of `TetherModel`, and two more.
+    It has the parameters of `TetherModel` and two more.
 
     Parameters
     ----------
@@ -87,18 +87,18 @@ class TetherDynamicFree(TetherModel):
         super().__init__(*arguments, **options)
 
     def step(self, step: float, kite_load: ArrayLike | None = None, **inputs: Unpack[Inputs]) -> Outputs:
-        """Advance by a communication step with the inputs at its start; an input that is not given stays as it is.
+        """Advance by a communication step with the inputs at its start; an omitted input keeps its value.
 
-        The result and the errors are those of `TetherModel.step`.
+        Result and errors are the same as for `TetherModel.step`.
 
         Parameters
         ----------
         step : float
             Communication step [s].
         kite_load : (3,) array
-            External force on the kite [N]: aerodynamics, control; not its weight.
+            External force on the kite [N]: aerodynamics, control; excludes its weight.
         **inputs
-            The other ones of `Inputs`, `ground_position` and `ground_velocity`.
+            Other `Inputs`, `ground_position` and `ground_velocity`.
         """
         return self._step(step, None, {"kite_load": kite_load, **inputs})
 

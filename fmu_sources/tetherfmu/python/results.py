@@ -1,4 +1,4 @@
-"""What a tether of the Python API gives: outputs, whole flights, and refusals."""
+"""Results of the tethers of the Python API: outputs, whole flights, refusals."""
 
 from typing import NamedTuple
 
@@ -37,16 +37,16 @@ def _vectors(values, name):
 
 
 class Refusal(NamedTuple):
-    """A step of a flight that could not be done.
+    """A refused step of a flight.
 
     Attributes
     ----------
     step : int
         Row of the inputs, from 0.
     reason : str
-        What `StepRefused` says of it.
+        Message of the `StepRefused`.
     status : int
-        As that of `StepRefused`.
+        Status of the `StepRefused`.
 
     >>> Refusal(3, "the step is 0.0 s; it must be above 0 s", 1).step
     3
@@ -58,12 +58,12 @@ class Refusal(NamedTuple):
 
 
 class Flown(NamedTuple):
-    """What a flight of many communication steps gave: one row for each step that was kept.
+    """Result of a flight of many communication steps: one row for each kept step.
 
     Attributes
     ----------
     outputs : (rows, outputs_size) array or None
-        All outputs; `of` gives one by its name, forces and shapes are properties. None if flown with ``outputs=False``.
+        All outputs; `of` returns one by its name, forces and shapes are properties. None if flown with ``outputs=False``.
     peak : (rows,) array or None
         Largest ``norm(kite_force)`` since the row before [N]. None like `outputs`.
     positions : (rows, segments + 1, 3) array

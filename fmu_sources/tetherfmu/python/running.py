@@ -1,4 +1,4 @@
-"""What a tether and a system of tethers of the Python API share: lines that run, and what can be read of them."""
+"""Common base of a tether and a system of tethers in the Python API: running lines and their properties."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class Running:
     _made: tuple = ()  # attributes that `_make` makes, so anew in a copy
 
     def __getstate__(self):
-        """What a copy is made of: all attributes but the arrays, and the state if it runs."""
+        """Content of a copy: all attributes but the arrays, and the state if it runs."""
         kept = {name: value for name, value in vars(self).items() if name not in self._made}
         return kept, self.get_state() if self._runs else None
 
@@ -53,7 +53,7 @@ class Running:
         """For pickle; PicklingError with other kernels than those of the installation."""
         if self._kernels is not None:
             raise PicklingError(
-                f"this {type(self).__name__} was made with kernels of its own; without them it can be pickled"
+                f"this {type(self).__name__} was made with its own kernels; only without them can it be pickled"
             )
         return super().__reduce_ex__(protocol)
 
@@ -117,7 +117,7 @@ class Running:
             warn(sentence, PlausibilityWarning, stacklevel=3 + deeper)
 
     def _fly(self, inputs, step, every, when, on_refusal, flown_of, winds=None):
-        """What `fly` does; flown_of : makes its result of what `compiled_flight.fly` gives, and the times of rows."""
+        """Implementation of `fly`; flown_of : makes its result from that of `compiled_flight.fly` and the times of rows."""
         if on_refusal not in compiled_flight.ON_REFUSAL:
             names = ", ".join(map(repr, compiled_flight.ON_REFUSAL))
             raise ValueError(f"on_refusal is {on_refusal!r}; it must be one of {names}")

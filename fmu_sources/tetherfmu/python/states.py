@@ -67,7 +67,7 @@ def _take_own(instance, state):
 
 
 def properties(segments, *parameters):
-    """What makes two tethers the same: tuples of a name and its numbers in arrays of parameters."""
+    """Properties that make two tethers equal: tuples of a name and its numbers in arrays of parameters."""
     for name in _SCALARS:
         yield name, *(each[getattr(at, name.upper())] for each in parameters)
     for place, name in _PROPERTIES.items():

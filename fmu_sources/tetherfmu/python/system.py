@@ -39,8 +39,8 @@ class TetherSystem(Running):
     and solver. Points are driven by inputs as the ends of a `TetherDynamic`, or free: a mass, moved by its lines, its weight
     and a load, as the kite of a `TetherDynamicFree`.
 
-    TypeError or ValueError, in words, if a record is something else or they do not fit together.  RuntimeError if the
-    kernels of this installation have to be compiled and cannot.
+    TypeError or ValueError if a record has another type or the records do not fit together.  RuntimeError if the kernels
+    must be compiled and cannot be.
 
     Parameters
     ----------
@@ -134,7 +134,7 @@ class TetherSystem(Running):
             raise
 
     def __repr__(self) -> str:
-        """What it is, and whether it runs."""
+        """Short description, and whether it runs."""
         parts = [f"{len(self.points)} points ({len(self._instance.free)} free)", f"{len(self.lines)} lines"]
         parts += [f"{self._instance.segments} segments", "running" if self._runs else "not initialized"]
         return f"<TetherSystem: {', '.join(parts)}>"
@@ -164,13 +164,13 @@ class TetherSystem(Running):
         loads : dict of str to (3,) array
             External force [N] on free points; 0 where none is given.
         **inputs
-            The other ones of `SystemInputs`; where they are not given, reel-out speeds of the records of the lines, and 0.
+            Other `SystemInputs`; by default reel-out speeds are those of the lines' records, all others 0.
         """
         check_dicts({"positions": positions, "velocities": velocities, "loads": loads, **inputs})
         positions = {**{each.name: each.position for each in self.points}, **(positions or {})}
         wanted = [name for name, position in positions.items() if position is None]
         if not set(wanted) <= set(self._instance.free):
-            raise ValueError(f"{next(iter(set(wanted) - set(self._instance.free)))} is no free point: give its position")
+            raise ValueError(f"{next(iter(set(wanted) - set(self._instance.free)))} is not a free point: give its position")
         with self._all_or_nothing():
             moving = {"velocities": {each.name: each.velocity for each in self.points}}
             moving |= starts(self.lines, self.winches, self._instance.free, self.wind_points)
@@ -193,7 +193,7 @@ class TetherSystem(Running):
     ) -> SystemOutputs:
         """Advance by a communication step with the inputs at its start, to the `SystemOutputs` at its end.
 
-        An input that is not given stays as it is.  StepRefused if the step cannot be done, ValueError if a name does not
+        An omitted input keeps its value.  StepRefused if the step cannot be done, ValueError if a name does not
         exist or a value has another shape; the system then keeps the state and the inputs of before.
 
         Parameters
@@ -205,7 +205,7 @@ class TetherSystem(Running):
         loads : dict of str to (3,) array
             External force on free points [N] at the start of the step, which continues as a `kite_load` does.
         **inputs
-            The other ones of `SystemInputs`.
+            Other `SystemInputs`.
         """
         self._check_started()
         with self._all_or_nothing():
@@ -273,7 +273,7 @@ class TetherSystem(Running):
     def set_state(self, state: ArrayLike) -> None:
         """Go back to a state of `get_state`, of this system or one that equals it, bit for bit.
 
-        ValueError, and nothing is changed, if the state belongs to another system, or is none.
+        ValueError, and nothing changes, if it is not a state of such a system.
         """
         arrays = self._arrays
         state = np.asarray(state, dtype=float)
@@ -296,7 +296,7 @@ class TetherSystem(Running):
         """`SystemOutputs` that belong to the present state; StepRefused before `initialize`."""
         self._check_started()
         if self._instance.take_outputs() != OK:
-            raise StepRefused("the outputs that belong to this state are no finite numbers")
+            raise StepRefused("the outputs that belong to this state are not finite numbers")
         return self._present()
 
     def _present(self):

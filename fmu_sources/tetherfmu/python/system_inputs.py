@@ -36,10 +36,10 @@ class SystemInputs(TypedDict, total=False):
         is another one at that height (not in `fly`).
     winch_forces, winch_lengths : dict of str to float
         Of lines with this `Winch.winch_control`, by name: forces with which winches pull [N], from the first step on, and
-        unstretched lengths that they should have paid out [m]; 0: `initial_length`. Of winches that hold several lines the
-        length paid out since the start [m].
+        set points of the unstretched length [m]; 0: `initial_length`. For winches of several lines, the length paid out
+        since the start [m].
     releases : dict of str to bool
-        True lets lines, by name, go at their last ends, at the beginning of the step and for good.
+        True: lines, by name, permanently let go of their last points at the start of the step.
     wind_at : dict of str to (wind_points, 3) array
         Wind [m/s] at the wind points of lines, by name; over sheaves at those of the portions, one after the other.
     """

@@ -1,4 +1,4 @@
-"""What a system gives: the motion of its points and the outputs of its lines, at an instant or along a flight."""
+"""Results of a system: motion of its points and outputs of its lines, at an instant or along a flight."""
 
 from typing import NamedTuple
 
@@ -111,9 +111,9 @@ class WinchEnergy(NamedTuple):
     kinetic : float
         Kinetic energy [J].
     rope_power : float
-        What the tensions of its lines put into it [W].
+        Power from the tensions of its lines [W].
     motor_power : float
-        What the motor puts into it, - winch_force . winch_speed [W].
+        Power from the motor, - winch_force . winch_speed [W].
     friction_loss : float
         Heat of its friction [W], at least 0.
     """
@@ -135,8 +135,8 @@ class SystemEnergy(NamedTuple):
     Attributes
     ----------
     lines : dict of str to `tetherfmu.python.energy.Energy`
-        By the names of the lines. The mass of a free point is in the first line there; the power of an end is that of what
-        drives the point, 0 at a free one.
+        By the names of the lines. The mass of a free point is in the first line there; the power of an end is that of the
+        point's driver, 0 at a free point.
     loads : dict of str to float
         Powers of the loads on free points [W].
     sheaves : dict of str to SheaveEnergy
@@ -163,7 +163,7 @@ class SystemEnergy(NamedTuple):
 
 
 class SystemFlown(NamedTuple):
-    """What a flight of a system gave: one row for each step that was kept.
+    """Result of a flight of a system: one row for each kept step.
 
     Attributes
     ----------
@@ -178,7 +178,7 @@ class SystemFlown(NamedTuple):
     refusals : tuple of `tetherfmu.python.results.Refusal`
         Steps that could not be done, see `on_refusal` of `TetherSystem.fly`.
     time : (rows,) array
-        As that of `tetherfmu.Flown`.
+        As in `tetherfmu.Flown`.
     winches : dict of str to WinchOutputs
         Of each winch that holds several lines, with arrays (rows,).
     portions : dict of str to PortionOutputs

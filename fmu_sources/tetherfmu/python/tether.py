@@ -1,4 +1,4 @@
-"""What all tethers of the Python API share: initialize, step, fly, get_state, set_state, and what can be read of them."""
+"""Common base of all tethers of the Python API: initialize, step, fly, get_state, set_state, properties."""
 
 from __future__ import annotations
 
@@ -28,10 +28,10 @@ from .running import Running
 
 
 class TetherModel(Running):
-    """What all tethers share. Use one of the classes in `python.models`.
+    """Common base of all tethers. Use one of the classes in `python.models`.
 
-    TypeError if a record is something else, or a quantity does not exist.  ValueError names a parameter that is out of
-    range, its value and what is allowed.  RuntimeError if the kernels of this installation have to be compiled and cannot.
+    TypeError if a record has another type, or a quantity does not exist.  ValueError names a parameter that is out of
+    range, its value and the allowed range.  RuntimeError if the kernels must be compiled and cannot be.
 
     Parameters
     ----------
@@ -51,8 +51,8 @@ class TetherModel(Running):
     kernels : runtime.kernel_library.Kernels or None
         Other kernels than those of this installation (`libraries.ready`), such as those of `libraries.just_in_time`.
     **quantities
-        Any quantity of `Tether`, `Environment`, `Solver`, `Winch` and `Ground` by its name replaces that of the record, as
-        in ``TetherDynamic(initial_length=525.0, segments=30, wind_profile="power_law")``.
+        A quantity of `Tether`, `Environment`, `Solver`, `Winch` or `Ground`, by its name, replaces the record's, as in
+        ``TetherDynamic(initial_length=525.0, segments=30, wind_profile="power_law")``.
     """
 
     variant: str = ""
@@ -81,7 +81,7 @@ class TetherModel(Running):
         tethers, *records = arguments.with_quantities(name, quantities, tethers, *records)
         records[2].check_effect()
         if not variant.has_nodes and (len(tethers) > 1 or point_masses):
-            raise ValueError(f"{name} is one uniform line: it takes one Tether and no point_masses")
+            raise ValueError(f"{name} is one uniform line: it accepts one Tether and no point_masses")
         segments = sum(each.segments for each in tethers)
         masses = arguments.checked_masses(point_masses, segments)
         if self._kite and self._kite.kite_mass:
@@ -112,7 +112,7 @@ class TetherModel(Running):
         )
 
     def __repr__(self) -> str:
-        """What it is, and whether it runs."""
+        """Short description, and whether it runs."""
         length = self._state[at.LENGTH] if self._runs else self._parameters[at.INITIAL_LENGTH]
         parts = [f"{self.segments} segments"] if self._variant.has_nodes else []
         parts += [f"{length:g} m unstretched", "running" if self._runs else "not initialized"]
@@ -148,10 +148,10 @@ class TetherModel(Running):
             Nodes [m] and their velocities [m/s] (at rest if not given) instead of the `initial_shape` (dynamic tether only).
             The first and the last node are the ends, whose inputs are then not given.
         **inputs
-            The other ones of `Inputs`; 0 if not given.
+            Other `Inputs`; 0 by default.
         """
         if positions is not None and not self._variant.has_waves:
-            raise ValueError(f"{type(self).__name__} is always in equilibrium: it takes no positions of nodes")
+            raise ValueError(f"{type(self).__name__} is always in equilibrium: it accepts no node positions")
         nodes = arguments.motion_of_nodes(positions, velocities, self.segments)
         if nodes is not None:
             (ground_position, *_, kite_position), (ground_velocity, *_, kite_velocity) = nodes
@@ -188,7 +188,7 @@ class TetherModel(Running):
     ) -> Outputs:
         """Advance by a communication step with the inputs at its start, to the `Outputs` at its end.
 
-        An input that is not given stays as it is.  StepRefused if the step cannot be done, ValueError if an argument has
+        An omitted input keeps its value.  StepRefused if the step cannot be done, ValueError if an argument has
         another shape; the tether then keeps the state and the inputs of before.
 
         Parameters
@@ -201,14 +201,14 @@ class TetherModel(Running):
             Unstretched length [m] at the end of the step, whatever it was before, for the tethers without waves (all but the
             dynamic one). `reel_out_speed` still says how fast material moves along the tether.
         **inputs
-            The other ones of `Inputs`.
+            Other `Inputs`.
         """
         ends = {"kite_position": kite_position, "kite_velocity": kite_velocity}
         ends |= {"ground_position": ground_position, "ground_velocity": ground_velocity}
         return self._step(step, tether_length, ends | inputs)
 
     def _step(self, step, tether_length, given):
-        """What `step` does; given : inputs by name."""
+        """Implementation of `step`; given : inputs by name."""
         self._check_started()
         length = self._state[at.LENGTH]
         try:
@@ -265,8 +265,8 @@ class TetherModel(Running):
             Whether the rows have outputs. Without them they have the node positions only, whatever `peaks` says, and no step
             is refused for its outputs: a sixth less time for a dynamic tether with 5 segments.
         on_refusal : "raise", "stop" or "skip"
-            What to do when a step cannot be done: raise StepRefused, whose `flown` has the rows of before; return them; or
-            leave the step out, with NaN in its row if it has one, and go on from the state of before with the inputs of the
+            What to do when a step cannot be done: raise StepRefused, whose `flown` has the previous rows; return them; or
+            skip the step, with NaN in its row if it has one, and continue from the previous state with the inputs of the
             next step (outputs are then computed after each step). `Flown.refusals` says where and why.
         node_winds : (steps, segments + 1, 3) array or None
             Wind [m/s] at each node in each step, instead of the wind in `inputs` (tethers with nodes only).
@@ -293,7 +293,7 @@ class TetherModel(Running):
         """Go back to a state of `get_state`, of this tether or one that equals it, bit for bit.
 
         Environment and solver stay those of this object, but a wind that was given at each node is part of the state.
-        ValueError, and nothing is changed, if the state belongs to another tether, or is none.
+        ValueError, and nothing changes, if it is not a state of such a tether.
         """
         states.take(self.variant, self._instance, state)
         if self._parameters[at.WIND_PROFILE] != at.AT_NODES:
@@ -309,7 +309,7 @@ class TetherModel(Running):
     def energy(self, **inputs: Unpack[Inputs]) -> energy.Energy:
         """Energies and powers of the present state, an `energy.Energy`; tethers with nodes only.
 
-        inputs : those of `energy.WITH_POWER`, which are those of the last step where they are not given. The powers explain
+        inputs : of `energy.WITH_POWER`; by default those of the last step. The powers explain
         the change of the energy of the dynamic tether; `energy.EnergyAudit` adds them up along a run.
         """
         return self._account(**inputs)[0]

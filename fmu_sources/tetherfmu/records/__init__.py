@@ -1,1 +1,1 @@
-"""What users describe, as constant records with their checks: lines, points, winches, materials, paths."""
+"""Constant records of users, with their checks: lines, points, winches, materials, paths."""

@@ -1,4 +1,4 @@
-"""What users give to a tether of the Python API: checked, and refused in words."""
+"""Checks of the arguments of the Python API."""
 
 from array import array
 from collections.abc import Iterable, Sequence

@@ -117,9 +117,9 @@ class Line:
     sheave_mass : float or sequence of float
         J/r2 of each sheave, or of all [kg].
     sheave_friction : float or sequence of float
-        Coulomb friction of the rope on the sheave [-]: it holds up to exp(friction angle of wrap) times the other tension.
+        Coulomb friction of the rope on the sheave [-]: it resists up to exp(friction * wrap angle) times the other tension.
     sheave_efficiency : float or sequence of float
-        Tension on the side from which the rope runs over that on the other side [-], instead of friction.
+        Ratio of the incoming to the outgoing tension [-], instead of friction.
 
     Examples
     --------
@@ -156,7 +156,7 @@ class Line:
 
     @property
     def tethers(self) -> tuple[Tether, ...]:
-        """Its tethers in series, also where it is one."""
+        """Its tethers in series, a sequence also for a single one."""
         return tuple(self.tether) if isinstance(self.tether, list | tuple) else (self.tether,)
 
 
@@ -219,7 +219,7 @@ def check_portions(line):
 
 
 def sheave_numbers(portion):
-    """What `packing.put_sheaves` takes of a `Portion`."""
+    """Arguments of `packing.put_sheaves` from a `Portion`."""
     if not portion.is_portion:
         return None
     line, k = portion.line, portion.number

@@ -37,10 +37,10 @@ def kite_at(elevation: float, azimuth: float, distance: float, ground_position: 
     if not np.all(np.abs(elevation) <= 0.5 * np.pi):  # NaN is not
         raise ValueError(
             f"elevation is {elevation!r}; it must be at least -pi/2 and at most pi/2 rad: angles are in rad, "
-            "math.radians makes them of degrees"
+            "math.radians converts degrees"
         )
     if np.any(np.abs(azimuth) > TURNS):
-        said = f"azimuth is {azimuth!r} rad, more than two turns; angles are in rad, math.radians makes them of degrees"
+        said = f"azimuth is {azimuth!r} rad, more than two turns; angles are in rad, math.radians converts degrees"
         warn(said, PlausibilityWarning, stacklevel=2)
     return np.add(ground_position, polar(distance, elevation, azimuth))
 
@@ -53,9 +53,9 @@ class MovingEnd:
     Parameters
     ----------
     position : function
-        Of the time [s] (a number), gives the position [m], three numbers.
+        Returns the position [m], three numbers, at a time [s].
     velocity : function or None
-        Gives the velocity [m/s]; None: central differences of the position over 2 `difference`.
+        Returns the velocity [m/s]; None: central differences of the position over 2 `difference`.
     difference : float
         Half the time between the positions of a difference [s]; the error of the velocity is difference^2/6 times the third
         derivative of the position.
@@ -73,7 +73,7 @@ class MovingEnd:
     difference: float = 1e-4
 
     def at(self, time: float) -> tuple[NDArray, NDArray]:
-        """Position [m] and velocity [m/s] at a time [s], arrays (3,); ValueError if the functions give something else."""
+        """Position [m] and velocity [m/s] at a time [s], arrays (3,); ValueError if the functions return something else."""
         position = self._vector(self.position, "position", time)
         if self.velocity is not None:
             return position, self._vector(self.velocity, "velocity", time)
@@ -82,7 +82,7 @@ class MovingEnd:
 
     @staticmethod
     def _vector(function, name, time):
-        """What a function gives at a time, checked."""
+        """Value of a function at a time, checked."""
         found = np.asarray(function(time), dtype=float)
         if found.shape != (3,):
             raise ValueError(f"the {name} of the moving end at {time} s has the shape {found.shape}; it must be (3,)")

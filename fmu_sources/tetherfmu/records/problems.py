@@ -1,10 +1,10 @@
-"""What a tether refuses, and what it warns of."""
+"""Refusals and warnings of a tether."""
 
 from tetherfmu.runtime.status import code
 
 
 class PlausibilityWarning(UserWarning):
-    """Something that no tether and no kite does, one warning since `initialize`; the numbers stay what they are.
+    """An implausible value; one warning since `initialize`, which does not affect results.
 
     A stretch beyond 5 %, an end that is accelerated beyond 1000 g or faster than sound, velocities that contradict
     positions; docs/models/theory.md, "Plausibility".
@@ -21,12 +21,12 @@ class PlausibilityWarning(UserWarning):
 
 
 class StepRefused(ValueError):
-    """A step or an initialization that cannot be done; the tether keeps its previous state.
+    """A refused step or initialization; the tether keeps its previous state.
 
     Attributes
     ----------
     status : int or None
-        Code of `tetherfmu.runtime.status`, such as `NO_EQUILIBRIUM`; None if no kernel was asked.
+        Code of `tetherfmu.runtime.status`, such as `NO_EQUILIBRIUM`; None if no kernel was called.
     flown : Flown or None
         Of a flight: its rows before the step that was refused.
 

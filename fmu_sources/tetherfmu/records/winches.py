@@ -41,8 +41,8 @@ class SharedWinch:
     name : str
         Letters, digits and underscores.
     lines : dict of str to float
-        Names of lines and their ratios: rope of the line for each metre that the winch pays out; negative where it reels in
-        then. A line may be in several winches: what they pay out adds up. It has no winch of its own.
+        Names of lines and their ratios: rope of the line for each metre that the winch pays out; negative if it then reels
+        in. A line may be in several winches, whose payouts are summed. It has no other winch.
     control : "speed", "force" or "length"
         Its input: `reel_out_speed`; `winch_force`, which the sum of tensions times ratios has to overcome [N]; or
         `winch_length`, the length paid out since the start [m].
@@ -51,10 +51,10 @@ class SharedWinch:
     winch_force : float
         At the start [N], with the control "force"; positive reels in.
     winch_mass, winch_damping, winch_friction : float
-        Of its drum as those of a `Winch`, with the control "force" [kg], [N.s/m], [N].
+        Drum properties as in `Winch`, with the control "force" [kg], [N.s/m], [N].
     winch_start : "given" or "equilibrium"
-        With the control "force": the drum has paid out nothing, or so much that it is in balance with `winch_force`, all its
-        lines and free points without position in equilibrium together.
+        With the control "force": no initial payout, or the payout at which the drum is in balance with `winch_force`
+        while its lines and the free points without position are in equilibrium.
 
     Examples
     --------
@@ -87,8 +87,8 @@ class SharedWinch:
                 )
         if self.control == BY_FORCE and all(ratio < 0.0 for ratio in self.lines.values()):
             raise ValueError(
-                f"{self.name}.lines has the ratios {list(self.lines.values())}; with the control 'force' one of them must "
-                "be above 0: give all of them the other sign"
+                f"{self.name}.lines has the ratios {list(self.lines.values())}; with the control 'force' one of "
+                "them must be above 0: reverse all signs"
             )
         for name in ("reel_out_speed", "winch_force"):
             if not ANY_INPUT.allows(getattr(self, name)):
@@ -186,8 +186,8 @@ def shares_of(winches):
         values = np.linalg.svd(ratios, compute_uv=False)
         if len(held) < len(winches) or values[-1] < DEPENDENT * values[0]:
             raise ValueError(
-                f"the winches {', '.join(each.name for each in winches)} hold the same lines in the same ratios, so that "
-                "what each has paid out cannot be told; leave one out"
+                f"the winches {', '.join(each.name for each in winches)} hold the same lines in the same "
+                "ratios, so that their payouts cannot be distinguished; omit one"
             )
     return held, ratios, np.linalg.pinv(ratios) if winches else ratios.T
 

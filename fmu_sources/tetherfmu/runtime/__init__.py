@@ -1,4 +1,4 @@
-"""What a finished FMU carries below its FMI shell (`fmi`): declarations, flat arrays, one running tether.
+"""Part of every FMU, below its FMI shell (`fmi`): declarations, flat arrays, one running tether.
 
 The builder copies this folder as it is. Standard library only. Imports nothing else of the package.
 """

@@ -1,4 +1,4 @@
-"""What an output depends on when initialization ends: the `dependencies` of FMI's InitialUnknowns.
+"""Dependencies of the outputs at the end of initialization: `dependencies` of FMI's InitialUnknowns.
 
 A dependency is the name of an input or a parameter: of a vector, which stands for its components, or of one component, where
 `[*]` is the same component as that of the output. `outputs` declares them for the dynamic tether, `variants` where another

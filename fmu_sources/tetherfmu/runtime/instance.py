@@ -41,7 +41,7 @@ def renamed(said, words):
 
 
 class Line(NamedTuple):
-    """What does not change of a line while it runs."""
+    """Constant properties of a running line."""
 
     name: str  # in messages; "" of a tether alone
     inputs: tuple  # names of its inputs by their places
@@ -198,7 +198,7 @@ class Instance:
         return f"the line {line.name}: {renamed(said, line.words)}" if line.name else said
 
     def sentence(self, result, step, at_start=False):
-        """What a status says about a step [s] with the inputs and the unstretched lengths of now."""
+        """Message of a status about a step [s] with the current inputs and unstretched lengths."""
         about, place = self.plan[places.STATUS_LINE], status.index(result)
         if status.code(result) == status.NO_EQUILIBRIUM_OF_POINT:
             return status.sentence(result, name=self.free[place])
@@ -220,7 +220,7 @@ class Instance:
 
 
 def facts_of(inputs, parameters, length, segments):
-    """What the sentence of a status may ask for, a dict; inputs, parameters : arrays.  length : unstretched now [m]."""
+    """Values for the sentence of a status, a dict; inputs, parameters : arrays.  length : unstretched now [m]."""
     longest = parameters[at.LONGEST_LENGTH]
     return {
         "reel_out_speed": inputs[at.REEL_OUT_SPEED],

@@ -1,4 +1,4 @@
-"""What is physically impossible, with its limit and the sentence of one warning; the numbers are not changed.
+"""Implausible values: limit and warning of each; the numbers are not changed.
 
 The kernels note it in the state (`layout.WARNINGS`), see `kernels/step/plausibility.py`.
 """
@@ -47,7 +47,7 @@ _JUMP = (
 )
 _IDLE = "{name} is {{value:.6g}} and has no effect: {why}"
 _FALLBACK = (
-    "{{percent:.2g}} % of the last 1000 fixed steps were not of order 2, but taken by backward Euler, as {reason}; "
+    "{{percent:.2g}} % of the last 1000 fixed steps fell back to backward Euler, because {reason}; "
     "fallback_steps counts them; use a shorter fixed_step, or adaptive steps"
 )
 _RESIDUE = (
@@ -56,7 +56,7 @@ _RESIDUE = (
 )
 SENTENCES = {
     STRETCH: (
-        "a segment is stretched by {strain:.3g} %; from {allowed:.3g} % on, ropes of most materials are broken; check "
+        "a segment is stretched by {strain:.3g} %; from {allowed:.3g} % on, most ropes break; check "
         "kite_position (initial_kite_position of a free kite end), ground_position, initial_length, reel_out_speed, "
         "winch_force, winch_length, diameter and axial_stiffness, and their units"
     ),
@@ -68,7 +68,7 @@ SENTENCES = {
     KITE_RESIDUE: _RESIDUE,
     STIFF_AND_SLACK: (
         "a segment with an axial_stiffness of {value:.3g} N is slack; above {stiff:.0e} N a tether that goes slack and taut "
-        "again rings, and its tensions are then far above and below their mean; set axial_stiffness to at most {stiff:.0e} "
+        "again rings, and its tensions then lie far above and below their mean; set axial_stiffness to at most {stiff:.0e} "
         "N, which is as good as inextensible, or fixed_step to a few ms, which damps the ringing"
     ),
     WINCH_REELS_IN_SLACK: (
@@ -85,7 +85,7 @@ SENTENCES = {
         "it lie on the ground, or ground_height to where the ground is"
     ),
     END_UNDER_GROUND: (
-        "a driven end of the tether is {value:.3g} m below ground_height, where the ground does not hold it; check "
+        "a driven end of the tether is {value:.3g} m below ground_height, where the ground does not support it; check "
         "kite_position, ground_position and ground_height"
     ),
     FIXED_STEP_DAMPS: (
@@ -102,17 +102,19 @@ SENTENCES = {
         "relative_tolerance, fewer segments, more axial_damping, less axial_stiffness, or a fixed_step of your own"
     ),
     LOAD_OFF_CHORD: (
-        "the load on the shape of the catenary differs by {percent:.2g} % from that along its chord, so its forces may be "
+        "the load on the shape of the catenary differs by {percent:.2g} % from the load along its chord, so "
+        "its forces may be "
         "wrong by more than {off:g} %; use the quasi-steady tether, or a shorter tether_length"
     ),
     STIFF_STEP: (
-        "fixed steps of {value:.3g} s are too long for how a tether with an axial_stiffness from {stiff:.0e} N on swings "
-        "along itself: its tension swings less than it should, or is that of a rod; use a shorter fixed_step, or adaptive "
+        "fixed steps of {value:.3g} s are too long for the axial oscillation of a tether with an "
+        "axial_stiffness from {stiff:.0e} N on: its tension oscillates too little, or not at all; use a "
+        "shorter fixed_step, or adaptive "
         "steps"
     ),
     FALLBACK_AT_STOP: _FALLBACK.format(reason="the drum of the winch came to rest or to a stop"),
     FALLBACK_ON_GROUND: _FALLBACK.format(reason="the tether met the ground too fast for them"),
-    FALLBACK_HARD: _FALLBACK.format(reason="they did not converge, or gained energy from nothing"),
+    FALLBACK_HARD: _FALLBACK.format(reason="they did not converge, or gained energy"),
     GROUND_JUMP: _JUMP,
     KITE_JUMP: _JUMP,
     LENGTH_JUMP: (
@@ -121,7 +123,7 @@ SENTENCES = {
     ),
     STARTED_AT_REST: (
         "no shape was found that moves with its ends, so the tether starts at rest (static_equilibrium) while they move; "
-        "its first tensions are those of that jump"
+        "its first tensions contain this jump"
     ),
     WINCH_OFF_BALANCE: (
         "the tether pulls with {value:.3g} N at the start, more than {off_balance:g} % off from winch_force, which a winch "
@@ -159,7 +161,7 @@ _END = dict.fromkeys((GROUND_ACCELERATION, GROUND_SPEED, GROUND_RESIDUE, GROUND_
 
 
 def facts(kind):
-    """What the sentence of a kind says whatever the value is."""
+    """Constant values in the sentence of a kind."""
     return {
         "end": _END.get(kind, "kite"),
         "allowed": 100.0 * (LARGEST_STRETCH - 1.0),
@@ -181,7 +183,7 @@ def bits(number, count):
 
 
 def kinds(state):
-    """What was implausible since the start of a state, as a set of bits; ValueError if no state holds such a number."""
+    """Kinds that were implausible since the start of a state, a set of bits; ValueError for an impossible number."""
     return bits(state[at.WARNINGS], at.WARNING_KINDS)
 
 

@@ -77,6 +77,6 @@ class Watched(Watch):
         return self._instance.advance(step)
 
     def sentences(self, name):
-        """What is to be said after the last step of an input with this name, a tuple."""
+        """Messages after the last step about an input with this name, a tuple."""
         found, self._found = self._found, 0
         return (SENTENCE.format(name=name, period=found),) if found else ()

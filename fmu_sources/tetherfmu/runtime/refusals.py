@@ -39,7 +39,7 @@ NO_INTEGER = "{name} is {value}; it must be an integer"
 
 # of the native FMU only: PythonFMU's library lets no slave answer these
 IS_NULL = "the argument {argument} is NULL"
-WRONG_TOKEN = "the guid or token is {token}; that of this FMU is {expected}"
+WRONG_TOKEN = "the guid or token is {token}; this FMU has {expected}"
 NO_CO_SIMULATION = "this FMU is for co-simulation only"
 NOT_OFFERED = "this FMU does not offer {what}; see the capability flags of its model description"
 NO_SUCH_CATEGORY = "no log category is called {category}"

@@ -1,4 +1,4 @@
-"""What is declared of sheaves, over which lines of a system run: the numbers that each of them has."""
+"""Declarations of sheaves, over which lines of a system run: the parameters of each."""
 
 from .quantities import Quantity
 

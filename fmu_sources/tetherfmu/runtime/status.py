@@ -102,12 +102,13 @@ SENTENCES = {
         "{shortest_stop:.6g} m and {longest_stop:.6g} m, or another shortest_length or longest_length"
     ),
     WINCH_PUSHES: (
-        "winch_force is {winch_force} N; it must be at least minus winch_friction, which is {friction} N, and so must what "
-        "it comes to in the step of {step} s with a given derivative: a winch without winch_mass cannot push a tether; give "
+        "winch_force is {winch_force} N; it must be at least minus winch_friction, which is {friction} N, also "
+        "at the end of a step of {step} s with a given derivative: a winch without winch_mass cannot push a "
+        "tether; give "
         "a winch_mass"
     ),
     NO_LENGTH: (
-        "no unstretched length was found with which the tether pulls as winch_force ({winch_force} N) says in a step of "
+        "no unstretched length was found at which the tether pulls with winch_force ({winch_force} N) in a step of "
         "{step} s (tether_length {length} m); give the winch a winch_mass, winch_damping or a longest_length, or set "
         "input_continuation to 2 (held) where winch_force jumps"
     ),
@@ -127,24 +128,23 @@ SENTENCES = {
         "the positions of the ends, or set winch_start to 1 (given)"
     ),
     KITE_AND_WINCH_SOUGHT: (
-        "winch_start is 2 (equilibrium) and a free end starts in equilibrium, too, which it has at any length that the "
-        "winch may pay out: set winch_start to 1 (given), or give the end a position"
+        "winch_start is 2 (equilibrium) and a free end starts in equilibrium, too, which exists at any length: "
+        "set winch_start to 1 (given), or give the end a position"
     ),
     START_UNDER_GROUND: (
         "{name} is {value} m, more than {under:g} m below ground_height ({ground_height} m); a free end cannot start under "
         "the ground"
     ),
     RELEASED_WITHOUT_MASS: (
-        "release is true, and what the line lets go of moves freely without any mass of its own: give it one (kite_mass; "
-        "in a system the mass of the point)"
+        "release is true, but the released end has no mass: give it one (kite_mass; in a system the mass of the point)"
     ),
     SHEAVES_WITH_STRETCH_RATE: (
         "damping_law is 2 (stretch_rate) for a line over sheaves, or with force control beside such lines or at a winch "
         "that holds several; it must be 1 (strain_rate)"
     ),
-    SHEAVES_THAT_BREAK: "breaking_force is given for a line over sheaves, which cannot break yet: it must be 0",
+    SHEAVES_THAT_BREAK: "breaking_force is given for a line over sheaves, which cannot break: it must be 0",
     NO_SHARES: (
-        "no lengths of the portions were found with which each sheave has the same tension on both sides, and, with "
+        "no lengths of the portions were found at which each sheave has equal tensions on both sides, and, with "
         "winch_start 2 (equilibrium), the line pulls with winch_force; give them as initial_portions, set winch_start to 1 "
         "(given), or check the positions of the points, the loads, winch_force and initial_length"
     ),
@@ -158,7 +158,7 @@ SENTENCES = {
         "with their own weight and drag at least, and a load on a single line pulls alike at any length: check winch_force, "
         "the ratios and positions of points, or set winch_start to 1 (given)"
     ),
-    UNKNOWN_WIND_LAW: "{name} is {value!r}, a law that the kernels do not know: see kernels/equations/air.py",
+    UNKNOWN_WIND_LAW: "{name} is {value!r}, which is not a wind law: see kernels/equations/air.py",
 }
 
 LIMITS = {  # in the sentences
@@ -181,5 +181,5 @@ def index(status):
 
 
 def sentence(status, **facts):
-    """What a status says, with the facts that its sentence asks for."""
+    """Message of a status, with the facts that its sentence needs."""
     return SENTENCES[code(status)].format(**LIMITS, **facts)

@@ -1,4 +1,4 @@
-"""What the page knows of the tethers, a dict for JSON, made of the same declarations as the FMU.
+"""Declarations of the tethers for the page, a dict for JSON, from the same sources as the FMU.
 
 Parameters, inputs and outputs with units and limits, their places in the flat arrays, what a status or a warning says, the
 variants, the flights and scenes, and the wing of the kite that flies free.
@@ -108,7 +108,7 @@ def of_arrays():
 
 
 def of_sentences():
-    """What a status says by its code, and a warning by its kind, with what it says whatever the value is."""
+    """Messages of statuses by code and of warnings by kind, with their constant values."""
     return {
         "status": {str(code): sentence for code, sentence in status.SENTENCES.items()},
         "limits": status.LIMITS,

@@ -1,4 +1,4 @@
-"""What the page flies besides the scenes of files: a kite that follows the pointer, one that flies free, a hanging load.
+"""Flights of the page besides scene files: a kite that follows the pointer, a free kite, a hanging load.
 
 And what a person sets by hand while it flies.
 """
@@ -38,7 +38,7 @@ class FreeFlight:
 
 @dataclass(frozen=True)
 class Hand:
-    """What a person sets while it flies."""
+    """Manual controls during a flight."""
 
     steering: float = quantity(0.0, "", "of the free kite; positive turns right as seen from the ground station", -1.0, 1.0)
     depower: float = quantity(0.0, "", "of the free kite, 0: full lift, 1: depowered", 0.0, 1.0)

@@ -29,9 +29,9 @@ from .wind_boxes import LARGEST_SPACING, LARGEST_SPEED, MOST_POINTS, Box, WrongB
 
 PERIODIC, REFUSED, REPEATED = 1, 2, 3  # `outside`
 OUTSIDE = {
-    "periodic": "the box, repeated in all directions; along the wind refused if its file says that it is not periodic",
-    "refused": "nothing, a step there is refused",
-    "repeated": "the box, repeated in all directions, whatever its file says",
+    "periodic": "repeats the box in all directions, but refuses the step beyond the end of a file that is not periodic",
+    "refused": "refuses the step",
+    "repeated": "repeats the box in all directions, whatever its file says",
 }
 MAKE_IT_PERIODIC, REPEAT = 'make it periodic (in TurbSim UsableTime = "ALL")', "(outside = 3; in Python repeated=True)"
 EDGE = 1e-9  # of a spacing: rounding at the faces of a box
@@ -57,13 +57,13 @@ class MeanWind(NamedTuple):
 class Reading:
     """How a box is read: what is beyond it, and the grid of a Mann box, whose files do not say it."""
 
-    outside: int = quantity(PERIODIC, "", "what is beyond the box", choices=OUTSIDE)
+    outside: int = quantity(PERIODIC, "", "behaviour outside the box", choices=OUTSIDE)
     points_along: int = quantity(0, "", "of a Mann box: number of points along the wind, 0 for other files", 0, MOST_POINTS)
     points_across: int = quantity(0, "", "of a Mann box: number of points across the wind", 0, MOST_POINTS)
     points_upwards: int = quantity(0, "", "of a Mann box: number of points upwards", 0, MOST_POINTS)
-    spacing_along: float = quantity(0.0, "m", "of a Mann box: distance of its points along the wind", 0.0, LARGEST_SPACING)
-    spacing_across: float = quantity(0.0, "m", "of a Mann box: distance of its points across the wind", 0.0, LARGEST_SPACING)
-    spacing_upwards: float = quantity(0.0, "m", "of a Mann box: distance of its points upwards", 0.0, LARGEST_SPACING)
+    spacing_along: float = quantity(0.0, "m", "of a Mann box: spacing of its points along the wind", 0.0, LARGEST_SPACING)
+    spacing_across: float = quantity(0.0, "m", "of a Mann box: spacing of its points across the wind", 0.0, LARGEST_SPACING)
+    spacing_upwards: float = quantity(0.0, "m", "of a Mann box: spacing of its points upwards", 0.0, LARGEST_SPACING)
 
     __post_init__ = check
 
@@ -95,12 +95,12 @@ class FrozenTurbulence:
     mean : MeanWind
         A box that contains a mean wind replaces its speed and height.
     box : wind.wind_boxes.Box or None
-        As `open_box` gives it; None: the mean wind alone.
+        Result of `open_box`; None: the mean wind only.
     origin : (3,) array
         Of the box [m].
     periodic : bool
-        Whether the box is repeated in all directions, but along the wind only if its file does not say that it is not
-        periodic. Elsewhere WrongBox names a point beyond it.
+        Whether the box is repeated in all directions; along the wind only if its file does not say that it is not periodic.
+        Otherwise WrongBox names a point outside.
     repeated : bool
         Whether a periodic box is repeated along the wind, whatever its file says; a warning names the jump.
 
@@ -152,7 +152,7 @@ class FrozenTurbulence:
     def at(self, time: float | NDArray, points: NDArray) -> NDArray:
         """Wind [m/s], array (K, 3), at a time [s], or one for each point (K,), and at points [m], array (K, 3).
 
-        WrongBox if a point is outside of a box that is not periodic, or if the box has a number there that is no wind.
+        WrongBox if a point is outside a box that is not periodic, or if the box has an impossible number there.
         """
         if not self.box:
             wind = np.zeros((3, len(points)))
@@ -236,7 +236,7 @@ class FrozenTurbulence:
             named = ", ".join(f"{x:g}" for x in points[point])
             raise WrongBox(
                 f"{self.box.file} does not reach the point ({named}) m at {when:g} s: {AXES[axis]} it is at {where:g} m; "
-                f"the box is from {ends.min():g} to {ends.max():g} m; move its origin, take a larger box or a periodic one"
+                f"the box is from {ends.min():g} to {ends.max():g} m; move its origin, use a larger box or a periodic one"
                 f"{why}"
             )
         np.clip(place, 0.0, last, out=place)

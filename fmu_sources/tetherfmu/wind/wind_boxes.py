@@ -57,9 +57,9 @@ class Box(NamedTuple):
 
 
 def open_box(file: str | os.PathLike, points: Sequence[int] = (0, 0, 0), spacing: Sequence[float] = (0.0, 0.0, 0.0)) -> Box:
-    """The `Box` in a file of any kind, by the end of its name; WrongBox says what is wrong with it.
+    """Open the `Box` in a file; the end of its name selects the format. WrongBox gives the problem.
 
-    points, spacing : of a Mann box, which does not say it: how many points along, across and up, how far apart [m].
+    points, spacing : numbers of points along, across and up, and distances [m], which the file of a Mann box lacks.
 
     >>> import numpy as np, tempfile
     >>> with tempfile.TemporaryDirectory() as folder:
@@ -85,13 +85,13 @@ def turbsim_box(file):
     """The `Box` in a TurbSim file; WrongBox says what is wrong with it."""
     size = size_of(file)
     if size < HEADER.size:
-        raise WrongBox(f"{file} is no TurbSim file: it has {size} bytes; the header alone must have {HEADER.size}")
+        raise WrongBox(f"{file} is not a TurbSim file: it has {size} bytes; the header alone must have {HEADER.size}")
     with open(file, "rb") as opened:
         header = HEADER.unpack(opened.read(HEADER.size))
     kind, nz, ny, towers, nt, dz, dy, dt, speed, hub, bottom, *scaling, described = header
     if kind not in (PERIODIC, NOT_PERIODIC):
         allowed = f"it must begin with {NOT_PERIODIC}, or with {PERIODIC} for a periodic box"
-        raise WrongBox(f"{file} is no TurbSim file with a full field: it begins with {kind}; {allowed}")
+        raise WrongBox(f"{file} is not a TurbSim file with a full field: it begins with {kind}; {allowed}")
     check_grid(file, (nt, ny, nz))
     check_number(file, "number of tower points", towers, 0, MOST_POINTS)
     check_number(file, "length of the description", described, 0, LONGEST_DESCRIPTION)
@@ -146,7 +146,7 @@ def numpy_box(file):
         raise
     except Exception as problem:  # zipfile and numpy raise some ten kinds; one that escapes would end the host of an FMU
         words = " ".join(str(problem).split()).strip("'\". ")
-        raise WrongBox(f"{file} is no file of numpy.savez with the arrays velocity and spacing: {words}") from None
+        raise WrongBox(f"{file} is not a numpy.savez file with the arrays velocity and spacing: {words}") from None
     if velocity.ndim != 4 or velocity.shape[3] != 3 or spacing.shape != (3,):
         shapes = f"velocity is {velocity.shape} and spacing {spacing.shape}"
         raise WrongBox(f"{file}: {shapes}; they must be (points along, across, up, 3) and (3,)")
@@ -187,13 +187,13 @@ def member(archive, name, file, size):
 
 
 def size_of(file):
-    """Bytes of a file; WrongBox if there is none, or if it is no regular file (a folder, a device, a pipe)."""
+    """Bytes of a file; WrongBox if there is none, or if it is not a regular file (a folder, a device, a pipe)."""
     try:
         found = os.stat(file)
     except (OSError, ValueError) as problem:
         raise WrongBox(f"{file!r} cannot be opened: {getattr(problem, 'strerror', None) or problem}") from None
     if not stat.S_ISREG(found.st_mode):
-        raise WrongBox(f"{file!r} is no regular file; a wind box must be one")
+        raise WrongBox(f"{file!r} is not a regular file; a wind box must be one")
     if found.st_size > LARGEST_FILE:
         raise WrongBox(f"{file} has {found.st_size} bytes; a wind box must have at most {LARGEST_FILE}")
     return found.st_size

@@ -1,4 +1,4 @@
-"""What an FMU is, and where its variables stand in the flat arrays of the kernels (`plan_layout.py`).
+"""Variables of an FMU and their places in the flat arrays of the kernels (`plan_layout.py`).
 
 A record for a tether alone and for a system of them: the slave runs with it, the tables of native FMUs are made of it.
 References are value references; -1 is none.
@@ -149,7 +149,7 @@ def of_system(structure, left_out=(), starts=()):
 
 
 def _doubtful(listed, has_wind_points, ignored=()):
-    """What is doubtful of parameters, a list as in `Wiring`; listed : pairs (reference, variable); ignored : names."""
+    """Doubts about parameters, a list as in `Wiring`; listed : pairs (reference, variable); ignored : names."""
     found = [(place, *row) for place, each in listed for row in doubts_in(each.name, each.quantity)]
     if has_wind_points:
         found += [(place, 1.0, UNIFORM, IDLE_PROFILE) for place, each in listed if each.name == "wind_profile"]
@@ -159,7 +159,7 @@ def _doubtful(listed, has_wind_points, ignored=()):
 
 
 def _selection(table, references, left_out):
-    """What a `Wiring` says of the variables that its FMU has, and of those that it goes without."""
+    """Content of a `Wiring` for the variables that its FMU has, and for those that it omits."""
     found = dict(zip((each.name for each in table), references, strict=True))
     listed = shown(table, frozenset(left_out))
     fixed = (each for each in table if each.name in left_out and each.start is not None)
@@ -208,7 +208,7 @@ def names_of_inputs(structure, portion):
 
 
 def words_of(structure, portion):
-    """What sentences on a tether say, and what that is called of a line or a portion: pairs, longer ones first."""
+    """Names in sentences on a tether and their names for a line or a portion: pairs, longer ones first."""
     words = {}
     for end, point in zip(ENDS, (portion.start, portion.end), strict=True):
         first = "initial_" if point in structure.free else ""

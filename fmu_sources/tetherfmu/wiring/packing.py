@@ -104,7 +104,7 @@ def pack_records(
 
 
 def _sentence(result, numbers, tethers):
-    """What a status says about quantities."""
+    """Message of a status about quantities."""
     place, shift = status.index(result), (tethers - 1) * QUANTITIES_OF_TETHER
     is_of_tether = place < tethers * QUANTITIES_OF_TETHER
     declared = PARAMETERS[place % QUANTITIES_OF_TETHER if is_of_tether else place - shift]

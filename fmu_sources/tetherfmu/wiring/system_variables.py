@@ -231,8 +231,8 @@ def _inputs(structure):
             yield Variable(name, INPUT, "Real", quantity, 0, 0.0, group=inputs.WIND_AT.group)
 
 
-_RELEASE = "{0.name} lets go of {0.end}, at the beginning of the first step with true, for good"
-_LOAD = "external force on {}: aerodynamics, control; not its weight"
+_RELEASE = "{0.name} lets go of {0.end}, permanently, at the start of the first step with true"
+_LOAD = "external force on {}: aerodynamics, control; excludes its weight"
 _START = "start of {}"
 _STARTS = {"given": "at initial_position with initial_velocity"}
 _STARTS["equilibrium"] = "at rest where its lines, its weight and its load are in equilibrium"

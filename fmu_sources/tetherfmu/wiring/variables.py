@@ -86,7 +86,7 @@ def _input_variables(variant, wind_points):
 
 
 def _output_variables(variant, shape_points, wind_points):
-    """What is an input of this tether is no output of it."""
+    """An input of this tether is not an output of it."""
     given = {each.name for each in inputs_of(variant.kite_is_free)}
     for output in ARRAY_ORDER:
         if output.name in given:

@@ -63,7 +63,7 @@ def test_all_laws_that_can_be_chosen_are_known_and_no_other():
     unknown[at.WIND_PROFILE] = max(known) + 1
     assert np.isnan(wind_factor(REFERENCE, unknown)).all()
     said = status.sentence(status.UNKNOWN_WIND_LAW, name="wind_profile", value=5)
-    assert said == "wind_profile is 5, a law that the kernels do not know: see kernels/equations/air.py"
+    assert said == "wind_profile is 5, which is not a wind law: see kernels/equations/air.py"
 
 
 @pytest.mark.parametrize("z", [0.0, -1e-9, -5.0, -1e4])

@@ -102,7 +102,7 @@ WRONG = {
     "hoist --set wanted.fixed=true": "unknown key wanted.fixed",
     "hoist --set duration=0": "duration is 0; it must be at least 0.5 s",
     "hoist --set lines.rope_left.winch_control=force": "lines.rope_left.winch_control is force, and nothing gives that",
-    "hoist --set loads.winch_left=[0,0,1]": "loads.winch_left is given, and winch_left is no free point",
+    "hoist --set loads.winch_left=[0,0,1]": "loads.winch_left is given, and winch_left is not a free point",
     "hoist --set loads.left=3": "loads.left is 3; it must be three numbers [x, y, z] in N",
     "hoyst": "there is no file and no scene 'hoyst'; did you mean hoist?",
 }

@@ -173,8 +173,8 @@ def test_constants_can_be_changed(tmp_path):
 @pytest.mark.parametrize(
     ("changes", "sentence"),
     [
-        ({"airspeed.column": "v"}, "airspeed.column is no constant of a map; sections are kite, station"),
-        ({"diameter": 3}, "diameter is no constant of a map"),
+        ({"airspeed.column": "v"}, "airspeed.column is not a constant of a map; sections are kite, station"),
+        ({"diameter": 3}, "diameter is not a constant of a map"),
         ({"tether.size": 3}, "unknown key tether.size"),
         ({"tether.diameter": -1.0}, "tether.diameter is -1.0; it must be"),
     ],

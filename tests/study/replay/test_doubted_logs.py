@@ -96,7 +96,7 @@ DOUBTED_ENU = {
         "kite_position is below the outlet",
     ),
     "no wind": (lambda t: t.drop(columns="wind_x"), "no wind_velocity: the tethers fly in still air"),
-    "no tether": (lambda t: t, "the map does not say which tether flew: the default is used, 4 mm and 9.1 g/m"),
+    "no tether": (lambda t: t, "the map does not specify the tether: the default is used, 4 mm and 9.1 g/m"),
     "no length": (lambda t: t.drop(columns="tether_length"), "not checked.*kite_position against tether_length"),
     "speed with the wrong sign, no length": (
         lambda t: changed(t.drop(columns="tether_length"), reel_out_speed=np.negative),
@@ -150,7 +150,7 @@ def test_a_slack_tether_is_not_said_to_pull_in_another_unit(folder):
 @pytest.mark.parametrize("constants", [{}, {"tether.diameter": 0.004, "tether.density": 724.0}], ids=["unsaid", "said"])
 def test_the_default_tether_may_be_the_one_that_flew(constants, folder):
     doubts = prepare(log.read(written(folder, enu()), "enu", constants)).log.report.doubts
-    assert any("does not say which tether flew" in each for each in doubts) == (not constants)
+    assert any("does not specify the tether" in each for each in doubts) == (not constants)
 
 
 def calm(time, position, length=None, tension=None, **more):

@@ -26,11 +26,11 @@ REFUSED = {
         lambda t: t.drop(columns="phase").to_csv(index=False, header=False),
         "number in each cell of the first row",
     ),
-    "binary": (lambda t: bytes(range(256)) * 100, "is no text file"),
+    "binary": (lambda t: bytes(range(256)) * 100, "is not a text file"),
     "binary without zeros": (lambda t: bytes(range(1, 256)) * 100, "column|header"),
     "a page of the web": (lambda t: "<html>\n<body>Not found</body>\n</html>", "the column time .* is missing"),
     "a column is missing": (lambda t: t.drop(columns="vd"), "the column vd of the map own is missing; there are time, lat"),
-    "a column is there twice": (lambda t: pd.concat([t, t["lat"]], axis=1), "the column lat is there twice"),
+    "a column appears twice": (lambda t: pd.concat([t, t["lat"]], axis=1), "the column lat appears twice"),
     "decimal commas between commas": (
         lambda t: texts(t).map(lambda cell: cell.replace(".", ",")).to_csv(index=False),
         "time",
@@ -41,7 +41,7 @@ REFUSED = {
     ),
     "texts for positions": (lambda t: put(t, "alt", t.index, "high"), "kite_position .*left out of alt: 1200 of"),
     "no tension": (lambda t: put(t, "force", t.index, ""), "ground_tension .*columns force"),
-    "rows shuffled": (lambda t: t.sample(frac=1.0, random_state=1), "time goes back: .* rows stand in the wrong order"),
+    "rows shuffled": (lambda t: t.sample(frac=1.0, random_state=1), "time goes back: .* rows are in the wrong order"),
     "two logs": (lambda t: pd.concat([t, t]), "time goes back: .*more than one log"),
     "times in ms": (lambda t: changed(t, time=lambda c: 1000.0 * c), "time grows by 100 s .*unit"),
     "times in us": (lambda t: changed(t, time=lambda c: 1e6 * c), "time grows by 1e.05 s .*unit"),
@@ -168,7 +168,7 @@ def test_the_part_before_a_jump_of_the_clock_is_flown(folder):
 
 
 def test_a_folder_and_a_missing_file_are_refused(folder, own):
-    with pytest.raises(log.LogError, match="is no regular file"):
+    with pytest.raises(log.LogError, match="is not a regular file"):
         log.read(folder, own)
     with pytest.raises(log.LogError, match=r"nowhere.csv: cannot be read \(No such file"):
         log.read(folder / "nowhere.csv", own)

@@ -54,7 +54,7 @@ WRONG = {
     "wind.speed~weibull(2)": "weibull has 2 parameters: shape, scale",
     "wind.speed~weibull(2, -9)": "its parameters shape, scale must be above 0",
     "wind.speed~uniform(9, 2)": "its parameters least, largest must be in ascending order",
-    "environment.wind_profile~uniform(1, 2)": "it is no number: give a list",
+    "environment.wind_profile~uniform(1, 2)": "it is not a number: give a list",
     "wind.file=none_*.npz": "no file is called none_*.npz",
 }
 

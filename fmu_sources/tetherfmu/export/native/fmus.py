@@ -32,7 +32,7 @@ SYSTEMS_OF_FMI2 = {"linux": "linux64", "windows": "win64", "darwin": "darwin64"}
 
 
 class Model(NamedTuple):
-    """What a native FMU is of."""
+    """The model in a native FMU."""
 
     name: str
     about: str  # its description

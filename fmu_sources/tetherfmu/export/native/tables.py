@@ -149,7 +149,7 @@ def room_of(kernels, wiring):
 
 
 def _given_plan(wiring):
-    """What is given of the plan of lines but for their segments, an array."""
+    """The given part of the plan of lines, without their segments, an array."""
     return Instance(None, wiring.lines, wiring.free, wiring.band).plan
 
 
@@ -283,7 +283,7 @@ def _with(sentence, known):
 
 
 def sentence_texts():
-    """What an FMU says, and when; {name} and {name:format} are filled in by messages.c."""
+    """Messages of an FMU and their conditions; messages.c fills in {name} and {name:format}."""
     own = {name: value for name, value in vars(refusals).items() if name.isupper() and isinstance(value, str)}
     limits = {name: value for name, value in vars(refusals).items() if name.isupper() and isinstance(value, float)}
     kernel = [_with(status.SENTENCES[code], status.LIMITS) for code in sorted(status.SENTENCES)]

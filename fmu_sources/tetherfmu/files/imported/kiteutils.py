@@ -60,7 +60,7 @@ class Settings:
             if found and (found["indent"] or found["value"]):
                 key = f"{section}.{found['key']}"
                 if key in self.pairs:
-                    raise ValueError(f"row {count}: {key} is in row {self.pairs[key][0]}, too; leave one of them")
+                    raise ValueError(f"row {count}: {key} is in row {self.pairs[key][0]}, too; keep one of them")
                 self.pairs[key] = count, (found["value"] or "").strip().strip("\"'")
 
     def all(self, *names):
@@ -78,7 +78,7 @@ class Settings:
             if values != found[0][2]:
                 raise ValueError(
                     f"row {count}: {key} is {self.pairs[key][1]}, and {found[0][0]} in row {found[0][1]} is "
-                    f"{self.pairs[found[0][0]][1]}; they are names of one quantity: leave one of them"
+                    f"{self.pairs[found[0][0]][1]}; they are names of one quantity: keep one of them"
                 )
         return found[0] if found else None
 

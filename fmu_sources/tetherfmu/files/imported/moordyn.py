@@ -106,7 +106,7 @@ class Deck:
             with row(count):
                 self.add_line(words, lengths.pop(words[0], None))
         for (count, _), *_ in lengths.values():
-            raise ValueError(f"row {count}: the section is of a line that this file has not")
+            raise ValueError(f"row {count}: the section belongs to a line that is not in this file")
         for count, words in self.found["failures"]:
             with row(count):
                 columns(words, OF_A_FAILURE)
@@ -189,17 +189,17 @@ class Deck:
                 columns(words, OF_A_BODY)
                 if words[1].lower() not in DRIVEN:
                     raise ValueError(
-                        f"it is on body {name}, which is {words[1]} in row {count}: points have a mass here, no body turns; "
-                        "only points of a body that is Fixed or Coupled can be driven"
+                        f"it is on body {name}, which is {words[1]} in row {count}: points only have a mass "
+                        "here; only points of a body that is Fixed or Coupled can be driven"
                     )
                 where = [number(key, each) for key, each in zip(OF_A_BODY[2:], words[2:8], strict=True)]
                 return (np.array(where[:3]) + turned(*map(radians, where[3:])) @ place).tolist()
-        raise ValueError(f"it is on body {name}, which this file has not")
+        raise ValueError(f"it is on body {name}, which is not in this file")
 
     def add_point(self, name, table, place):
         """Add the table of a point, which the reader of systems must accept."""
         if f"points.{name}" in self.tables:
-            raise ValueError(f"the point {name.removeprefix('p')} is there twice")
+            raise ValueError(f"the point {name.removeprefix('p')} appears twice")
         self.tables[f"points.{name}"], self.places[name] = table, place
         files.point_of(name, table)
 
@@ -222,7 +222,7 @@ class Deck:
         for k, (count, given) in enumerate(lengths):
             own = f"{name}_{k + 1}" if joints else name
             if f"lines.{own}" in self.tables:
-                raise ValueError(f"the line {words[0]} is there twice")
+                raise ValueError(f"the line {words[0]} appears twice")
             table = {"from": stations[k], "to": stations[k + 1]} | self.line_of(*given)
             with row(count) if count else nullcontext():
                 files.line_of(own, table)
@@ -237,7 +237,7 @@ class Deck:
         if rod and f"points.{name}" not in self.tables:
             self.add_point(name, *self.end_of_rod(rod[1], rod[2].lower()))
         if f"points.{name}" not in self.tables:
-            raise ValueError(f"it is attached to {text}, which is no point of this file")
+            raise ValueError(f"it is attached to {text}, which is not a point of this file")
         return name
 
     def end_of_rod(self, name, end):
@@ -253,7 +253,7 @@ class Deck:
                 first = 3 if end == "a" else 6
                 place = [number(OF_A_ROD[k], words[k]) for k in range(first, first + 3)]
                 return {"position": place}, place
-        raise ValueError(f"it is attached to rod {name}, which this file has not")
+        raise ValueError(f"it is attached to rod {name}, which is not in this file")
 
     def line_of(self, kind, length, segments):
         """Quantities of a line."""

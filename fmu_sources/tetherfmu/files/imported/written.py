@@ -1,4 +1,4 @@
-"""What an imported file becomes: the text of a scene or a system, and what of the file has no place there."""
+"""Result of an import: the text of a scene or a system, and the unused parts of the file."""
 
 import json
 from math import isfinite, nan
@@ -35,11 +35,11 @@ def number(name, text):
 
 
 def said(made):
-    """What a user should know of it, sentences."""
+    """Sentences for the user about it."""
     yield from (f"left out: {each}" for each in made.left_out)
     yield from made.notes
     if made.defaults:
-        yield f"not in the file, so taken by default: {', '.join(made.defaults)}"
+        yield f"not in the file, default used: {', '.join(made.defaults)}"
 
 
 def toml(made, origin):

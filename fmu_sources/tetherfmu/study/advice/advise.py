@@ -106,7 +106,7 @@ class Search:
 
 
 class Advice(NamedTuple):
-    """What to use, and how well that is known."""
+    """Recommendation and its certainty."""
 
     point: Measured  # its configuration, and errors against the finer model
     least: float  # the error is at least this, and at most `expected` [-]: measured against the finer model, less and
@@ -164,7 +164,7 @@ def run(options):
     """Print the advice for a scene file; returns 1 if nothing meets what it asks for."""
     scene = load_for_advice(options.scene, options.settings)
     if not options.fast:
-        now(f"flying {scene.name} with candidates and with a finer model")
+        now(f"flying {scene.name} with candidates and a finer model")
     with flown_from(options.scene):
         advice, text = advise_in_words(scene, FAST_BUDGET if options.fast else BUDGET)
     print(text)

@@ -61,7 +61,7 @@ class Fixed(NamedTuple):
 
 
 class Point(NamedTuple):
-    """What a flight with fixed steps gave."""
+    """Result of a flight with fixed steps."""
 
     config: Fixed
     errors: dict  # by output; empty if refused
@@ -85,7 +85,7 @@ class Point(NamedTuple):
 
 
 class FixedAdvice(NamedTuple):
-    """What to use, and how well that is known."""
+    """Recommendation and its certainty."""
 
     point: Point
     expected: float  # error against the finer model, plus the finer model's own [-]

@@ -1,4 +1,4 @@
-"""What an advice says of the ground: how much of the tether lies on it, or how far below it the tether hangs."""
+"""Advice about the ground: how much of the tether lies on it, or how far below it the tether hangs."""
 
 import numpy as np
 

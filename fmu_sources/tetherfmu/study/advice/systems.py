@@ -55,7 +55,7 @@ class SystemConfig(NamedTuple):
 
 
 class SystemAdvice(NamedTuple):
-    """What to use, and how well that is known."""
+    """Recommendation and its certainty."""
 
     point: Measured  # its configuration, and errors against the finer system
     least: float  # the error is at least this, and at most `expected` [-], as of `advise.Advice`
@@ -151,7 +151,7 @@ def advise(flight, budget=of_scenes.BUDGET):
 
 
 def table(flight, advice):
-    """What was flown: segments, tolerance, error, where it is largest, and the step time over that of the file."""
+    """Configuration with its segments, tolerance, error and where it is largest, and step time relative to the file's."""
     rows, own = [], advice.points[0].cost
     for each in advice.points:
         counts = flight.segments_of_lines(each.config.factor)
@@ -175,7 +175,7 @@ def advised(path, settings=(), budget=of_scenes.BUDGET):
     flight = load(path, settings)
     if "releases" in flight.series:
         raise SceneError(f"{path}: {NO_ADVICE}")
-    now(f"flying {flight.found.name} with candidates and with a finer one")
+    now(f"flying {flight.found.name} with candidates and a finer one")
     with flown_from(path, "system"):
         advice = advise(flight, budget)
     return flight, advice, explain(flight, advice)

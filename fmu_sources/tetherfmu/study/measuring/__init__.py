@@ -1,1 +1,1 @@
-"""What a run costs and how wrong it is: runs, references, errors, times, results on disk, tables. Imports `scenes`."""
+"""Cost and error of runs: runs, references, errors, times, results on disk, tables. Imports `scenes`."""

@@ -23,7 +23,7 @@ def fmus_in(folder, variants=VARIANTS, wind_points=0):
         if not path.exists():
             build(name, folder, BuildOptions(wind_points=wind_points))
         if not is_zipfile(path):
-            raise WrongUse(f"{path} is no FMU: it is no zip archive")
+            raise WrongUse(f"{path} is not an FMU: it is not a zip archive")
     return paths
 
 

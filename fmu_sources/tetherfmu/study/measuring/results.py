@@ -1,4 +1,4 @@
-"""What people report of a flight: its outputs as columns of a table, power and payout with them, and a summary in lines.
+"""Results of a flight for people: a table of outputs, power and payout, and a summary in lines.
 
 Columns are a dict of arrays (rows,) by the names of variables (docs/use/interface.md), those of lines, points and winches of
 a system with their names before a dot; `time` is the first. Each row is a communication point, the first one the start.

@@ -52,7 +52,7 @@ class Config(NamedTuple):
 
 
 class Run(NamedTuple):
-    """What a flight gave at the output times of a scene, the start left out, and what it took."""
+    """Result of a flight at the output times of a scene, without the start, and its cost."""
 
     flown: Flown  # without the positions of the nodes
     work: int  # internal steps, accepted and rejected, or Newton iterations for shapes
@@ -62,7 +62,7 @@ class Run(NamedTuple):
 
 
 def regressors(config, calls, work):
-    """What the four unit costs are multiplied with."""
+    """Factors of the four unit costs."""
     return np.array([calls, calls * config.segments, work, work * config.segments], float)
 
 
@@ -72,7 +72,7 @@ def cost(scene, config, calls, work):
 
 
 def least_cost(scene, config):
-    """What a configuration costs at least: one internal step or iteration in each communication step."""
+    """Lower bound of the cost of a configuration: one internal step or iteration in each communication step."""
     calls = round(scene.count * scene.every / config.step)
     return cost(scene, config, calls, 0 if config.variant == "straight" else calls)
 
@@ -95,12 +95,12 @@ def fmu_of(scene, config):
 
 
 def end_velocities(scene):
-    """What an importer can give: the velocities of the ends, or only positions."""
+    """Inputs that an importer has: the velocities of the ends, or only positions."""
     return at.GIVEN if scene.flight.has_velocities else at.DERIVED
 
 
 def winch_control(scene):
-    """What an importer can tell the winch: a speed, or the force or the length of a log."""
+    """Winch inputs that an importer has: a speed, or the force or the length of a log."""
     if scene.has_force:
         return at.WINCH_BY_FORCE
     return at.WINCH_BY_LENGTH if scene.flight.has_length else at.WINCH_BY_SPEED

@@ -31,7 +31,7 @@ ARGUMENTS = {name: f"{name}s" for name in (*WINCH, RELEASE)}  # of `TetherSystem
 
 @dataclass(frozen=True)
 class Wanted:
-    """What is asked for of a system."""
+    """Requirements for a system."""
 
     allowed_error: float = quantity(0.01, "", "of each force", minimum=1e-4, maximum=0.5)
     communication_step: float = quantity(STEP, "s", "of the simulator", minimum=1e-4, maximum=1.0)
@@ -153,7 +153,7 @@ def load(path, settings=()):
 
 
 def series_in(table, found, folder):
-    """What the table [series] of a file drives, as `SystemFlight.series`, and the last time of a row [s].
+    """Courses of the table [series] of a file, as `SystemFlight.series`, and the last time of a row [s].
 
     found : `SystemFile`.  folder : of CSV files.  ValueError names the key.
     """
@@ -185,7 +185,7 @@ def series_in(table, found, folder):
 
 
 def driven_by(found):
-    """What the table [series] of a `SystemFile` may have, by name of a point, a line or a winch: unit and size by input."""
+    """Keys of the table [series] of a `SystemFile`, by name of a point, a line or a winch: unit and size by input."""
     known = {}
     for each in found.points:
         known[each.name] = dict(MOVED) if each.is_driven else {"load": ("N", 3)}
@@ -222,6 +222,8 @@ def refuse(flight):
     free = [each.name for each in flight.found.points if not each.is_driven]
     for name in flight.loads:
         if name not in free:
-            raise ValueError(f"loads.{name} is given, and {name} is no free point{meant_or_all(name, free, 'those are {}')}")
+            raise ValueError(
+                f"loads.{name} is given, and {name} is not a free point{meant_or_all(name, free, 'those are {}')}"
+            )
         if name in flight.series.get("loads", {}):
             raise ValueError(f"loads.{name} and series.{name}.load are both given; give one of them")

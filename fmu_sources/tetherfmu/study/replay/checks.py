@@ -57,7 +57,9 @@ def check(log):
         undone += [name] if found is False else []
     below = 100.0 * np.nanmean(position[:, 2] < 0.0)
     if below > 50.0:
-        log.report.doubt(f"kite_position is below the outlet of the winch in {below:.0f} % of the rows: is up right?")
+        log.report.doubt(
+            f"kite_position is below the outlet of the winch in {below:.0f} % of the rows; check the axis that points up"
+        )
     judge_what_is_not_said(log)
     with_delays = " with these delays removed" if any(each.is_clear for each in clocks) else ""
     log.report.say(f"consistent{with_delays}: {', '.join(done) or 'nothing to compare'}")
@@ -190,7 +192,7 @@ def compare_length(log, position):
     if not np.isfinite(ratio).any():
         return False
     far, excess = np.nanquantile(ratio, 0.95), np.nanquantile(distance - length, 0.95)
-    check = "as far away as tether_length; check both units, the origin and its altitude, and what length is counted"
+    check = "as far away as tether_length; check both units, the origin and its altitude, and which length is logged"
     if far > FARTHEST and excess > NEARBY:
         raise log.wrong(f"kite_position is, in 5 % of the rows or more, {far:.3g} times {check}")
     if far > DOUBTFUL and excess > NOISE * noise:
@@ -203,7 +205,7 @@ def compare_length(log, position):
         if abs(factor - 1.0) > NEAR + NOISE * spread:
             log.report.doubt(
                 f"kite_position is {factor:.2g} m farther away for each metre of tether_length; check its sign (it grows as "
-                "the winch pays out), its unit, and what length is counted"
+                "the winch pays out), its unit, and which length is logged"
             )
     if "ground_tension" in log.table:
         taut = ratio[log.table["ground_tension"].to_numpy() > TAUT * log.map.weight * length]
@@ -244,7 +246,7 @@ def compare_tension(log, position):
             f"ground_tension is {low:.4g} N at its lowest, {high:.4g} N at its highest; a tether pulls: check its sign"
         )
     if np.nanmedian(tension) < 0.0:
-        log.report.doubt(f"the median of ground_tension is {np.nanmedian(tension):.3g} N: is its zero right?")
+        log.report.doubt(f"the median of ground_tension is {np.nanmedian(tension):.3g} N; check its zero")
     strain = high / log.map.tether.axial_stiffness
     if strain > LARGEST_STRETCH - 1.0:
         log.report.doubt(f"ground_tension would stretch the tether by {100.0 * strain:.3g} %; check its unit, and [tether]")
@@ -259,8 +261,9 @@ def compare_tension(log, position):
     log.report.say(f"size: ground_tension is {found:.2g} times dynamic pressure and area of the kite")
     if not least <= found <= most:
         log.report.doubt(
-            f"ground_tension is {found:.2g} times dynamic pressure and area of the kite, {least:g} to {most:g} are usual of "
-            f"soft kites; {probably(units_of_tension(log, found, least, most))}check its unit, that of airspeed, and "
+            f"ground_tension is {found:.2g} times dynamic pressure and area of the kite, {least:g} to {most:g} "
+            f"are usual for soft kites; {probably(units_of_tension(log, found, least, most))}check its unit, "
+            "that of airspeed, and "
             "kite.area",
             of_unit=True,
         )
@@ -333,7 +336,7 @@ def judge_what_is_not_said(log):
         log.report.doubt(doubt, of_unit=True)
     if tether == Tether() and not log.map.names_tether:
         log.report.doubt(
-            f"the map does not say which tether flew: the default is used, {1000.0 * tether.diameter:g} mm and "
+            f"the map does not specify the tether: the default is used, {1000.0 * tether.diameter:g} mm and "
             f"{1000.0 * tether.mass_per_length:.3g} g/m; give a table [tether], or set tether.diameter, ..."
         )
     if log.of(WIND) is None:

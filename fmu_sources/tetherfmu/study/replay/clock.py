@@ -81,7 +81,7 @@ def in_order(time, rows, cells, column, report):
     if len(time) - len(kept) > MOST_BACK * len(time):
         k = int(np.argmax(np.diff(time) < 0.0))
         raise ValueError(
-            f"{column} goes back: {len(time) - len(kept)} of {len(time)} rows stand in the wrong order, the first after "
+            f"{column} goes back: {len(time) - len(kept)} of {len(time)} rows are in the wrong order, the first after "
             f"{time[k]:.10g} s, where {time[k + 1]:.10g} s follows at row {cells.index[rows[k + 1]]} of the file; is this "
             "more than one log?"
         )

@@ -67,7 +67,7 @@ class Station:
 
 @dataclass(frozen=True)
 class Smoothing:
-    """What the smoother assumes of the noise; see `smoothing.Noise`."""
+    """Noise levels of the smoother; see `smoothing.Noise`."""
 
     position_noise: float = quantity(1.0, "m", "standard deviation of a logged position", 1e-4, 1e3)
     velocity_noise: float = quantity(0.2, "m/s", "standard deviation of a logged velocity", 1e-4, 1e2)
@@ -217,7 +217,7 @@ class Columns:
         for key, value in changes.items():
             section, _, name = key.partition(".")
             if section not in (known := (*OWN, *OF_SCENES)):
-                raise MapError(f"{key} is no constant of a map{meant_or_all(section, known, 'sections are {}')}")
+                raise MapError(f"{key} is not a constant of a map{meant_or_all(section, known, 'sections are {}')}")
             records.setdefault(section, {})[name] = value
         with prefixed("", MapError):
             return replace(self, **read_records(records, self))

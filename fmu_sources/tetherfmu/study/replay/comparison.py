@@ -18,7 +18,7 @@ def averaged(values):
 
 
 def residuals(flight, flown):
-    """What the tethers give minus the log, a DataFrame with a row for each tether and time, with the labels of the log.
+    """Results of the tethers minus the log, a DataFrame with a row for each tether and time, with the labels of the log.
 
     flown : dict from the name of a tether to its `runs.Flown`.  Columns: `length`, of the unstretched lengths [m];
     `tension`, of the means over `MEAN` at the ground [N]; `measured`, that mean [N]; `band` [N], by which the tension of
@@ -54,7 +54,7 @@ def errors(found, start, lead):
 
 
 def of_length(part):
-    """What is said of the length in a part of `residuals`, by the heads of its columns."""
+    """Statistics of the length in a part of `residuals`, by the heads of the columns."""
     scatter = rms(part.length - part.length.mean())
     return {
         "measured tension [N]": part.measured.mean(),
@@ -66,7 +66,7 @@ def of_length(part):
 
 
 def of_tension(part):
-    """What is said of the tension."""
+    """Statistics of the tension."""
     known = part[np.isfinite(part.tension)]
     alike = np.corrcoef(known.measured, known.measured + known.tension)[0, 1] if len(known) > 1 else np.nan
     return {

@@ -23,7 +23,7 @@ CLEAR, CLEAR_OF_SPEED = 0.2, 2.0  # s, from which on a delay is doubtful; the se
 
 
 class Signal(NamedTuple):
-    """What can be compared of a column: its name, and values on the grid, array (times, components); NaN: not known."""
+    """Comparable signal of a column: its name, and values on the grid, array (times, components); NaN: unknown."""
 
     column: str
     values: np.ndarray
@@ -177,7 +177,7 @@ def judge(log, delays):
 
 
 def in_words(delay):
-    """What was compared."""
+    """Compared signals."""
     return " and ".join(f"{each.column} ({each.what})" if each.what else each.column for each in (delay.late, delay.early))
 
 

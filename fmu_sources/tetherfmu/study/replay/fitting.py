@@ -1,4 +1,4 @@
-"""What has to be added to a log so that length and position fit each other: found on one part, judged on another."""
+"""Corrections that reconcile length and position of a log: found on one part, judged on another."""
 
 from dataclasses import dataclass
 from itertools import pairwise
@@ -25,7 +25,7 @@ LARGEST = 0.9999  # correlation of two columns, from which on they cannot be dis
 
 @dataclass(frozen=True)
 class Fit:
-    """What was found: `correction`, and by name its numbers with the half widths of their intervals, dict of pairs.
+    """Result of a fit: `correction`, and by name its numbers with the half widths of their intervals, dict of pairs.
 
     The intervals hold all at once with the probability `CONFIDENCE`.  `rms` : the residual on the part of the fit [m].
     """

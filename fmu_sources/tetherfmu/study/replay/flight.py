@@ -25,7 +25,7 @@ MEASURED = {"tension": "ground_tension", "length": "tether_length", "speed": "re
 
 @dataclass(frozen=True)
 class Correction:
-    """What is added to a log, so that its quantities fit each other; see `fitting`."""
+    """Corrections that are added to a log, so that its quantities agree; see `fitting`."""
 
     length: float = 0.0  # to the length [m]
     origin: tuple = (0.0, 0.0, 0.0)  # to the positions [m]
@@ -224,8 +224,8 @@ def refuse_gaps(log, position, start, end):
         jump = row and log.time[row] - log.time[row - 1]
         why = f": the time jumps by {jump:.1f} s at row {log.rows[row]} of the file" if jump > longest else ""
         raise log.wrong(
-            f"no position is known from {time[k]:.1f} to {time[k + 1]:.1f} s{why}; fly a part (--from, --to), or allow it "
-            f"with smoothing.longest_gap (now {longest:g} s)"
+            f"no position is known from {time[k]:.1f} to {time[k + 1]:.1f} s{why}; replay a part (--from, "
+            f"--to), or allow it with smoothing.longest_gap (now {longest:g} s)"
         )
     bridged = gaps > 1.5 * usual
     log.report.count("bridged", int(bridged.sum()), len(gaps), f"gaps of up to {gaps[k]:.2f} s in the position")

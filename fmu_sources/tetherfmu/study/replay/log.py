@@ -24,7 +24,7 @@ class LogError(SceneError):
 
 @dataclass
 class Report:
-    """What was done to a log before it was flown, a line each: nothing is done in silence. And what in it is doubtful."""
+    """Changes to a log before its replay, a line each, and its doubtful signals."""
 
     lines: list = field(default_factory=list)  # texts
     doubts: list = field(default_factory=list)  # texts: what may be wrong, and was left as it is

@@ -67,7 +67,7 @@ class Replay:
             if each.refusals:
                 yield refused(name, each)
             if each.break_time >= 0.0:
-                yield f"{name} broke after {each.break_time:.3g} s: what it gives from then on is that of a broken tether"
+                yield f"{name} broke after {each.break_time:.3g} s; its later results are those of a broken tether"
         yield from self.not_flown
 
 
@@ -78,7 +78,7 @@ def refused(name, flown):
 
 
 def default_lead(read):
-    """What drives the winch: the tension if the log has it, else the length, else the speed; LogError if it has none."""
+    """Signal that drives the winch: the tension if the log has it, else the length, else the speed; LogError without any."""
     for lead, column in MEASURED.items():
         if column in read.table:
             return lead
@@ -135,7 +135,7 @@ def series(made):
 
 
 def text(made, table):
-    """What was done to the log, what was fitted, a table of errors, and doubts."""
+    """Report of a replay: changes to the log, fit, table of errors, doubts."""
     flight = made.flight
     lines = [str(flight.log.report), ""]
     if made.fit:
@@ -146,13 +146,13 @@ def text(made, table):
 
 
 def wanted_fits(flight, named):
-    """What is fitted, a tuple: what is named (a list), or the offset if the log has what it needs; else its report says so.
+    """Fitted corrections, a tuple: those named (a list), or the offset if the log allows it; else its report says so.
 
     WrongUse if `NOTHING` is named beside something.
     """
     if named:
         if NOTHING in named and len(named) > 1:
-            raise WrongUse(f"--fit {' '.join(named)} is not possible; {NOTHING} stands alone")
+            raise WrongUse(f"--fit {' '.join(named)} is not possible; {NOTHING} cannot be combined")
         return tuple(dict.fromkeys(each for each in named if each != NOTHING))
     known, table = flight.log.map.station.length_offset, flight.log.table
     if known or not flight.has_length or "ground_tension" not in table:

@@ -29,7 +29,7 @@ TAUT = 1.05  # first length over the distance of the ends, at most, where a tens
 
 
 class Flown(NamedTuple):
-    """What a tether gave along a flight: `table`, a DataFrame with a row for each of `Flight.times`; NaN where it refused.
+    """Result of a tether along a flight: `table`, a DataFrame with a row for each of `Flight.times`; NaN where it refused.
 
     Columns beside outputs of these names: `mean_tension`, of `ground_tension` over the steps since the row before [N];
     `air_force`, what forces at both ends and weight leave [N]: drag, of a tether that hangs in equilibrium in the air.

@@ -91,7 +91,7 @@ def build(place):
 
     It has the values of the scene as start values, see `advice.scene_build`.  SceneError if the scene cannot be flown.
     """
-    now("flying the scene with candidates and with a finer model")
+    now("flying the scene with candidates and a finer model")
     text, met, name, options = scene_build.advised(place / FILE, BuildOptions.shape_points, (this_platform(),))
     print(text)
     return archive.build(name, place, options) if met else None

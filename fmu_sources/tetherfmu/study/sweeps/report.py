@@ -1,4 +1,4 @@
-"""What a sweep writes: tables, figures of what people ask first, one page with the worst flights; and its command."""
+"""Results of a sweep: tables, figures, one page with the worst flights; and its command."""
 
 import shlex
 import sys
@@ -171,7 +171,7 @@ def overview(table, varied, statistics):
 
 
 def values_in_words(table, name):
-    """What a varied value was, for people."""
+    """A varied value for people."""
     values = table[name]
     if not pd.api.types.is_numeric_dtype(values):
         return f"{values.nunique()} values: {', '.join(map(str, values.unique()[:5]))}"

@@ -23,7 +23,7 @@ SMALLEST_RANGE = 1e-3  # of a cycle that is counted [N]
 
 
 class Statistics(NamedTuple):
-    """What is wanted of each flight."""
+    """Requested statistics of each flight."""
 
     outputs: tuple = ("kite_tension", "ground_tension", "power", "payout")  # of `OUTPUTS`
     percentiles: tuple = (5.0, 50.0, 95.0)

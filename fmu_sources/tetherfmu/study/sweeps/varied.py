@@ -1,4 +1,4 @@
-"""What a sweep varies: values of a scene on a grid, in a list, or drawn from a distribution.
+"""Varied values of a sweep: values of a scene on a grid, in a list, or drawn from a distribution.
 
 tether.diameter=3 mm..6 mm:4       four values, evenly spaced
 wind.seed=1..20                    whole numbers
@@ -153,7 +153,7 @@ def varied(text, flight="circle", folder=Path()):
         if how == "~":
             written = DISTRIBUTION.fullmatch(rest)
             if not written or unit is None:
-                must = "it must be NAME~DISTRIBUTION(...)" if not written else "it is no number: give a list, NAME=A,B,C"
+                must = "it must be NAME~DISTRIBUTION(...)" if not written else "it is not a number: give a list, NAME=A,B,C"
                 raise ValueError(f"{must}, with one of {', '.join(DISTRIBUTIONS)}" if not written else must)
             parameters = [each.strip() for each in written[2].split(",")]
             return Varied(name, unit, distribution=distribution(written[1], parameters, unit))
