@@ -19,7 +19,7 @@ and say how strongly the rope pulls inwards at the end e. T is the tension there
 
 T^2/(2 EA) is the energy of the strain that the rope has there: none where T < 0. All functions take numbers, or pairs of the
 two halves of a line (`linear_algebra.pairs`), where p is the outer node and `own` the end on its side.
-Theory: docs/models/theory.md, "Rope that flows" and "Rope coordinates".
+Theory: docs/models/theory.md, "Rope that flows"; docs/models/numerics.md, "Rope coordinates".
 """
 
 from collections import namedtuple

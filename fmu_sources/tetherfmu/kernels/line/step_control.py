@@ -47,11 +47,12 @@ damper_velocity, damper : error estimate of a damper's tension as a velocity [m/
 tension : of any tension over what is allowed [-].  largest : tension of all segments [N].  is_stiff : whether the line is.
 has_crossed : whether a segment went over the taut-slack transition.
 """
-DrumError = namedtuple("DrumError", "length growth mass")
+DrumError = namedtuple("DrumError", "length growth mass moves_segment")
 DrumError.__doc__ = """Error estimates of the drum of a line in the last step.
 
 length : of the length over gamma h [m/s].  growth : of the relative rate of the length, as dampers see it [1/s].
 mass : of the drum [kg], inf without one and where it is held; 0: it keeps the tension of the first segment what it is to be.
+moves_segment : whether rope that comes in moves the only segment of the line, see `events.keep_energy`.
 """
 
 
@@ -170,7 +171,7 @@ def error_of_step(conditions, chain, h, v, drum, w):
     if damper > 1.0:
         damper = min(damper, found.damper / DAMPER)
     error = max(error_norm(conditions, h, position_scale, velocity_scale, w), damper, tension)
-    if found.has_crossed:
+    if found.has_crossed and not drum.moves_segment:
         transition = transition_error(conditions, chain, h, w) / velocity_scale
         keep_energy(conditions, chain, w)
     if has_ground(chain.parameters):

@@ -103,48 +103,36 @@ def part_of_parabola(first, rate, last):
 
 
 @kernel
+def impulse_between(s, chain, mobility, rate_of_rest, below, above, w):
+    """Impulse [N s] along segment s that keeps the energy if it went over the transition, and the direction; 0 without.
+
+    mobility : of the rate of l - l0 [1/kg].  rate_of_rest : of l0 [m/s].  below, above : velocities of its nodes [m/s].
+    """
+    length, e = segment.geometry(sub(get(w.x, s + 1), get(w.x, s)))
+    over = length - rest_length(chain, s)
+    rate = dot(e, sub(above, below)) - rate_of_rest
+    if not (went_over(s, chain, w) and rate * over > 0.0 and mobility > 0.0):
+        return 0.0, e
+    square = rate * rate + mobility * excess(s, chain, w)[0] * over * over
+    return (copysign(sqrt(max(square, 0.0)), rate) - rate) / mobility, e
+
+
+@kernel
 def keep_energy(conditions, chain, w):
     """Correct the velocities in w.v (modified) of the nodes of segments that went over the transition.
 
     With the reduced mass m of the free nodes, m (rate'^2 - rate^2)/2 = (k - k') (l - l0)^2/2; a rate that this would turn
     round becomes 0. A segment that is on its way back already is left alone. All rates are those before the correction, so
-    that it does not matter at which end one begins. `chain` is that at the end of the step.
+    that it does not matter at which end one begins. `chain` is that at the end of the step. Where rope that comes in moves
+    the only segment, too: `events.keep_energy`.
     """
     below = get(w.v, 0)  # before the correction
     for s in range(chain.n):
         above = get(w.v, s + 1)
-        if went_over(s, chain, w):
-            length, e = segment.geometry(sub(get(w.x, s + 1), get(w.x, s)))
-            over = length - rest_length(chain, s)
-            rate = dot(e, sub(above, below))
-            if rate * over > 0.0:
-                mobility_p = 1.0 / w.mass[s] if s >= conditions.first else 0.0
-                mobility_q = 1.0 / w.mass[s + 1] if s + 1 <= conditions.last else 0.0
-                mobility = mobility_p + mobility_q
-                square = rate * rate + mobility * excess(s, chain, w)[0] * over * over
-                impulse = (copysign(sqrt(max(square, 0.0)), rate) - rate) / mobility
-                put(w.v, s, add_scaled(get(w.v, s), -impulse * mobility_p, e))
-                put(w.v, s + 1, add_scaled(above, impulse * mobility_q, e))
+        mobility_p = 1.0 / w.mass[s] if s >= conditions.first else 0.0
+        mobility_q = 1.0 / w.mass[s + 1] if s + 1 <= conditions.last else 0.0
+        impulse, e = impulse_between(s, chain, mobility_p + mobility_q, 0.0, below, above, w)
+        if impulse != 0.0:
+            put(w.v, s, add_scaled(get(w.v, s), -impulse * mobility_p, e))
+            put(w.v, s + 1, add_scaled(above, impulse * mobility_q, e))
         below = above
-
-
-# --- with the drum of a winch, or rope that runs, whose speed the first segment changes, too
-
-
-@kernel
-def keep_energy_of_drum(mass, chain, w):
-    """L' [m/s] after a step in which the only segment of a line, between driven ends, went over the transition.
-
-    As `keep_energy`, with the mass [kg] that L' moves, 0 where it is as before, and the rate of l - l0, of which L' is a
-    part. `chain` is that at the end of the step, w.x and w.v are the driven ends.
-    """
-    speed = chain.reeling
-    if mass == 0.0 or not went_over(0, chain, w):
-        return speed
-    length, e = segment.geometry(sub(get(w.x, 1), get(w.x, 0)))
-    over = length - rest_length(chain, 0)
-    rate = dot(e, sub(get(w.v, 1), get(w.v, 0))) - speed
-    if rate * over <= 0.0:
-        return speed
-    square = rate * rate + excess(0, chain, w)[0] * over * over / mass
-    return speed + rate - copysign(sqrt(max(square, 0.0)), rate)

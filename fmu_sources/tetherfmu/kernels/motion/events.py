@@ -38,9 +38,9 @@ from ..line.massless_drum import Instant, project, tension_at_rest
 from ..line.rodas4p import GAMMA
 from ..line.step_control import DrumError, allowed_errors
 from ..line.strand_room import LENGTH, RATE, TENSION, rope_in
-from ..line.taut_slack import keep_energy_of_drum, wrong_impulse
+from ..line.taut_slack import impulse_between, wrong_impulse
 from ..linear_algebra import profile
-from ..linear_algebra.vectors import add_at, get, scale
+from ..linear_algebra.vectors import add_at, add_scaled, get, put, scale
 from ..points import net, room
 from ..points.coordinates import has_own_drum, longest_of, shortest_of
 from ..points.room import (
@@ -50,7 +50,6 @@ from ..points.room import (
     count_of,
     globals_of,
     growth_of,
-    has_free_nodes,
     has_longest,
     has_rope,
     integrator_of,
@@ -332,7 +331,7 @@ def project_massless(system, time, h):
 def drum_error(system, k):
     """`DrumError` of line k: with the mass of a drum of its own."""
     if not has_rope(system, k):
-        return DrumError(0.0, 0.0, inf)
+        return DrumError(0.0, 0.0, inf, False)
     numbers = numbers_of(system, k)
     length, speed = room.let_in_over_both(system, k, room.WRONG), room.let_in_over_both(system, k, room.WRONG_SPEED)
     growth, mass = speed / numbers[LENGTH] if feels_rope(parameters_of(system, k)) else 0.0, inf
@@ -340,7 +339,7 @@ def drum_error(system, k):
         j, _ = room.holder(system, k, 0, 0)
         if is_free(system, j):
             mass = net.mass_at(system, j, k)
-    return DrumError(length, growth, mass)
+    return DrumError(length, growth, mass, segments_of(system, k) == 1)
 
 
 @kernel
@@ -374,56 +373,66 @@ def error_of_coordinates(system, h):
     return worst
 
 
-# --- single segments between driven ends
+# --- lines of a single segment: rope that comes in moves its ends apart as nodes do
 
 
 @kernel
-def mass_of_rate(system, k):
-    """Mass [kg] that L' of line k moves with the coordinates that are free there; 0 where none is."""
+def mobility_of_rate(system, k):
+    """How much L' of line k changes by an impulse along it [1/kg], with the coordinates that are free there."""
     mobility = 0.0
     for j in range(count_of(system)):
         growth = growth_of(system, j, k)
         if is_free(system, j) and growth != 0.0:
             inertia = net.inertia_of(system, j)
             mobility += growth * growth / inertia if inertia > 0.0 else 0.0
-    return 1.0 / mobility if mobility > 0.0 else 0.0
+    return mobility
+
+
+@kernel
+def mobility_of_ends(system, k, w):
+    """The same of both ends of line k, a single segment: 0 where they are driven."""
+    conditions = conditions_of(system, k)
+    return 1.0 / w.mass[0] if conditions.first == 0 else 0.0, 1.0 / w.mass[1] if conditions.last == 1 else 0.0
 
 
 @kernel
 def transition_of_rate(system, k, chain, h, w):
-    """Error of L' of line k, a segment between driven ends, from its `taut_slack.wrong_impulse` in a step of h [s].
+    """Error of L' of line k, a single segment, from its `taut_slack.wrong_impulse` in a step of h [s].
 
     Over what is allowed [-], squared; 0 where it is less. chain, w : as for `step_control.error_of_step`.
     """
-    mass, (_, v) = mass_of_rate(system, k), motion_of(system, k)
-    if mass == 0.0 or has_own_drum(system, k):
-        return 0.0
-    conditions = conditions_of(system, k)
+    of_rope, (_, v), conditions = mobility_of_rate(system, k), motion_of(system, k), conditions_of(system, k)
+    if has_own_drum(system, k):
+        of_rope = 0.0  # its error is that of the drum
+    of_start, of_end = mobility_of_ends(system, k, w)
     _, allowed = allowed_errors(conditions, v)
     allowed = max(allowed, conditions.parameters[at.RELATIVE_TOLERANCE] * abs(chain.reeling))
-    transition = wrong_impulse(0, chain, h, w) / mass / allowed
+    transition = wrong_impulse(0, chain, h, w) * max(of_rope, max(of_start, of_end)) / allowed
     return transition * transition if transition > 1.0 else 0.0
 
 
 @kernel
 def keep_energy(system, k, chain, w):
-    """Let the coordinates (modified) at line k, a segment between driven ends, have the speeds that keep the energy.
+    """Let the ends and the coordinates (modified) of line k, a single segment, have the speeds that keep the energy.
 
-    Each gets its part of what changes L', see `taut_slack.keep_energy_of_drum`.
+    Each gets its part of the impulse, see `taut_slack.impulse_between`.
     """
-    mass = mass_of_rate(system, k)
-    change = keep_energy_of_drum(mass, chain, w) - chain.reeling
-    if change != 0.0:
+    of_rope, (of_start, of_end) = mobility_of_rate(system, k), mobility_of_ends(system, k, w)
+    mobility = of_rope + of_start + of_end
+    impulse, e = impulse_between(0, chain, mobility, chain.reeling, get(w.v, 0), get(w.v, 1), w)
+    if impulse != 0.0:
+        put(w.v, 0, add_scaled(get(w.v, 0), -impulse * of_start, e))
+        put(w.v, 1, add_scaled(get(w.v, 1), impulse * of_end, e))
         for j in range(count_of(system)):
             growth = growth_of(system, j, k)
             if is_free(system, j) and growth != 0.0:
-                coordinate_at(system, j)[room.SPEED_NOW] += change * mass * growth / net.inertia_of(system, j)
+                coordinate_at(system, j)[room.SPEED_NOW] -= impulse * growth / net.inertia_of(system, j)
 
 
 @kernel
 def settle_single_segment(system, k, time, h):
-    """Error of L' of line k, if it has no node that moves freely, in a step to a time [s]; speeds keep the energy."""
-    if not has_rope(system, k) or has_free_nodes(system, k):
+    """Error of L' of line k, if it is a single segment with ropes, in a step to a time [s]; speeds keep the energy."""
+    if not has_rope(system, k) or segments_of(system, k) > 1:
         return 0.0
     chain, w = chain_at_stage(system, k), integrator_of(system, k)
     error = transition_of_rate(system, k, chain, h, w)
