@@ -108,7 +108,7 @@ WRONG = [  # what is typed, status, what must be said
     ("fly --fmus text.txt", 2, ("--fmus", "'text.txt'", "is a file")),
     ("fly --html --duration 0.1 --fmu no_shape.fmu", 2, ("no_shape.fmu", "output shape", "--shape-points 21")),
     ("fly --fmu other.fmu", 2, ("other.fmu", "no variable kite_position", "tetherfmu build")),
-    ("fly --fmu fmi3.fmu", 2, ("fmi3.fmu", "not an FMU")),
+    ("fly --fmu fmi3.fmu", 2, ("fmi3.fmu", "not a readable FMU")),
     ("fly --fmu exchange.fmu", 2, ("exchange.fmu", "co-simulation by FMI 2.0")),
     ("fly --fmu no_library.fmu", 1, ("no_library.fmu cannot be loaded", "tetherfmu check no_library.fmu")),
     ("fly --rate 1000 --fmu no_shape.fmu", 2, ("0.00628319 s", "communication step of 0.02 s")),

@@ -167,7 +167,7 @@ REFUSED = {
     "landing_crane --set series.kite_velocity=[0,0,1]": "series.kite_velocity moves the kite, which is a free end",
     "landing_crane --set series.reel_out_sped=1": "unknown key series.reel_out_sped; did you mean reel_out_speed?",
     "parked --set series.kite_load=[0,0,1]": "series.kite_load is a force on a free end; flight.kind must be 'free_end'",
-    "parked --set series.winch_length=3 --set series.winch_force=3": "series has winch_force and winch_length; one of them",
+    "parked --set series.winch_length=3 --set series.winch_force=3": "series has winch_force and winch_length; only one of them",
     "parked --set series.release=[[1,true]] --tether straight": "--tether is straight; parked lets its tether go",
 }
 

@@ -124,7 +124,7 @@ REFUSED_ENU = {  # of the same flight for the map `enu`
     "times in minutes": (lambda t: changed(t, time=lambda c: c / 12.0), "kite_velocity contradicts kite_position|moves by"),
     "a clock that jumps by 300 s": (
         lambda t: changed(t, time=lambda c: c + 300.0 * (c.index >= 300)),
-        "from 29.9 to 330.0 s: the time jumps by 300.1 s at row 302 of the file; fly a part",
+        "from 29.9 to 330.0 s: the time jumps by 300.1 s at row 302 of the file; replay a part",
     ),
     "a clock that is set back by 300 s": (
         lambda t: changed(t, time=lambda c: c - 300.0 * (c.index >= 300)),
