@@ -1,7 +1,7 @@
 """Settings (`settings.yaml`) of KiteUtils.jl, KiteModels.jl, SymbolicAWEModels.jl and Tethers.jl: a kite at its tether.
 
-Sections have pairs of a key and a value; as in KiteUtils.jl a key may stand in any section. One tether makes a scene, several
-lines from the ground to the kite a system.
+Sections have pairs of a key and a value; as in KiteUtils.jl a key may stand in any section. One tether makes a scene,
+several lines from the ground to the kite a system.
 
 Air there is rho_0 at 15 degrees Celsius and sea level; at the ground station of the height h and the temperature T it is
 
