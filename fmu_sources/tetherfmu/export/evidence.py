@@ -22,13 +22,13 @@ from warnings import catch_warnings
 
 from tetherfmu.python.system import TetherSystem
 from tetherfmu.records.problems import PlausibilityWarning
-from tetherfmu.records.winches import holding
 from tetherfmu.runtime.enumerations import WINCH_BY_FORCE, WINCH_BY_LENGTH, WINCH_BY_SPEED
 from tetherfmu.runtime.inputs import KITE_AT_START, ZERO, components, wind_at_names
 from tetherfmu.runtime.parameters import DEFAULT_TOLERANCE, Environment, FreeKite, Solver, Winch
 from tetherfmu.runtime.variants import BY_NAME, DYNAMIC
 from tetherfmu.wiring.portions import portions_of
 from tetherfmu.wiring.variables import INPUT, OUTPUT, names_of, variables
+from tetherfmu.wiring.winches import holding
 
 from .texts import filled
 

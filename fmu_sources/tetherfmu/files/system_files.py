@@ -5,16 +5,17 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from tetherfmu.records.lines import Line, Point, check_system, checked_name
 from tetherfmu.records.materials import tether_of
-from tetherfmu.records.winches import SharedWinch, check_winches
+from tetherfmu.records.systems import checked
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.inputs import INPUT_TABLE
 from tetherfmu.runtime.naming import prefixed
 from tetherfmu.runtime.outputs import OUTPUT_TABLE
 from tetherfmu.runtime.parameters import Environment, FreeKite, Ground, Solver, Tether, Winch
 from tetherfmu.runtime.quantities import quantities, quantity
-from tetherfmu.wiring.system_variables import OF_A_DRUM
+from tetherfmu.wiring.lines import Line, Point, checked_name
+from tetherfmu.wiring.system import System
+from tetherfmu.wiring.winches import OF_A_DRUM, SharedWinch
 
 from . import lean
 from .lean import Lean
@@ -97,16 +98,9 @@ OF_A_LINE = ("from", "to", "material", *keys_of(TableOfLine), *keys_of(TableOfSh
 
 
 @dataclass(frozen=True)
-class SystemFile:
-    """What a file says of a system: its name, the arguments of `TetherSystem`, and what its FMU is built with."""
+class SystemFile(System):
+    """What a file says of a system: a `System`, and what its FMU is built with."""
 
-    name: str
-    points: tuple
-    lines: tuple
-    environment: Environment
-    solver: Solver
-    ground: Ground
-    winches: tuple = ()
     build: Lean = field(default_factory=Lean)
 
 
@@ -128,15 +122,14 @@ def read(table, name):
     checked_name("system", name)
     points = tuple(point_of(each, given) for each, given in named(table["points"], "points"))
     lines = tuple(line_of(each, given) for each, given in named(table["lines"], "lines"))
-    check_system(points, lines)
     winches = tuple(winch_of(each, given) for each, given in named(table.get("winches", {}), "winches"))
-    check_winches(winches, lines, [each.name for each in (*points, *lines)])
     environment = record(Environment, table.get("environment", {}), "environment")
     ground = Ground()
     if "ground" in table:
         ground = ground_of(record(TABLE_OF_GROUND, table["ground"], "ground", ("contact",)), environment)
     solver = record(Solver, table.get("solver", {}), "solver")
-    return SystemFile(name, points, lines, environment, solver, ground, winches, lean.read(table.get("build", {})))
+    build = lean.read(table.get("build", {}))
+    return checked(SystemFile(name, points, lines, environment, solver, ground, winches, build=build))
 
 
 def named(tables, section):

@@ -13,7 +13,7 @@ from ..runtime.quantities import NOT_WHOLE, checked, is_beyond
 from ..runtime.saved_state import STEPPING, SavedState
 from ..wiring.fmu import of_system, of_tether
 from ..wiring.packing import pack_lines, put_holders, put_sheaves
-from ..wiring.system_variables import structure_of
+from ..wiring.system import system_from
 from ..wiring.variables import PARAMETER, table_of
 from .base_slave import WARNING, BaseSlave
 from .resources import KERNELS_FOLDER, options_in
@@ -43,7 +43,7 @@ class TetherSlave(BaseSlave):
         self._importer_tolerance, self._doubts, self._watch = 0.0, (), None
         if self.variant is None:
             given = options["left_out"], options["starts"]
-            self._wiring = of_system(structure_of(options["system"]), *given)
+            self._wiring = of_system(system_from(options["system"]), *given)
             self.modelName = options["system"]["name"]
         else:
             table = table_of(self.variant, options)

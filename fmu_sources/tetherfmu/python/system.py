@@ -13,14 +13,16 @@ from numpy.typing import ArrayLike, NDArray
 
 from tetherfmu.files import system_files as files
 from tetherfmu.records import arguments
-from tetherfmu.records.lines import Line, Point, check_system
 from tetherfmu.records.problems import StepRefused
-from tetherfmu.records.winches import SharedWinch, check_winches, check_with_sheaves, holding
+from tetherfmu.records.systems import checked
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.naming import prefixed
 from tetherfmu.runtime.parameters import Environment, Ground, Solver
 from tetherfmu.runtime.status import OK
+from tetherfmu.wiring.lines import Line, Point
 from tetherfmu.wiring.portions import all_portions, joined
+from tetherfmu.wiring.system import System
+from tetherfmu.wiring.winches import SharedWinch, holding
 
 from .energy import account
 from .results import outputs_of
@@ -91,25 +93,20 @@ class TetherSystem(Running):
         winches: Sequence[SharedWinch] = (),
         wind_points: int = 0,
     ):
-        points, lines = arguments.records_of("points", points, Point), arguments.records_of("lines", lines, Line)
-        winches = arguments.records_of("winches", winches, SharedWinch)
-        check_system(points, lines)
-        check_winches(winches, lines, [each.name for each in (*points, *lines)])
-        kinds = {Environment: environment, Solver: solver, Ground: ground}
-        for kind, record in kinds.items():
-            arguments.record_of(type(self).__name__, record, kind)
-        for line in lines:
-            arguments.tethers_of("Line", line.tether)
-        check_with_sheaves(lines, winches)
-        self.points, self.lines, self.winches = points, lines, winches
-        self._records = environment, solver, ground
-        self.wind_points: int = arguments.wind_points(wind_points)
-        arguments.check_wind(environment, self.wind_points)
+        named = {"environment": environment, "solver": solver, "ground": ground, "winches": winches}
+        self._describe(checked(System(type(self).__name__, points, lines, wind_points=wind_points, **named)))
+
+    def _describe(self, system):
+        """Take what a checked `System` says, and make the arrays."""
+        self._system = system
+        self.points, self.lines, self.winches = system.points, system.lines, system.winches
+        self._records = system.environment, system.solver, system.ground
+        self.wind_points: int = system.wind_points
         self._make()
 
     def _make(self):
         """Make the arrays."""
-        self._instance = instance_of(self.points, self.lines, *self._records, self.wind_points, self.winches)
+        self._instance = instance_of(self._system)
         self._arrays = Arrays(self._instance, all_portions(self.lines), self._records[0].wind_profile, self.winches)
 
     @classmethod

@@ -1,14 +1,10 @@
 """The flat arrays of a system: an `Instance` made of records, and views of its arrays for numpy."""
 
 from itertools import accumulate
-from types import SimpleNamespace
 
 import numpy as np
 
 from tetherfmu.libraries import ready
-from tetherfmu.records.lines import sheave_numbers
-from tetherfmu.records.ordering import ordered
-from tetherfmu.records.winches import as_built, with_controls
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import plan_layout as places
 from tetherfmu.runtime.inputs import PLACES
@@ -16,38 +12,37 @@ from tetherfmu.runtime.instance import Instance
 from tetherfmu.runtime.kernel_library import SYSTEM
 from tetherfmu.runtime.parameters import Winch, numbers_of
 from tetherfmu.wiring.fmu import carried, holders_of, lines_of
+from tetherfmu.wiring.lines import sheave_numbers
 from tetherfmu.wiring.packing import pack_lines, put_holders, put_sheaves
 from tetherfmu.wiring.portions import all_portions
-from tetherfmu.wiring.system_variables import ENDS, Line
+from tetherfmu.wiring.system_variables import ENDS
 
 from .turned_lines import Turned
 
 
-def instance_of(points, lines, environment, solver, ground, wind_points=0, winches=()):
-    """`Instance` of a system of records, set up; ValueError names the line if a quantity is not allowed."""
-    lines = with_controls(lines, winches)
-    free, band = ordered([point.name for point in points if not point.is_driven], lines)
-    planned = [
-        Line(line.name, line.start, line.end, {}, sum(each.segments for each in line.tethers) + 1, wind_points, line.through)
-        for line in lines
-    ]
-    structure = SimpleNamespace(lines=planned, free=tuple(free), winches=as_built(winches))
-    made = Instance(ready.kernels(SYSTEM), lines_of(structure), structure.free, band)
-    masses = {point.name: point.mass for point in points} | {None: 0.0}
-    portions = all_portions(lines)
+def instance_of(system):
+    """`Instance` of a `System`, set up; ValueError names the line if a quantity is not allowed."""
+    made = Instance(ready.kernels(SYSTEM), lines_of(system), system.free, system.band)
+    masses, portions = {point.name: point.mass for point in system.points} | {None: 0.0}, all_portions(system.lines)
     packed = (
         (
             each.line.name,
-            numbers_of(each.line.tethers, environment, solver, each.line.winch if each.number == 0 else Winch(), ground),
+            numbers_of(
+                each.line.tethers,
+                system.environment,
+                system.solver,
+                Winch() if each.number else system.winch_of(each.line),
+                system.ground,
+            ),
             len(each.line.tethers),
-            [name in free for name in (each.start, each.end)],
+            [name in system.free for name in (each.start, each.end)],
             [masses[name] for name in own],
         )
-        for each, own in zip(portions, carried(structure), strict=True)
+        for each, own in zip(portions, carried(system), strict=True)
     )
     counts, parameters = pack_lines(made.kernels, packed)
     put_sheaves(counts, parameters, [sheave_numbers(each) for each in portions])
-    put_holders(counts, parameters, holders_of(structure))
+    put_holders(counts, parameters, holders_of(system))
     made.set_up(counts, parameters)
     return made
 

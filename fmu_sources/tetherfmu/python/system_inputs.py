@@ -9,13 +9,13 @@ from numpy.typing import ArrayLike
 
 from tetherfmu.records.arguments import check_release, numbers_in_shape
 from tetherfmu.records.problems import StepRefused
-from tetherfmu.records.winches import holding
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import status
 from tetherfmu.runtime.inputs import PLACES
 from tetherfmu.runtime.naming import check_names, meant_or_all
 from tetherfmu.wiring.portions import portions_of
 from tetherfmu.wiring.system_variables import GIVEN, RELEASE, SPEED
+from tetherfmu.wiring.winches import holding
 
 from .compiled_flight import put_node_winds
 from .given_inputs import check_effect

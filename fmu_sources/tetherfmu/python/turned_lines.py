@@ -4,8 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from tetherfmu.records.winches import BY_LENGTH, carriers_of, shares_of
+from tetherfmu.records.systems import shares_of
 from tetherfmu.runtime import layout as at
+from tetherfmu.wiring.winches import BY_LENGTH, carriers_of
 
 from .system_results import WinchEnergy, WinchOutputs
 
@@ -21,7 +22,7 @@ class Turned:
         held, self._ratios, self._shares = shares_of(winches)
         self.carriers = {name: names.index(line) for name, line in carriers_of(winches).items()}
         self.winches, self.held = winches, [names.index(name) for name in held]
-        self._first_lengths = np.array([sum(each.initial_length for each in lines[k].tethers) for k in self.held])
+        self._first_lengths = np.array([sum(each.initial_length for each in lines[k].line.tethers) for k in self.held])
         self._by_length = np.array([each.control == BY_LENGTH for each in winches], dtype=bool)
         self.told = np.zeros(len(winches))
 

@@ -1,1 +1,1 @@
-"""What users describe, as constant records with their checks: lines, points, winches, materials, paths."""
+"""What users give beside a system itself, with its checks: materials, paths, arguments; and whether a system fits together."""

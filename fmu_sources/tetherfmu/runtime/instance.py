@@ -64,7 +64,7 @@ class Instance:
     """Lines that are set up, started, and advanced step by step; a refused start or step keeps states and outputs.
 
     kernels : `kernel_library.Kernels`.  lines : tuple of `Line`.  free : names of the free points, a tuple.  band : of their
-    matrix, see `records/ordering.py`.  room : places for the caller behind inputs and outputs in `values`.
+    matrix, see `wiring/ordering.py`.  room : places for the caller behind inputs and outputs in `values`.
 
     values : array of inputs, outputs (from `outputs_at` on) and `room` places (from `parameters_at` on), at the same address
     for life. The caller sets the inputs.

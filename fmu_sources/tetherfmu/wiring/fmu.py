@@ -105,46 +105,46 @@ def of_tether(variant, table, shape_points, left_out=()):
     )
 
 
-def of_system(structure, left_out=(), starts=()):
-    """`Wiring` of a `system_variables.Structure`: the value reference of a variable is its place in the table.
+def of_system(system, left_out=(), starts=()):
+    """`Wiring` of a `system.System`: the value reference of a variable is its place in the table.
 
-    left_out : as in `of_tether`.  starts : pairs (name, start value) that replace those of the structure.
+    left_out : as in `of_tether`.  starts : pairs (name, start value) that replace those of the system.
     """
-    table = with_starts(table_of(structure), starts)
+    table = with_starts(table_of(system), starts)
     own = {each.name: each.place for each in table}
     given, fixed = (sum(each.causality == kind for each in table) for kind in (INPUT, PARAMETER))
-    sizes = {f"{line.name}.shape": (line.shape_points * len(portions_of(line)), 3) for line in structure.lines}
-    for line in (line for line in structure.lines if line.through):
+    sizes = {f"{line.name}.shape": (system.shape_points_of(line) * len(portions_of(line)), 3) for line in system.lines}
+    for line in (line for line in system.lines if line.through):
         sizes |= {f"{line.name}.{name}": (count,) for name, *_, count in outputs_of_portions(line)}
         sizes |= {f"{line.name}.{name}": (len(line.through),) for name in SHEAVE_QUANTITIES}
         sizes[f"{line.name}.initial_portions"] = (len(line.through) + 1,)
-    sizes |= {f"{line.name}.{WIND_AT.name}": (len(portions_of(line)) * line.wind_points, 3) for line in structure.lines}
+    sizes |= {f"{line.name}.{WIND_AT.name}": (len(portions_of(line)) * system.wind_points, 3) for line in system.lines}
     return Wiring(
-        name=structure.hash,
+        name=system.hash,
         library=SYSTEM,
         record=None,
         table=table,
         references=[each.place for each in table],
         **_selection(table, [each.place for each in table], left_out),
         ends=(given, len(table) - fixed, len(table)),
-        lines=lines_of(structure),
-        quantities=[_quantities_of(structure, each, own) for each in all_portions(structure.lines)],
-        doubtful=_doubtful([(each.place, each) for each in table[-fixed:]], structure.has_wind_points),
-        slack_segments=[own[f"{each.line.name}.slack_segments"] for each in all_portions(structure.lines)],
+        lines=lines_of(system),
+        quantities=[_quantities_of(system, each, own) for each in all_portions(system.lines)],
+        doubtful=_doubtful([(each.place, each) for each in table[-fixed:]], bool(system.wind_points)),
+        slack_segments=[own[f"{each.line.name}.slack_segments"] for each in all_portions(system.lines)],
         forces=[each.place for each in table if each.name.rpartition(".")[2].partition("[")[0] in FORCES],
         sizes=sizes,
-        inputs=_inputs_of(structure, own),
-        carried=[[own[f"{point}.mass"] if point else -1 for point in points] for points in carried(structure)],
-        outputs=tuple(_outputs_of(structure, own)),
-        motion=tuple(_motion_of(structure, own)),
-        held=tuple(_held_of(structure, own)),
-        turned=tuple(_turned_of(structure, own)),
-        starts=tuple(_starts_of(structure, own)),
-        checked=tuple(each for each in table[-fixed:] if _is_checked(each.name, structure)),
-        free=structure.free,
-        band=structure.band,
-        holders=holders_of(structure),
-        sheaves=tuple(_sheaves_of(structure, own)),
+        inputs=_inputs_of(system, own),
+        carried=[[own[f"{point}.mass"] if point else -1 for point in points] for points in carried(system)],
+        outputs=tuple(_outputs_of(system, own)),
+        motion=tuple(_motion_of(system, own)),
+        held=tuple(_held_of(system, own)),
+        turned=tuple(_turned_of(system, own)),
+        starts=tuple(_starts_of(system, own)),
+        checked=tuple(each for each in table[-fixed:] if _is_checked(each.name, system)),
+        free=system.free,
+        band=system.band,
+        holders=holders_of(system),
+        sheaves=tuple(_sheaves_of(system, own)),
     )
 
 
@@ -173,80 +173,79 @@ def _selection(table, references, left_out):
 # --- of systems
 
 
-def _is_checked(name, structure):
+def _is_checked(name, system):
     """Whether a parameter is one that the kernel `pack` does not check: of a free point, a sheave, or a start speed."""
-    return name.partition(".")[0] in structure.free or name.endswith(("]", f".{SPEED}"))
+    return name.partition(".")[0] in system.free or name.endswith(("]", f".{SPEED}"))
 
 
-def lines_of(structure):
+def lines_of(system):
     """`instance.Line` of each line of a system, a tuple.
 
-    structure : has `lines`, with `name`, `start`, `through`, `end`, `shape_points` and `wind_points`, `free` and `winches`.
     A line that runs over sheaves is one for each of its portions.
     """
-    number, drums = {name: k for k, name in enumerate(structure.free)}, drums_of(structure)
+    number, drums = {name: k for k, name in enumerate(system.free)}, drums_of(system)
     return tuple(
         Line(
             each.name,
-            (*names_of_inputs(structure, each), *(f"{each.line.name}.{name}" for name in each.wind_at_names)),
-            each.line.shape_points,
-            each.line.wind_points,
+            (*names_of_inputs(system, each), *each.wind_at_names(system.wind_points)),
+            system.shape_points_of(each.line),
+            system.wind_points,
             *(number.get(name, plan.DRIVEN) for name in (each.start, each.end)),
             each.is_through,
             each.is_portion,
             k in drums,
-            words_of(structure, each),
+            words_of(system, each),
         )
-        for k, each in enumerate(all_portions(structure.lines))
+        for k, each in enumerate(all_portions(system.lines))
     )
 
 
-def names_of_inputs(structure, portion):
+def names_of_inputs(system, portion):
     """Names of the inputs of the system that are those of a line or a portion, by their places, but for its wind points."""
     for name in INPUT_NAMES:
-        yield (told_by(structure.winches, portion.line, name) if portion.number == 0 else None) or input_name(name, portion)
+        yield (told_by(system, portion.line, name) if portion.number == 0 else None) or input_name(name, portion)
 
 
-def words_of(structure, portion):
+def words_of(system, portion):
     """What sentences on a tether say, and what that is called of a line or a portion: pairs, longer ones first."""
     words = {}
     for end, point in zip(ENDS, (portion.start, portion.end), strict=True):
-        first = "initial_" if point in structure.free else ""
+        first = "initial_" if point in system.free else ""
         place = words[f"{end}_position"] = f"{point}.{first}position"
         words |= {f"{end}_velocity": f"{point}.{first}velocity", f"the {end} end": f"its end at {point}"}
-    load = f"{portion.end}.load" if portion.end in structure.free else "a load"
+    load = f"{portion.end}.load" if portion.end in system.free else "a load"
     words |= {"the kite_load": load, "kite_mass; in a system the mass of the point": f"{portion.end}.mass"}
-    for winch in structure.winches:
-        if portion.line.name in dict(winch.ratios):
-            for name in dict.fromkeys((winch.input, SPEED, *dict(winch.drum))):
+    for winch in system.winches:
+        if portion.line.name in winch.lines:
+            for name in dict.fromkeys((winch.input, SPEED, *winch.drum_names)):
                 words[name] = " and ".join(filter(None, (words.get(name), f"{winch.name}.{name}")))
     return ("kite_position (initial_kite_position of a free kite end)", place), *words.items()
 
 
-def told_by(winches, line, name):
+def told_by(system, line, name):
     """Names of the inputs, and start speeds, of shared winches that make an input of a line, "" if none does."""
-    holding = (each for each in winches if name in (each.input, SPEED) and line.name in dict(each.ratios))
-    return " and ".join(f"{each.name}.{name}" for each in holding if each.carrier in ("", line.name))
+    holding = (each for each in system.holding(line.name) if name in (each.input, SPEED))
+    return " and ".join(f"{each.name}.{name}" for each in holding if system.carriers.get(each.name, line.name) == line.name)
 
 
-def drums_of(structure):
+def drums_of(system):
     """Lines that may carry a drum that turns beside sheaves, or that holds several lines: a dict of what it holds.
 
     Pairs of a line and its ratio; lines as numbers. A line that no shared winch holds carries its own.
     """
-    first = {each.line.name: k for k, each in enumerate(all_portions(structure.lines)) if each.number == 0}
-    by_force = [each for each in structure.winches if each.carrier]
-    found = {first[each.carrier]: [(first[line], ratio) for line, ratio in each.ratios] for each in by_force}
-    held = {line for each in structure.winches for line, _ in each.ratios}
-    if by_force or any(line.through for line in structure.lines):
+    first = {each.line.name: k for k, each in enumerate(all_portions(system.lines)) if each.number == 0}
+    by_force = [each for each in system.winches if each.name in system.carriers]
+    found = {first[system.carriers[each.name]]: [(first[line], r) for line, r in each.ratios] for each in by_force}
+    held = {line for each in system.winches for line in each.lines}
+    if by_force or any(line.through for line in system.lines):
         found |= {k: [(k, 1.0)] for name, k in first.items() if name not in held}
     return found
 
 
-def holders_of(structure):
+def holders_of(system):
     """Numbers in the parameters of lines that say which drums hold them: rows (line, place, number)."""
     found, counts = [], {}
-    for carrier, held in drums_of(structure).items():
+    for carrier, held in drums_of(system).items():
         for line, ratio in held:
             i = counts[line] = counts.get(line, -1) + 1
             found += [(line, at.HELD_BY + i, carrier + 1.0), (line, at.HELD_RATIO + i, float(ratio))]
@@ -255,27 +254,28 @@ def holders_of(structure):
     return tuple(found)
 
 
-def carried(structure):
+def carried(system):
     """Of each line the names of the free points at its start and its end whose mass it carries, None for none.
 
     The first line at a point does.
     """
-    free, found = set(structure.free), []
-    for line in all_portions(structure.lines):
+    free, found = set(system.free), []
+    for line in all_portions(system.lines):
         own = [point if point in free else None for point in (line.start, line.end)]
         free -= set(own)
         found.append(own)
     return found
 
 
-def _quantities_of(structure, portion, places):
+def _quantities_of(system, portion, places):
     """Quantities of a line or a portion; what the system has no variable for has its default.
 
     The winch is that of the first portion. places : references by name, as below.
     """
     found, line = [], portion.line
-    held = structure.holding(portion.name)  # by winches with the same control
-    drum = {own: f"{each.name}.{own}" for each in held if each.carrier == portion.name for own, _ in each.drum}
+    held = system.holding(portion.name)  # by winches with the same control
+    carried = (each for each in held if system.carriers.get(each.name) == portion.name)
+    drum = {own: f"{each.name}.{own}" for each in carried for own in each.drum_names}
     for record in (Tether, *OF_THE_SYSTEM[:2], Winch, Ground):
         for item in fields(record):
             own = item.name if record in OF_THE_SYSTEM else f"{line.name}.{item.name}"
@@ -285,63 +285,64 @@ def _quantities_of(structure, portion, places):
     return found
 
 
-def _sheaves_of(structure, places):
+def _sheaves_of(system, places):
     """Rows of portions of lines over sheaves, and of the sheaves at their ends."""
-    for each in all_portions(structure.lines):
+    for each in all_portions(system.lines):
         kind = int(at.BEHIND_SHEAVE) if each.number else 1
         own = [f"{each.line.name}.{name}[{each.number + 1}]" for name in ("initial_portions", *SHEAVE_QUANTITIES)]
         yield kind if each.is_portion else 0, *(places.get(name, -1) for name in own)
 
 
-def _inputs_of(structure, places):
+def _inputs_of(system, places):
     """Rows of inputs; free points have the motion of their start there."""
-    found, first, winches = [], 0, [each.name for each in structure.winches]
-    for k, line in enumerate(lines_of(structure)):
+    found, first, winches = [], 0, [each.name for each in system.winches]
+    for k, line in enumerate(lines_of(system)):
         for own, name in enumerate(line.inputs):
             point, _, what = name.partition(".")
-            name = f"{point}.initial_{what}" if point in structure.free else name
+            name = f"{point}.initial_{what}" if point in system.free else name
             if name in places and point not in winches:
                 found.append((first + own, places[name], k, own))
         first += len(line.inputs)
-    loads = [name for point in structure.free for name in components(f"{point}.load", 3)]
+    loads = [name for point in system.free for name in components(f"{point}.load", 3)]
     return found + [(first + own, places[name], -1, own) for own, name in enumerate(loads)]
 
 
-def _held_of(structure, places):
+def _held_of(system, places):
     """Terms of inputs of lines that shared winches hold: `winch_length` begins with the initial length."""
     first = 0
-    for k, line in enumerate(lines_of(structure)):
-        for winch in structure.holding(line.name):
+    for k, line in enumerate(lines_of(system)):
+        for winch in system.holding(line.name):
             own = PLACES[winch.input]
-            if winch.carrier not in ("", line.name):
+            carrier = system.carriers.get(winch.name, "")
+            if carrier not in ("", line.name):
                 continue
-            if winch.input == "winch_length" and winch is structure.holding(line.name)[0]:
+            if winch.input == "winch_length" and winch is system.holding(line.name)[0]:
                 yield first + own, places[f"{line.name}.initial_length"], k, own, 1.0
-            factor = 1.0 if winch.carrier else float(dict(winch.ratios)[line.name])
+            factor = 1.0 if carrier else float(winch.lines[line.name])
             for name in dict.fromkeys((winch.input, SPEED)):
                 yield first + PLACES[name], places[f"{winch.name}.{name}"], k, PLACES[name], factor
         first += len(line.inputs)
 
 
-def _turned_of(structure, places):
+def _turned_of(system, places):
     """Terms of the outputs of shared winches."""
-    firsts = accumulate((line.outputs_size for line in lines_of(structure)), initial=0)
-    firsts = dict(zip((each.name for each in all_portions(structure.lines)), firsts, strict=False))
-    for winch in structure.winches:
+    firsts = accumulate((line.outputs_size for line in lines_of(system)), initial=0)
+    firsts = dict(zip((each.name for each in all_portions(system.lines)), firsts, strict=False))
+    for winch, shares in zip(system.winches, system.shares, strict=True):
         for own, (name, _) in TURNED.items():
-            for line, share in winch.shares:
+            for line, share in shares:
                 less = places[f"{line}.initial_length"] if name == "tether_length" else -1
                 yield places[f"{winch.name}.{own}"], firsts[line] + outputs.PLACES[name], float(share), less
 
 
-def _outputs_of(structure, places):
+def _outputs_of(system, places):
     """Rows of outputs.
 
     The force on a point is that of its lines in their order, and of each line that of its start before that of its end.
     """
-    *firsts, _ = accumulate((line.outputs_size for line in lines_of(structure)), initial=0)
+    *firsts, _ = accumulate((line.outputs_size for line in lines_of(system)), initial=0)
     found = {}
-    for each, first in zip(all_portions(structure.lines), firsts, strict=True):
+    for each, first in zip(all_portions(system.lines), firsts, strict=True):
         line = each.line
         for end, point in each.ends:
             for i, name in enumerate(components(f"{point}.force", 3)):
@@ -350,22 +351,23 @@ def _outputs_of(structure, places):
         for name, own in OF_A_LINE.items():
             if each.number == 0 or (name == "kite_tension" and not each.is_through):
                 found[f"{line.name}.{own}"] = [first + outputs.PLACES[name]]
-        for k in range(line.shape_points):
+        shape_points = system.shape_points_of(line)
+        for k in range(shape_points):
             for i in range(3):
-                number = each.number * line.shape_points + k + 1
+                number = each.number * shape_points + k + 1
                 found[f"{line.name}.shape[{number},{i + 1}]"] = [first + at.SHAPE + 3 * k + i]
         for i, name in enumerate((*OF_PORTIONS, *OF_SHEAVES) if each.is_portion else ()):
-            found[f"{line.name}.{name}[{each.number + 1}]"] = [first + at.SHAPE + 3 * line.shape_points + i]
+            found[f"{line.name}.{name}[{each.number + 1}]"] = [first + at.SHAPE + 3 * shape_points + i]
     for name in COUNTERS:
         every = [first + outputs.PLACES[name] for first in firsts]
         found[name] = every if name in SUMMED else every[:1]
     return ((places[name], those) for name, those in found.items() if name in places)
 
 
-def _motion_of(structure, places):
+def _motion_of(system, places):
     """Rows of the motion of free points; of several lines at a point the last one counts."""
-    found, free = {}, set(structure.free)
-    for k, line in enumerate(all_portions(structure.lines)):
+    found, free = {}, set(system.free)
+    for k, line in enumerate(all_portions(system.lines)):
         for is_end, (_, point) in enumerate(line.ends):
             if point in free:
                 names = (*components(f"{point}.position", 3), *components(f"{point}.velocity", 3))
@@ -373,10 +375,10 @@ def _motion_of(structure, places):
     return found.values()
 
 
-def _starts_of(structure, places):
+def _starts_of(system, places):
     """Rows of the starts of free points, of all ends of lines there."""
-    for k, line in enumerate(all_portions(structure.lines)):
+    for k, line in enumerate(all_portions(system.lines)):
         row = plan.PLAN_HEADER + plan.LINE_NUMBERS * k
         for place, name in ((plan.START_IS_SOUGHT, line.start), (plan.END_IS_SOUGHT, line.end)):
-            if name in structure.free:
+            if name in system.free:
                 yield row + place, places[f"{name}.start"]

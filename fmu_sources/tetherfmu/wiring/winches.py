@@ -11,24 +11,20 @@ kernels have its drum with one of its lines, its carrier.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
-import numpy as np
-
-from tetherfmu.runtime import layout as at
-from tetherfmu.runtime.naming import meant_or_all, names_checked, prefixed
-from tetherfmu.runtime.parameters import Winch
-from tetherfmu.runtime.quantities import quantities
-from tetherfmu.wiring import system_variables
-from tetherfmu.wiring.system_variables import OF_A_DRUM
-
+from ..runtime import layout as at
+from ..runtime.naming import meant_or_all, names_checked, prefixed
+from ..runtime.parameters import Winch
+from ..runtime.quantities import quantities
 from .lines import ANY_INPUT, Line, checked_name
 
 BY_SPEED, BY_FORCE, BY_LENGTH = "speed", "force", "length"
 GIVEN = {BY_SPEED: "reel_out_speed", BY_FORCE: "winch_force", BY_LENGTH: "winch_length"}  # its input, by what controls it
 CONTROL = dict(quantities(Winch))["winch_control"].numbers
 SMALLEST_RATIO, LARGEST_RATIO = 1e-3, 1e3
-DEPENDENT = 1e-9  # a singular value of the matrix of ratios below this part of the largest is none
+# quantities of a `Winch` that a shared one has, if it is controlled by force
+OF_A_DRUM = ("winch_mass", "winch_damping", "winch_friction", "winch_start")
 
 
 @names_checked
@@ -110,6 +106,16 @@ class SharedWinch:
         return GIVEN[self.control]
 
     @property
+    def ratios(self) -> tuple[tuple[str, float], ...]:
+        """Pairs of a line and its ratio."""
+        return tuple((line, float(ratio)) for line, ratio in self.lines.items())
+
+    @property
+    def drum_names(self) -> tuple[str, ...]:
+        """Names of the quantities of its drum, none of one that is not controlled by force."""
+        return OF_A_DRUM if self.control == BY_FORCE else ()
+
+    @property
     def drum(self) -> Winch:
         """`Winch` with its control and its drum."""
         return Winch(winch_control=self.control, **{name: getattr(self, name) for name in OF_A_DRUM})
@@ -139,7 +145,6 @@ def check_winches(winches: Sequence[SharedWinch], lines: Sequence[Line], taken: 
         if len({each.control for each in held}) > 1:
             names = ", ".join(f"{each.name} ({each.control})" for each in held)
             raise ValueError(f"the line {line.name} is held by winches with different controls, {names}; give them the same")
-    shares_of(winches)
 
 
 def check_drums(line, held):
@@ -154,7 +159,7 @@ def check_drums(line, held):
 def carriers_of(winches):
     """Of each winch that is controlled by force one of its lines, each another one: a dict of names.
 
-    They exist, as no winch pays out what others do together (`shares_of`).
+    They exist, as no winch pays out what others do together.
     """
     found = {}
 
@@ -171,52 +176,6 @@ def carriers_of(winches):
         if winch.control == BY_FORCE:
             seek(winch, set())
     return {winch.name: line for line, winch in found.items()}
-
-
-def shares_of(winches):
-    """Names of the lines that winches hold, ratios (lines, winches) and shares (winches, lines).
-
-    ValueError if winches hold the same lines in the same ratios.
-    """
-    held = list(dict.fromkeys(name for each in winches for name in each.lines))
-    ratios = np.zeros((len(held), len(winches)))
-    for j, each in enumerate(winches):
-        ratios[[held.index(name) for name in each.lines], j] = list(each.lines.values())
-    if winches:
-        values = np.linalg.svd(ratios, compute_uv=False)
-        if len(held) < len(winches) or values[-1] < DEPENDENT * values[0]:
-            raise ValueError(
-                f"the winches {', '.join(each.name for each in winches)} hold the same lines in the same ratios, so that "
-                "what each has paid out cannot be told; leave one out"
-            )
-    return held, ratios, np.linalg.pinv(ratios) if winches else ratios.T
-
-
-def as_built(winches):
-    """The same as records of `wiring.system_variables`, a tuple."""
-    held, _, shares = shares_of(winches)
-    carriers = carriers_of(winches)
-    return tuple(
-        system_variables.SharedWinch(
-            each.name,
-            each.input,
-            tuple((line, float(ratio)) for line, ratio in each.lines.items()),
-            tuple((line, share) for line, share in zip(held, own.tolist(), strict=True) if share),
-            float(each.reel_out_speed),
-            float(each.winch_force),
-            carriers.get(each.name, ""),
-            tuple((name, float(getattr(each, name))) for name in OF_A_DRUM if each.control == BY_FORCE),
-        )
-        for each, own in zip(winches, shares, strict=True)
-    )
-
-
-def with_controls(lines, winches):
-    """Lines, those that winches hold with the control of these."""
-    controls = {name: Winch(winch_control=CONTROL[each.control]) for each in winches for name in each.lines}
-    carriers = carriers_of(winches)
-    controls |= {carriers[each.name]: each.drum for each in winches if each.name in carriers}
-    return tuple(replace(line, winch=controls.get(line.name, line.winch)) for line in lines)
 
 
 def check_with_sheaves(lines, winches):

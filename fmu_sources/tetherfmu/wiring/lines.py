@@ -1,38 +1,47 @@
-"""Points and lines of a system, also over sheaves: constant records, and whether they fit together."""
+"""Points and lines of a system, also over sheaves: what users say of them, as constant records with their checks.
+
+The Python API, files, FMUs and C tables read these.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
-import numpy as np
-from numpy.typing import ArrayLike
-
-from tetherfmu.runtime import layout as at
-from tetherfmu.runtime.naming import LONGEST_NAME, meant_or_all, names_checked, shortened
-from tetherfmu.runtime.parameters import FreeKite, Tether, Winch
-from tetherfmu.runtime.quantities import Quantity
-from tetherfmu.runtime.sheaves import SHEAVE_QUANTITIES
-
-from . import arguments
+from ..runtime import layout as at
+from ..runtime.naming import LONGEST_NAME, meant_or_all, names_checked, shortened
+from ..runtime.parameters import FreeKite, Tether, Winch
+from ..runtime.quantities import Quantity
+from ..runtime.sheaves import SHEAVE_QUANTITIES
 
 Vector = tuple[float, float, float]
 ANY_INPUT = Quantity("", "", -at.LARGEST_INPUT, at.LARGEST_INPUT)
 LENGTH = Quantity("m", "a portion", minimum=0.0)
 
 
-def vector(name: str, value: ArrayLike) -> Vector:
+def record_of(model, given, kind):
+    """A record of this kind; TypeError for anything else."""
+    if not isinstance(given, kind):
+        name = kind.__name__
+        an = "an" if name == "Environment" else "a"
+        raise TypeError(f"{name.lower()} is {given!r}; it must be {an} {name}, as in {model}(..., {name.lower()}={name}())")
+    return given
+
+
+def vector(name: str, value: Sequence[float]) -> Vector:
     """Three finite numbers; ValueError names what is something else."""
     try:
-        found = np.asarray(value, dtype=float)
+        found = (
+            () if isinstance(value, str) or any(isinstance(each, Iterable) for each in value) else tuple(map(float, value))
+        )
     except (TypeError, ValueError):
-        found = np.zeros(0)
-    if found.shape != (3,):
+        found = ()
+    if len(found) != 3:
         raise ValueError(f"{name} is {value!r}; it must be three numbers")
-    if not np.all(np.abs(found) <= at.LARGEST_INPUT):  # NaN is not
+    if not all(abs(each) <= at.LARGEST_INPUT for each in found):  # NaN is not
         raise ValueError(f"{name} is {value!r}; its numbers must be finite and at most {at.LARGEST_INPUT:g} in magnitude")
-    return tuple(found.tolist())
+    return found
 
 
 def checked_name(kind: str, name: str) -> None:
@@ -68,8 +77,8 @@ class Point:
     """
 
     name: str
-    position: ArrayLike | None = None
-    velocity: ArrayLike = (0.0, 0.0, 0.0)
+    position: Sequence[float] | None = None
+    velocity: Sequence[float] = (0.0, 0.0, 0.0)
     mass: float | None = None
 
     def __post_init__(self):
@@ -141,7 +150,7 @@ class Line:
 
     def __post_init__(self):
         checked_name("line", self.name)
-        arguments.record_of("Line", self.winch, Winch).check_effect()
+        record_of("Line", self.winch, Winch).check_effect()
         check_sheaves(self)
         for point in (self.start, *self.through, self.end):
             if not isinstance(point, str):
@@ -163,7 +172,7 @@ class Line:
 def numbers_in(line, name):
     """One number of each sheave of a line, a tuple; ValueError for another count, or if one is not allowed."""
     given, declared = getattr(line, name), SHEAVE_QUANTITIES[name]
-    many = np.ndim(given) > 0
+    many = isinstance(given, Iterable) and not isinstance(given, str) and getattr(given, "ndim", 1) > 0
     found = tuple(given) if many else (given,) * len(line.through)
     if len(found) != len(line.through):
         raise ValueError(
@@ -229,7 +238,7 @@ def sheave_numbers(portion):
 
 
 def sheaves_of(line):
-    """Start values of the sheaves of a line, and of its portions, as a `wiring.system_variables.Line` has them."""
+    """Start values of the sheaves of a line that runs over some, and of its portions, a dict by name."""
     given = line.initial_portions or (0.0,) * (len(line.through) + 1)
     return {"initial_portions": tuple(given), **{name: numbers_in(line, name) for name in SHEAVE_QUANTITIES}}
 
