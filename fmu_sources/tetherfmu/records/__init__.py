@@ -1,1 +1,1 @@
-"""What users give beside a system itself, with its checks: materials, paths, arguments; and whether a system fits together."""
+"""What users give beside a system itself, with checks: materials, paths, arguments; whether a system fits together."""

@@ -133,11 +133,11 @@ def of_system(system, left_out=(), starts=()):
         slack_segments=[own[f"{each.line.name}.slack_segments"] for each in all_portions(system.lines)],
         forces=[each.place for each in table if each.name.rpartition(".")[2].partition("[")[0] in FORCES],
         sizes=sizes,
-        inputs=_inputs_of(system, own),
+        inputs=[(place, own[name], *row) for place, name, *row in inputs_of(system) if name in own],
         carried=[[own[f"{point}.mass"] if point else -1 for point in points] for points in carried(system)],
         outputs=tuple(_outputs_of(system, own)),
         motion=tuple(_motion_of(system, own)),
-        held=tuple(_held_of(system, own)),
+        held=tuple((place, own[name], *row) for place, name, *row in held_of(system)),
         turned=tuple(_turned_of(system, own)),
         starts=tuple(_starts_of(system, own)),
         checked=tuple(each for each in table[-fixed:] if _is_checked(each.name, system)),
@@ -293,22 +293,27 @@ def _sheaves_of(system, places):
         yield kind if each.is_portion else 0, *(places.get(name, -1) for name in own)
 
 
-def _inputs_of(system, places):
-    """Rows of inputs; free points have the motion of their start there."""
-    found, first, winches = [], 0, [each.name for each in system.winches]
+def inputs_of(system):
+    """Rows (place, name, line, place among its inputs) of inputs; of a load -1 and its place among the loads.
+
+    Free points have the motion of their start there.  What shared winches give is in `held_of`.
+    """
+    first, winches = 0, {each.name for each in system.winches}
     for k, line in enumerate(lines_of(system)):
         for own, name in enumerate(line.inputs):
             point, _, what = name.partition(".")
-            name = f"{point}.initial_{what}" if point in system.free else name
-            if name in places and point not in winches:
-                found.append((first + own, places[name], k, own))
+            if point not in winches and "]." not in name:  # a portion but the first one has no winch
+                yield first + own, f"{point}.initial_{what}" if point in system.free else name, k, own
         first += len(line.inputs)
-    loads = [name for point in system.free for name in components(f"{point}.load", 3)]
-    return found + [(first + own, places[name], -1, own) for own, name in enumerate(loads)]
+    loads = (name for point in system.free for name in components(f"{point}.load", 3))
+    yield from ((first + own, name, -1, own) for own, name in enumerate(loads))
 
 
-def _held_of(system, places):
-    """Terms of inputs of lines that shared winches hold: `winch_length` begins with the initial length."""
+def held_of(system):
+    """Terms of inputs of lines that shared winches hold, rows as those of `inputs_of` with a factor.
+
+    `winch_length` begins with the initial length.
+    """
     first = 0
     for k, line in enumerate(lines_of(system)):
         for winch in system.holding(line.name):
@@ -317,10 +322,10 @@ def _held_of(system, places):
             if carrier not in ("", line.name):
                 continue
             if winch.input == "winch_length" and winch is system.holding(line.name)[0]:
-                yield first + own, places[f"{line.name}.initial_length"], k, own, 1.0
+                yield first + own, f"{line.name}.initial_length", k, own, 1.0
             factor = 1.0 if carrier else float(winch.lines[line.name])
             for name in dict.fromkeys((winch.input, SPEED)):
-                yield first + PLACES[name], places[f"{winch.name}.{name}"], k, PLACES[name], factor
+                yield first + PLACES[name], f"{winch.name}.{name}", k, PLACES[name], factor
         first += len(line.inputs)
 
 
