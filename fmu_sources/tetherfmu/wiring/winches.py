@@ -11,20 +11,26 @@ kernels have its drum with one of its lines, its carrier.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from ..runtime import layout as at
 from ..runtime.naming import meant_or_all, names_checked, prefixed
 from ..runtime.parameters import Winch
 from ..runtime.quantities import quantities
-from .lines import ANY_INPUT, Line, checked_name
+from .lines import Line, check_inputs, checked_name, first_input
 
 BY_SPEED, BY_FORCE, BY_LENGTH = "speed", "force", "length"
 GIVEN = {BY_SPEED: "reel_out_speed", BY_FORCE: "winch_force", BY_LENGTH: "winch_length"}  # its input, by what controls it
-CONTROL = dict(quantities(Winch))["winch_control"].numbers
+OF_A_WINCH = dict(quantities(Winch))
+CONTROL = OF_A_WINCH["winch_control"].numbers
 SMALLEST_RATIO, LARGEST_RATIO = 1e-3, 1e3
 # quantities of a `Winch` that a shared one has, if it is controlled by force
 OF_A_DRUM = ("winch_mass", "winch_damping", "winch_friction", "winch_start")
+
+
+def of_a_winch(name):
+    """Field of a record for a quantity of a `Winch`."""
+    return field(default=getattr(Winch, name), metadata={"quantity": OF_A_WINCH[name]})
 
 
 @names_checked
@@ -61,12 +67,12 @@ class SharedWinch:
     name: str
     lines: Mapping[str, float]
     control: str = BY_SPEED
-    reel_out_speed: float = 0.0
-    winch_force: float = 0.0
-    winch_mass: float = 0.0
-    winch_damping: float = 0.0
-    winch_friction: float = 0.0
-    winch_start: int | str = at.WINCH_GIVEN
+    reel_out_speed: float = first_input("m/s", "at the start; positive pays out")
+    winch_force: float = first_input("N", "at the start; positive reels in")
+    winch_mass: float = of_a_winch("winch_mass")
+    winch_damping: float = of_a_winch("winch_damping")
+    winch_friction: float = of_a_winch("winch_friction")
+    winch_start: int | str = of_a_winch("winch_start")
 
     def __post_init__(self):
         checked_name("winch", self.name)
@@ -86,12 +92,7 @@ class SharedWinch:
                 f"{self.name}.lines has the ratios {list(self.lines.values())}; with the control 'force' one of them must "
                 "be above 0: give all of them the other sign"
             )
-        for name in ("reel_out_speed", "winch_force"):
-            if not ANY_INPUT.allows(getattr(self, name)):
-                raise ValueError(
-                    f"{self.name}.{name} is {getattr(self, name)!r}; it must be finite and at most {at.LARGEST_INPUT:g} in "
-                    "magnitude"
-                )
+        check_inputs(self, "reel_out_speed", "winch_force")
         with prefixed(f"{self.name}."):
             object.__setattr__(self, "winch_start", self.drum.winch_start)
         for name in ("winch_force", *OF_A_DRUM):
