@@ -327,8 +327,7 @@ def of_system(system, wind_points=0):
 
     def model(tolerance):
         solver = replace(system.solver, relative_tolerance=tolerance)
-        more = {"winches": system.winches, "wind_points": wind_points}
-        return TetherSystem(system.points, system.lines, system.environment, solver, system.ground, **more)
+        return TetherSystem.of(system, solver=solver, wind_points=wind_points)
 
     moves = [name for what in ("position", "velocity") for each in driven for name in components(f"{each}.{what}", 3)]
     turns = [f"{line.name}.{_LED_BY[line.winch.winch_control]}" for line in lines_alone(system)]

@@ -99,7 +99,7 @@ def read(path):
     found = files.load(path)
     if found.name.lower() in {name.lower() for name in SLAVES}:
         raise ValueError(f"{path}: name is {found.name!r}; it must not be that of the FMU of a single tether")
-    system = TetherSystem(found.points, found.lines, found.environment, found.solver, found.ground, winches=found.winches)
+    system = TetherSystem.of(found)
     sought = [point.name for point in found.points if point.position is None]
     starts = dict.fromkeys(sought, ZERO)
     with suppress(ValueError):  # with other winds or loads there may be an equilibrium

@@ -5,6 +5,7 @@ from __future__ import annotations
 from array import array
 from collections.abc import Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import Unpack
 
@@ -93,15 +94,21 @@ class TetherSystem(Running):
         winches: Sequence[SharedWinch] = (),
         wind_points: int = 0,
     ):
-        named = {"environment": environment, "solver": solver, "ground": ground, "winches": winches}
-        self._describe(checked(System(type(self).__name__, points, lines, wind_points=wind_points, **named)))
+        self._take(System(type(self).__name__, points, lines, environment, solver, ground, winches, wind_points))
 
-    def _describe(self, system):
-        """Take what a checked `System` says, and make the arrays."""
-        self._system = system
+    def _take(self, system):
+        """Be as a `System` says."""
+        self._system = system = checked(system)
         self.points, self.lines, self.winches = system.points, system.lines, system.winches
         self.wind_points: int = system.wind_points
         self._make()
+
+    @classmethod
+    def of(cls, system: System, **changes) -> TetherSystem:
+        """System that a record describes, as a file gives it, with other values of its fields; errors as above."""
+        made = object.__new__(cls)
+        made._take(replace(system, **changes))
+        return made
 
     def _make(self):
         """Make the arrays."""
@@ -116,7 +123,7 @@ class TetherSystem(Running):
         """
         found = files.load(path)
         with prefixed(f"{path}: "):
-            return cls(found.points, found.lines, found.environment, found.solver, found.ground, winches=found.winches)
+            return cls.of(found)
 
     @contextmanager
     def _all_or_nothing(self):

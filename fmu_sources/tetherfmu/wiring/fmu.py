@@ -12,7 +12,7 @@ from ..runtime import layout as at
 from ..runtime import outputs
 from ..runtime import plan_layout as plan
 from ..runtime.enumerations import UNIFORM
-from ..runtime.inputs import PLACES, WIND_AT, components
+from ..runtime.inputs import PLACES, components
 from ..runtime.instance import Line
 from ..runtime.kernel_library import SYSTEM
 from ..runtime.outputs import COUNTERS
@@ -20,7 +20,7 @@ from ..runtime.parameters import Ground, Tether, Winch
 from ..runtime.quantities import doubts_in
 from ..runtime.sheaves import SHEAVE_QUANTITIES
 from ..runtime.variants import BY_NAME, Variant, library_of
-from .portions import all_portions, portions_of
+from .portions import all_portions
 from .selection import shown, with_starts
 from .system_variables import (
     ENDS,
@@ -32,10 +32,9 @@ from .system_variables import (
     SUMMED,
     TURNED,
     input_name,
-    outputs_of_portions,
-    table_of,
 )
-from .variables import INPUT, INPUT_NAMES, PARAMETER, line_of_tether, parameters_at, references, wind_points_in
+from .system_variables import table_of as table_of_system
+from .variables import INPUT, INPUT_NAMES, PARAMETER, line_of_tether, table_of
 
 IDLE_PROFILE = "wind_profile has no effect: the wind is that of wind_at"
 IDLE_BREAKING = "breaking_force is {value:g} N and has no effect: this tether cannot break; the dynamic one can"
@@ -44,27 +43,19 @@ CONTROLS = {  # of lines at shared winches
     "winch_length": at.WINCH_BY_LENGTH,
     "winch_force": at.WINCH_BY_FORCE,
 }
-FORCES = ("force", "tension_from", "tension_to")  # of a system: on driven points, and of lines at their ends
+FORCES = ("ground_force", "kite_force", "force", "tension_from", "tension_to")  # smooth ones count in derivatives
 
 
 class Wiring(NamedTuple):
     """One FMU. What has a default is empty for a tether alone, whose inputs and outputs are the arrays of the kernels."""
 
     name: str  # in saved states
-    library: str  # of its kernels
     record: Variant | None  # of a tether alone, None for a system
     table: tuple  # of `variables.Variable`, of the full FMU
-    references: list  # of the table
     shown: tuple  # the variables that this FMU has, in the order of its description
-    shown_at: list  # their references
-    constants: list  # (name, reference, value) of inputs and parameters that it goes without
     ends: tuple  # number of inputs, of inputs and outputs, and of all values
     lines: tuple  # `instance.Line` of each
     quantities: list  # of each line: (name, reference, default) in the order of the kernel `pack`
-    doubtful: list  # (reference, side, limit, sentence) of parameters, see `quantities.doubts_in`
-    slack_segments: list  # references, of each line
-    forces: list  # references of the forces whose smoothness counts in directional derivatives
-    sizes: dict  # dimensions of the arrays of FMI 3 that are no vectors, by name
     inputs: list  # (place, reference, line, place among its inputs); of a load: -1, place among the loads
     carried: list  # of each line the references of the masses of free points at its start and end: one line carries them
     outputs: tuple = ()  # (reference, places): the sum of the numbers there
@@ -78,28 +69,48 @@ class Wiring(NamedTuple):
     holders: tuple = ()  # rows (line, place in its parameters, number), see `holders_of`
     sheaves: tuple = ()  # of each line `layout.IS_PORTION`, and of the numbers behind it the references, -1 for the default
 
+    @property
+    def is_direct(self):
+        """Whether inputs and outputs of the FMU are the arrays of the kernels: those of a tether alone."""
+        return self.record is not None
 
-def of_tether(variant, table, shape_points, left_out=()):
-    """`Wiring` of a tether alone with a table of `variables`; left_out : names of those that the FMU goes without."""
-    points = wind_points_in(table)
-    given, first = at.inputs_size(points), parameters_at(shape_points, points)
-    listed = [each for each in table if each.causality == PARAMETER]
-    own = {each.name: first + each.place for each in listed}
-    at_value = references(table, shape_points)
+    @property
+    def library(self):
+        """Name of the library of its kernels."""
+        return library_of(self.name) if self.is_direct else SYSTEM
+
+    @property
+    def constants(self):
+        """Triples (name, reference, value) of inputs and parameters that it goes without."""
+        known = {each.place for each in self.shown}
+        return [(v.name, v.place, float(v.start)) for v in self.table if v.place not in known and v.start is not None]
+
+    @property
+    def doubtful(self):
+        """What is doubtful of parameters: (reference, side, limit, sentence), see `quantities.doubts_in`."""
+        fixed = [each for each in self.table if each.causality == PARAMETER]
+        found = [(each.place, *row) for each in fixed for row in doubts_in(each.name, each.quantity)]
+        own = {each.name: each.place for each in fixed}
+        if self.lines[0].wind_points:
+            found.append((own["wind_profile"], 1.0, UNIFORM, IDLE_PROFILE))
+        if self.record and "breaking_force" in self.record.ignored:
+            found.append((own["breaking_force"], 1.0, 0.0, IDLE_BREAKING))
+        return found
+
+
+def of_tether(variant, options):
+    """`Wiring` of a tether alone with these build options, see `fmi.resources.DEFAULT_OPTIONS`."""
+    table, shape_points, wind_points = table_of(variant, options), options["shape_points"], options.get("wind_points", 0)
+    fixed = [each for each in table if each.causality == PARAMETER]
+    given = at.inputs_size(wind_points)
     return Wiring(
         name=variant,
-        library=library_of(variant),
         record=BY_NAME[variant],
         table=table,
-        references=at_value,
-        **_selection(table, at_value, left_out),
-        ends=(given, first, first + len(listed)),
-        lines=(line_of_tether(shape_points, points),),
-        quantities=[[(each.name, own[each.name], 0.0) for each in listed]],
-        doubtful=_doubtful([(own[each.name], each) for each in listed], points, BY_NAME[variant].ignored),
-        slack_segments=[given + at.SLACK_SEGMENTS],
-        forces=[given + place + i for place in (at.GROUND_FORCE, at.KITE_FORCE) for i in range(3)],
-        sizes={"shape": (shape_points, 3), WIND_AT.name: (points, 3)},
+        shown=shown(table, frozenset(options.get("left_out", ()))),
+        ends=(given, fixed[0].place, fixed[-1].place + 1),
+        lines=(line_of_tether(shape_points, wind_points),),
+        quantities=[[(each.name, each.place, 0.0) for each in fixed]],
         inputs=[(place, place, 0, place) for place in range(given)],
         carried=[(-1, -1)],
     )
@@ -108,31 +119,20 @@ def of_tether(variant, table, shape_points, left_out=()):
 def of_system(system, left_out=(), starts=()):
     """`Wiring` of a `system.System`: the value reference of a variable is its place in the table.
 
-    left_out : as in `of_tether`.  starts : pairs (name, start value) that replace those of the system.
+    left_out : names of variables that the FMU goes without.  starts : pairs (name, start value) that replace those of the
+    system.
     """
-    table = with_starts(table_of(system), starts)
+    table = with_starts(table_of_system(system), starts)
     own = {each.name: each.place for each in table}
     given, fixed = (sum(each.causality == kind for each in table) for kind in (INPUT, PARAMETER))
-    sizes = {f"{line.name}.shape": (system.shape_points_of(line) * len(portions_of(line)), 3) for line in system.lines}
-    for line in (line for line in system.lines if line.through):
-        sizes |= {f"{line.name}.{name}": (count,) for name, *_, count in outputs_of_portions(line)}
-        sizes |= {f"{line.name}.{name}": (len(line.through),) for name in SHEAVE_QUANTITIES}
-        sizes[f"{line.name}.initial_portions"] = (len(line.through) + 1,)
-    sizes |= {f"{line.name}.{WIND_AT.name}": (len(portions_of(line)) * system.wind_points, 3) for line in system.lines}
     return Wiring(
         name=system.hash,
-        library=SYSTEM,
         record=None,
         table=table,
-        references=[each.place for each in table],
-        **_selection(table, [each.place for each in table], left_out),
+        shown=shown(table, frozenset(left_out)),
         ends=(given, len(table) - fixed, len(table)),
         lines=lines_of(system),
         quantities=[_quantities_of(system, each, own) for each in all_portions(system.lines)],
-        doubtful=_doubtful([(each.place, each) for each in table[-fixed:]], bool(system.wind_points)),
-        slack_segments=[own[f"{each.line.name}.slack_segments"] for each in all_portions(system.lines)],
-        forces=[each.place for each in table if each.name.rpartition(".")[2].partition("[")[0] in FORCES],
-        sizes=sizes,
         inputs=[(place, own[name], *row) for place, name, *row in inputs_of(system) if name in own],
         carried=[[own[f"{point}.mass"] if point else -1 for point in points] for points in carried(system)],
         outputs=tuple(_outputs_of(system, own)),
@@ -146,28 +146,6 @@ def of_system(system, left_out=(), starts=()):
         holders=holders_of(system),
         sheaves=tuple(_sheaves_of(system, own)),
     )
-
-
-def _doubtful(listed, has_wind_points, ignored=()):
-    """What is doubtful of parameters, a list as in `Wiring`; listed : pairs (reference, variable); ignored : names."""
-    found = [(place, *row) for place, each in listed for row in doubts_in(each.name, each.quantity)]
-    if has_wind_points:
-        found += [(place, 1.0, UNIFORM, IDLE_PROFILE) for place, each in listed if each.name == "wind_profile"]
-    if "breaking_force" in ignored:
-        found += [(place, 1.0, 0.0, IDLE_BREAKING) for place, each in listed if each.name == "breaking_force"]
-    return found
-
-
-def _selection(table, references, left_out):
-    """What a `Wiring` says of the variables that its FMU has, and of those that it goes without."""
-    found = dict(zip((each.name for each in table), references, strict=True))
-    listed = shown(table, frozenset(left_out))
-    fixed = (each for each in table if each.name in left_out and each.start is not None)
-    return {
-        "shown": listed,
-        "shown_at": [found[each.name] for each in listed],
-        "constants": [(each.name, found[each.name], float(each.start)) for each in fixed],
-    }
 
 
 # --- of systems

@@ -46,12 +46,13 @@ class System:
 
     @cached_property
     def _order(self):
-        return ordered([point.name for point in self.points if not point.is_driven], self.lines)
+        free, band = ordered([point.name for point in self.points if not point.is_driven], self.lines)
+        return tuple(free), band
 
     @property
     def free(self):
         """Names of the free points in the order of their matrix, a tuple."""
-        return tuple(self._order[0])
+        return self._order[0]
 
     @property
     def band(self):
