@@ -13,7 +13,7 @@ from tetherfmu.runtime.kernel_library import SYSTEM
 from tetherfmu.runtime.naming import prefixed
 from tetherfmu.wiring.fmu import of_system
 from tetherfmu.wiring.selection import shown, with_starts
-from tetherfmu.wiring.system import facts_of
+from tetherfmu.wiring.system import in_json
 from tetherfmu.wiring.system_variables import table_of
 
 from . import evidence, lean_evidence, osp
@@ -51,7 +51,7 @@ def build(path, folder, options=None, native=None, with_header=None, with_source
     system = replace(found, shape_points=options.shape_points, wind_points=options.wind_points)
     with prefixed(f"{path}: "):
         own = chosen(options.lean.over(found.build), table_of(system))
-        check_start(None, {"system": facts_of(system), **own})
+        check_start(None, {"system": in_json(system), **own})
     starts, left_out = own.get("starts", ()), own.get("left_out", ())
     table = with_starts(table_of(system), starts)
     points, lines, free = len(system.points), len(system.lines), len(system.free)
@@ -67,7 +67,7 @@ def build(path, folder, options=None, native=None, with_header=None, with_source
         model = fmus.Model(system.name, about, wiring, terminals, TIMES)
         return fmus.written(files, model, folder, options.platforms, native, with_header, with_sources)
     folder.mkdir(parents=True, exist_ok=True)
-    made = packed_with_kernels(SLAVE, None, about, SYSTEM, options.platforms, {"system": facts_of(system), **own})
+    made = packed_with_kernels(SLAVE, None, about, SYSTEM, options.platforms, {"system": in_json(system), **own})
     made.update(files)
     seal(made)
     return write(made, folder, system.name, None)

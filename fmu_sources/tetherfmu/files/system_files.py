@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from tetherfmu.records.materials import tether_of
-from tetherfmu.records.systems import checked
+from tetherfmu.records.systems import checked_system
 from tetherfmu.runtime.inputs import INPUT_TABLE
 from tetherfmu.runtime.naming import prefixed
 from tetherfmu.runtime.outputs import OUTPUT_TABLE
@@ -29,11 +29,11 @@ TAKEN = {"time", "wind", *(each.name for each in (*INPUT_TABLE, *OUTPUT_TABLE))}
 }
 
 
-OF_A_POINT = ("position", "velocity", "mass")  # what a table has of each record
+KEYS_OF_A_POINT = ("position", "velocity", "mass")  # what a table has of each record
 SHEAVES = ("through", "initial_portions", *SHEAVE_QUANTITIES)
-OF_A_LINE = dict.fromkeys(keys_of(Tether), Tether) | dict.fromkeys(keys_of(Winch), Winch)
-OF_A_LINE |= dict.fromkeys(("reel_out_speed", *SHEAVES), Line)
-OF_A_WINCH = [name for name, _ in quantities(SharedWinch)]
+KEYS_OF_A_LINE = dict.fromkeys(keys_of(Tether), Tether) | dict.fromkeys(keys_of(Winch), Winch)
+KEYS_OF_A_LINE |= dict.fromkeys(("reel_out_speed", *SHEAVES), Line)
+KEYS_OF_A_WINCH = [name for name, _ in quantities(SharedWinch)]
 
 
 @dataclass(frozen=True)
@@ -68,7 +68,7 @@ def read(table, name):
         ground = ground_of(record(TABLE_OF_GROUND, table["ground"], "ground", ("contact",)), environment)
     solver = record(Solver, table.get("solver", {}), "solver")
     build = lean.read(table.get("build", {}))
-    return checked(SystemFile(name, points, lines, environment, solver, ground, winches, build=build))
+    return checked_system(SystemFile(name, points, lines, environment, solver, ground, winches, build=build))
 
 
 def named(tables, section):
@@ -84,7 +84,7 @@ def named(tables, section):
 def point_of(name, table):
     """`Point` of a table of a file; ValueError names the key."""
     section = f"points.{name}"
-    require(table, section, OF_A_POINT)
+    require(table, section, KEYS_OF_A_POINT)
     given = {key: value_of(Point, key, value, f"{section}.") for key, value in table.items()}
     if "position" not in table and "mass" not in table:
         raise ValueError(f"the key {section}.position is missing; only a free point, which has a mass, goes without")
@@ -94,13 +94,13 @@ def point_of(name, table):
 def line_of(name, table):
     """`Line` of a table of a file; ValueError names the key."""
     section = f"lines.{name}"
-    require(table, section, ("from", "to", "material", *OF_A_LINE), ("from", "to", "initial_length"))
+    require(table, section, ("from", "to", "material", *KEYS_OF_A_LINE), ("from", "to", "initial_length"))
     for end in ("from", "to"):
         if not isinstance(table[end], str):
             raise ValueError(f"{section}.{end} is {table[end]!r}; it must be the name of a point")
     given = {Tether: {}, Winch: {}, Line: {}}
-    for key in (key for key in table if key in OF_A_LINE):
-        given[OF_A_LINE[key]][key] = value_of(OF_A_LINE[key], key, table[key], f"{section}.")
+    for key in (key for key in table if key in KEYS_OF_A_LINE):
+        given[KEYS_OF_A_LINE[key]][key] = value_of(KEYS_OF_A_LINE[key], key, table[key], f"{section}.")
     with prefixed(f"{section}."):
         winch, tether = Winch(**given[Winch]), tether_in(table, given[Tether])
     return Line(name, table["from"], table["to"], tether, winch=winch, **given[Line])
@@ -110,9 +110,9 @@ def winch_of(name, table):
     """`SharedWinch` of a table of a file; ValueError names the key."""
     section = f"winches.{name}"
     checked_name("winch", name)
-    require(table, section, ("lines", "control", *OF_A_WINCH), ("lines",))
+    require(table, section, ("lines", "control", *KEYS_OF_A_WINCH), ("lines",))
     given = {key: table[key] for key in ("lines", "control") if key in table}
-    given |= {key: value_of(SharedWinch, key, table[key], f"{section}.") for key in OF_A_WINCH if key in table}
+    given |= {key: value_of(SharedWinch, key, table[key], f"{section}.") for key in KEYS_OF_A_WINCH if key in table}
     with prefixed("winches."):
         return SharedWinch(name, **given)
 

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from tetherfmu.files import system_files as files
 from tetherfmu.records import arguments
 from tetherfmu.records.problems import StepRefused
-from tetherfmu.records.systems import checked
+from tetherfmu.records.systems import checked_system
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.naming import prefixed
 from tetherfmu.runtime.parameters import Environment, Ground, Solver
@@ -98,7 +98,7 @@ class TetherSystem(Running):
 
     def _take(self, system):
         """Be as a `System` says."""
-        self._system = system = checked(system)
+        self._system = system = checked_system(system)
         self.points, self.lines, self.winches = system.points, system.lines, system.winches
         self.wind_points: int = system.wind_points
         self._make()

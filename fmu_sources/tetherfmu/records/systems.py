@@ -13,7 +13,7 @@ from . import arguments
 DEPENDENT = 1e-9  # a singular value of the matrix of ratios below this part of the largest is none
 
 
-def checked(system):
+def checked_system(system):
     """A `System` with the shares of its winches; TypeError or ValueError, in words, if what it has does not fit together."""
     kinds = {"points": Point, "lines": Line, "winches": SharedWinch}
     given = {name: arguments.records_of(name, getattr(system, name), kind) for name, kind in kinds.items()}

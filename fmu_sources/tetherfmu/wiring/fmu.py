@@ -13,7 +13,7 @@ from ..runtime import outputs
 from ..runtime import plan_layout as plan
 from ..runtime.enumerations import UNIFORM
 from ..runtime.inputs import PLACES, components
-from ..runtime.instance import Line
+from ..runtime.instance import RunningLine
 from ..runtime.kernel_library import SYSTEM
 from ..runtime.outputs import COUNTERS
 from ..runtime.parameters import Ground, Tether, Winch
@@ -54,7 +54,7 @@ class Wiring(NamedTuple):
     table: tuple  # of `variables.Variable`, of the full FMU
     shown: tuple  # the variables that this FMU has, in the order of its description
     ends: tuple  # number of inputs, of inputs and outputs, and of all values
-    lines: tuple  # `instance.Line` of each
+    lines: tuple  # `instance.RunningLine` of each
     quantities: list  # of each line: (name, reference, default) in the order of the kernel `pack`
     inputs: list  # (place, reference, line, place among its inputs); of a load: -1, place among the loads
     carried: list  # of each line the references of the masses of free points at its start and end: one line carries them
@@ -157,13 +157,13 @@ def _is_checked(name, system):
 
 
 def lines_of(system):
-    """`instance.Line` of each line of a system, a tuple.
+    """`instance.RunningLine` of each line of a system, a tuple.
 
     A line that runs over sheaves is one for each of its portions.
     """
     number, drums = {name: k for k, name in enumerate(system.free)}, drums_of(system)
     return tuple(
-        Line(
+        RunningLine(
             each.name,
             (*names_of_inputs(system, each), *each.wind_at_names(system.wind_points)),
             system.shape_points_of(each.line),

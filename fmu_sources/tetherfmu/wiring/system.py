@@ -96,7 +96,7 @@ class System:
         return f"system_{hashlib.sha256(json.dumps(facts).encode()).hexdigest()[:HASH_DIGITS]}"
 
 
-def facts_of(system):
+def in_json(system):
     """What JSON can hold of a `System`, a dict; of a record that has more without that."""
     own = {each.name for each in fields(System)}
     return {name: value for name, value in asdict(system).items() if name in own}

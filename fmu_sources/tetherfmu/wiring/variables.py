@@ -13,7 +13,7 @@ from ..runtime import inputs, outputs
 from ..runtime import layout as at
 from ..runtime.dependencies import depends_on
 from ..runtime.inputs import DRIVEN_KITE, INPUT_TABLE, WIND_AT, WITHOUT_EFFECT, components, inputs_of, wind_at_names
-from ..runtime.instance import Line
+from ..runtime.instance import RunningLine
 from ..runtime.outputs import ARRAY_ORDER, LOCAL, OUTPUT, POINTS, SCALAR, VECTOR
 from ..runtime.parameters import RECORDS, Environment, FreeKite, Ground, Solver, Tether, Winch
 from ..runtime.quantities import Quantity, quantities
@@ -51,8 +51,8 @@ INPUT_NAMES = tuple(name for each in INPUT_TABLE for name in components(each.nam
 
 
 def line_of_tether(shape_points, wind_points=0):
-    """The `instance.Line` of a tether alone."""
-    return Line("", INPUT_NAMES + wind_at_names(wind_points), shape_points, wind_points)
+    """The `instance.RunningLine` of a tether alone."""
+    return RunningLine("", INPUT_NAMES + wind_at_names(wind_points), shape_points, wind_points)
 
 
 def elements(name, meaning, shape, shape_points):

@@ -21,8 +21,8 @@ from .lines import Line, check_inputs, checked_name, first_input
 
 BY_SPEED, BY_FORCE, BY_LENGTH = "speed", "force", "length"
 GIVEN = {BY_SPEED: "reel_out_speed", BY_FORCE: "winch_force", BY_LENGTH: "winch_length"}  # its input, by what controls it
-OF_A_WINCH = dict(quantities(Winch))
-CONTROL = OF_A_WINCH["winch_control"].numbers
+QUANTITIES_OF_A_WINCH = dict(quantities(Winch))
+CONTROL = QUANTITIES_OF_A_WINCH["winch_control"].numbers
 SMALLEST_RATIO, LARGEST_RATIO = 1e-3, 1e3
 # quantities of a `Winch` that a shared one has, if it is controlled by force
 OF_A_DRUM = ("winch_mass", "winch_damping", "winch_friction", "winch_start")
@@ -30,7 +30,7 @@ OF_A_DRUM = ("winch_mass", "winch_damping", "winch_friction", "winch_start")
 
 def of_a_winch(name):
     """Field of a record for a quantity of a `Winch`."""
-    return field(default=getattr(Winch, name), metadata={"quantity": OF_A_WINCH[name]})
+    return field(default=getattr(Winch, name), metadata={"quantity": QUANTITIES_OF_A_WINCH[name]})
 
 
 @names_checked
