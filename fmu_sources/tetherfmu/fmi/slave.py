@@ -14,7 +14,6 @@ from ..runtime.saved_state import STEPPING, SavedState
 from ..wiring.fmu import of_system, of_tether
 from ..wiring.packing import pack_lines, put_holders, put_sheaves
 from ..wiring.system import system_from
-from ..wiring.variables import PARAMETER
 from .base_slave import WARNING, BaseSlave
 from .resources import KERNELS_FOLDER, options_in
 
@@ -65,9 +64,7 @@ class TetherSlave(BaseSlave):
         found = [(reference, [first + place for place in places]) for reference, places in wiring.outputs]
         self._sums = [each for each in found if len(each[1]) > 1]
         self._alone = [(reference, places[0]) for reference, places in found if len(places) == 1]
-        # of a tether alone there is nothing to be copied, and `pack` names what is wrong with parameters as well
         self._copied = [] if wiring.is_direct else [row[:2] for row in wiring.inputs]
-        self._named = [] if wiring.is_direct else [each for each in wiring.table if each.causality == PARAMETER]
         values = self._instance.values if wiring.is_direct else zeros(count)
         self.constants, self._doubtful = wiring.constants, wiring.doubtful
         for _, reference, value in self.constants:
@@ -149,7 +146,8 @@ class TetherSlave(BaseSlave):
     def _packed(self, values, tolerance):
         """What `_set_up` takes, from an array of all values; ValueError names a variable that is not allowed."""
         wiring = self._wiring
-        for each in self._named:
+        # of a tether alone `pack` names what is wrong as well
+        for each in () if wiring.is_direct else wiring.table[self._parameters_at :]:
             _check(each, values[each.place])
         lines = (
             (
