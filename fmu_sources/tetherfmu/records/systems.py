@@ -27,8 +27,9 @@ def checked_system(system):
     for line in system.lines:
         arguments.tethers_of("Line", line.tether)
     check_with_sheaves(system.lines, system.winches)
-    arguments.check_wind(system.environment, arguments.wind_points(system.wind_points))
-    return replace(system, shares=shares)
+    wind_points = arguments.wind_points(system.wind_points)
+    arguments.check_wind(system.environment, wind_points)
+    return replace(system, shares=shares, wind_points=wind_points)
 
 
 def shares_of(winches):
