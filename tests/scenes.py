@@ -26,6 +26,21 @@ def circle(time, rate=CIRCLE_RATE):
     return turn @ position, turn @ velocity
 
 
+def hanging_load(top, height, mass, **rope):
+    """File of a system, without its first keys: a load [kg] that hangs on a rope with these keys from a point, `top` [m]."""
+    keys = "\n".join(f"{name} = {value}" for name, value in rope.items())
+    return f"""
+[points.{top}]
+position = [0, 0, {height}]
+[points.load]
+mass = {mass}
+[lines.rope]
+from = "{top}"
+to = "load"
+{keys}
+"""
+
+
 def kite_at_start(name, position, velocity=(0.0, 0.0, 0.0)):
     """Values of an FMU, by its name, that place its kite [m] with a velocity [m/s] at the start."""
     initial = "initial_" if name.endswith("Free") else ""

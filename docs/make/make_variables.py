@@ -125,7 +125,7 @@ def letters(name, causality):
 
 def wiring(variant):
     """Where the variables of a tether stand."""
-    return of_tether(variant, variables(variant, POINTS), POINTS)
+    return of_tether(variant, DEFAULT_OPTIONS | {"shape_points": POINTS})
 
 
 def references():

@@ -88,14 +88,15 @@ class ModelSlave(BaseSlave):
         known += [variable for each in self.vectors for variable in each]
         options = options_in(self.resources)
         starts = dict(options.get("starts", ()))
-        table = [replace(each, start=starts.get(each.name, each.start)) for each in (*given, *found, *known)]
+        listed = enumerate((*given, *found, *known))
+        table = [replace(each, start=starts.get(each.name, each.start), place=k) for k, each in listed]
         self._limited = [(k, each) for k, each in enumerate(given) if each.quantity.range() != "a finite number"]
         # places in `values`: inputs, outputs, parameters; then, of the last step, inputs and length; what the model keeps
         declared, last_step = len(table), len(table) + len(given)
         self._given, self._computed = slice(0, len(given)), slice(len(given), len(given) + len(found))
         self._parameters_at, self._last_inputs = slice(self._computed.stop, declared), slice(declared, last_step)
         self._last_step, self._memory = last_step, slice(last_step + 1, last_step + 1 + self.memory)
-        self.declare(table, array("d", bytes(8 * self._memory.stop)), range(declared), options)
+        self.declare(table, array("d", bytes(8 * self._memory.stop)), options)
         self._warned = set()
         self._sentences = []
 

@@ -12,7 +12,7 @@ import pytest
 from foreign import foreign
 from tetherfmu import __version__
 from tetherfmu.__main__ import main as tetherfmu
-from tetherfmu.console.ending import remedy
+from tetherfmu.console.ending import DISTRIBUTIONS, remedy
 from tetherfmu.console.subcommands import SUBCOMMANDS
 from tetherfmu.files.toml_files import WrongUse
 from tetherfmu.study.measuring.fmus import fmus_in
@@ -245,6 +245,7 @@ def test_wrong_use_is_told_in_one_line(place, monkeypatch, capsys, line, status,
         ("fly --html", "plotly", "html"),
         ("fly sound.csv --length 500", "pandas", "examples"),
         ("at_rest.catenary", "matplotlib", "examples"),
+        ("import sound.toml", "yaml", "examples"),
         ("tutorial 01", "matplotlib", "examples"),
         ("make_stability --quick", "pebble", "stability"),
         ("advise --fast key.toml", "pandas", "examples"),
@@ -264,7 +265,7 @@ def test_a_missing_package_is_named_with_its_extra(place, fmu_folder, tmp_path, 
     command = [sys.executable, "-c", code]
     done = subprocess.run(command, env=environment, cwd=tmp_path, capture_output=True, text=True, check=False)
     assert done.returncode == 2
-    assert done.stderr == f'{package} is not installed: pip install "tetherfmu[{extra}]"\n'
+    assert done.stderr == f'{DISTRIBUTIONS.get(package, package)} is not installed: pip install "tetherfmu[{extra}]"\n'
 
 
 def test_remedy_of_a_package_without_extra():

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tetherfmu.files.system_files import TableOfPoint
+from tetherfmu.files.system_files import KEYS_OF_A_POINT
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.outputs import PLACES
 from tetherfmu.runtime.parameters import Solver, Winch
@@ -63,7 +63,7 @@ def test_what_moves_on_the_page_moves(tmp_path):
 
 
 def test_the_table_has_the_keys():
-    for name in TableOfPoint.__dataclass_fields__:
+    for name in KEYS_OF_A_POINT:
         assert f"`points.NAME.{name}`" in KEYS
     for name, _ in quantities(Winch):
         assert re.search(rf"`(lines\.NAME)?\.{name}`", KEYS)

@@ -13,7 +13,7 @@ class Model:
 
     def __init__(self, name, file="", **values):
         self.slave = example_fmus.slave(name)(instance_name=name, resources="")
-        self.places = dict(zip((each.name for each in self.slave.table), self.slave.references, strict=True))
+        self.places = {each.name: each.place for each in self.slave.table}
         self.messages, self.time = [], 0.0
         self.slave.say = lambda message, level: self.messages.append(message)
         self.set(**values)

@@ -8,6 +8,7 @@ import pandas as pd
 import pytest
 
 from ended import status_of
+from scenes import hanging_load
 from tetherfmu.__main__ import main as tetherfmu
 from tetherfmu.files.named import named_scenes, named_systems
 from tetherfmu.files.scene_files import load, read
@@ -15,19 +16,7 @@ from tetherfmu.study.measuring.runs import Config, run
 
 G, MASS, LENGTH, DIAMETER, DENSITY = 9.81, 200.0, 20.0, 0.01, 1000.0
 ROPE = DENSITY * np.pi * DIAMETER**2 / 4.0 * LENGTH
-HANGING = f"""
-[points.tip]
-position = [0, 0, 50]
-[points.load]
-mass = {MASS}
-[lines.rope]
-from = "tip"
-to = "load"
-initial_length = {LENGTH}
-diameter = {DIAMETER}
-density = {DENSITY}
-segments = 6
-"""
+HANGING = hanging_load("tip", 50, MASS, initial_length=LENGTH, diameter=DIAMETER, density=DENSITY, segments=6)
 BRIDLE = """
 [points.drone]
 position = [0, 0, 60]
@@ -167,7 +156,7 @@ REFUSED = {
     "landing_crane --set series.kite_velocity=[0,0,1]": "series.kite_velocity moves the kite, which is a free end",
     "landing_crane --set series.reel_out_sped=1": "unknown key series.reel_out_sped; did you mean reel_out_speed?",
     "parked --set series.kite_load=[0,0,1]": "series.kite_load is a force on a free end; flight.kind must be 'free_end'",
-    "parked --set series.winch_length=3 --set series.winch_force=3": "series has winch_force and winch_length; only one of them",
+    "parked --set series.winch_length=3 --set series.winch_force=3": "series has winch_force and winch_length; only one",
     "parked --set series.release=[[1,true]] --tether straight": "--tether is straight; parked lets its tether go",
 }
 

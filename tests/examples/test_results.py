@@ -9,6 +9,7 @@ import pytest
 from running import assert_is_drawn, run_code
 
 from ended import status_of
+from scenes import hanging_load
 from tetherfmu.__main__ import main as tetherfmu
 from tetherfmu.files.scene_files import load
 from tetherfmu.study import sweep
@@ -17,20 +18,8 @@ from tetherfmu.study.measuring import results
 FLY = "import sys; from tetherfmu.__main__ import main; sys.exit(main(['fly', *sys.argv[1:]]))"
 G = 9.81
 MASS, SPEED, ROPE, DENSITY, DIAMETER = 300.0, 0.5, 30.0, 1000.0, 0.01
-HOISTED = f"""
-[points.winch]
-position = [0, 0, 0]
-[points.load]
-mass = {MASS}
-[lines.rope]
-from = "winch"
-to = "load"
-initial_length = {ROPE}
-diameter = {DIAMETER}
-density = {DENSITY}
-segments = 8
-reel_out_speed = {-SPEED}
-"""
+OF_THE_ROPE = {"initial_length": ROPE, "diameter": DIAMETER, "density": DENSITY, "segments": 8}
+HOISTED = hanging_load("winch", 0, MASS, **OF_THE_ROPE, reel_out_speed=-SPEED)
 
 
 def flown(tmp_path, *arguments):

@@ -237,7 +237,7 @@ def test_presets_have_a_winch_and_where_a_free_end_starts(preset, tmp_path):
     """Of a free kite end, and of the free points and the lines of a system."""
     file = tmp_path / "hanging.toml"
     file.write_text('name = "Hanging"\n' + SYSTEM.partition("\n")[2].partition("\n")[2])
-    tables = variables("dynamic_free", 0), table_of(systems.structure_from(*systems.read(file)))
+    tables = variables("dynamic_free", 0), table_of(systems.read(file))
     winch = {"reel_out_speed", "winch_force", "winch_length", "winch_control", "winch_speed"}
     wanted = (
         winch | {"initial_kite_position", "kite_start"},

@@ -13,7 +13,7 @@ from fmpy.fmi1 import FMICallException
 
 from isolation import in_shared_process
 from runtime.host import STEP, Host, blob_of, extract_all, restore
-from tetherfmu import TetherSystem
+from tetherfmu import Line, Point, TetherSystem
 from tetherfmu.check.__main__ import main as check
 from tetherfmu.commands.build import main
 from tetherfmu.export import systems
@@ -24,6 +24,7 @@ from tetherfmu.runtime.limits import WORST_WORK
 from tetherfmu.runtime.outputs import COUNTERS
 from tetherfmu.wiring import system_variables
 from tetherfmu.wiring.fmu import lines_of
+from tetherfmu.wiring.system import System
 from tetherfmu.wiring.system_variables import ENDS, GIVEN
 
 FILES = Path(__file__).parents[2] / "examples" / "systems"
@@ -234,10 +235,10 @@ def test_the_first_outputs_depend_on_what_is_declared(folder):
 
 
 def test_between_driven_points_the_first_outputs_depend_on_their_line():
-    ends = [system_variables.Point(name, None, (0.0, 0.0, 10.0 * k), (0.0, 0.0, 0.0)) for k, name in enumerate("abc")]
-    lines = [system_variables.Line(name, *name, {}, 0) for name in ("ab", "bc")]
-    structure = system_variables.Structure("Row", tuple(ends), tuple(lines), (), 2, {})
-    declared = {each.name: set(each.depends_on or ()) for each in system_variables.table_of(structure)}
+    ends = tuple(Point(name, (0.0, 0.0, 10.0 * k)) for k, name in enumerate("abc"))
+    lines = tuple(Line(name, *name) for name in ("ab", "bc"))
+    table = system_variables.table_of(System("Row", ends, lines, shape_points=0))
+    declared = {each.name: set(each.depends_on or ()) for each in table}
     assert {"ab.diameter", "gravity", "b.position[2]"} <= declared["a.force[1]"]
     assert {"ab.diameter", "bc.diameter", "c.position[2]"} <= declared["b.force[1]"]
     assert declared["a.force[1]"].isdisjoint({"bc.diameter", "c.position[2]"})
@@ -330,18 +331,18 @@ OF_ENDS = ("kite_", "ground_", "initial_kite_")  # what names of ends begin with
 
 def test_sentences_name_the_ends_and_the_winches_of_the_system():
     """Of those on a line and on all lines: each name of an end of a tether is one of the system."""
-    structure = systems.structure_from(*systems.read(FILES / "steered_kite.toml"))
-    known = {each.name.partition("[")[0] for each in system_variables.table_of(structure)}
+    system = systems.read(FILES / "steered_kite.toml")
+    known = {each.name.partition("[")[0] for each in system_variables.table_of(system)}
     codes = status.SENTENCES.keys() - OF_A_TETHER_ALONE
     of_lines = [*plausibility.SENTENCES.values(), *(status.SENTENCES[code] for code in codes)]
     told = [renamed(status.SENTENCES[code], OF_ALL_LINES) for code in codes - OF_A_LINE_ALONE]
     told += [
-        renamed(said.replace("{end}", end), line.words) for said in of_lines for line in lines_of(structure) for end in ENDS
+        renamed(said.replace("{end}", end), line.words) for said in of_lines for line in lines_of(system) for end in ENDS
     ]
     for said in told:
         found = {word for word in re.findall(r"(?<!\{)\b\w[\w.]+\w", said) if word.startswith(OF_ENDS)}
         assert found <= known, said
-    tape = next(line for line in lines_of(structure) if line.name == "tape_left")
+    tape = next(line for line in lines_of(system) if line.name == "tape_left")
     assert renamed("check winch_length", tape.words) == "check steering.winch_length and depower.winch_length"
     assert {"steering.winch_length", "depower.winch_length"} <= known
 

@@ -71,6 +71,15 @@ def test_keys_of_kiteutils_11(tmp_path, capsys):
     assert "default used: environment.gravity = 9.81\n" in shown
 
 
+def test_lists_may_stand_over_several_rows(tmp_path):
+    """And comments, quotes and references of YAML where they may."""
+    rows = ("l_tether: 200.0", "l_tethers:  # of all\n      - 200.0\n      - 0.0\n      - 0.0")
+    quoted = ("cd_tether: 1.0", "cd_tether: &one '1.0'\n    other: *one")
+    path, status = imported(SETTINGS, tmp_path, rows=rows, quoted=quoted)
+    assert status == 0
+    assert (files.load(path).tether.initial_length, files.load(path).tether.drag_coefficient) == (200.0, 1.0)
+
+
 def test_wind_is_that_of_the_vector_where_the_file_says_so(tmp_path):
     """Downwind is x: `wind_vec` blows to the north-east and up; `upwind_elevation` is that of where the wind comes from."""
     vector = ("v_wind: 9.0", "v_wind: 9.0\n    wind_vec: [3.0, 4.0, 0.5]\n    use_wind_vec: true")
@@ -349,6 +358,13 @@ WRONG = {  # what stands in an example, what is there instead, what is said
         "use_wind_vec: maybe",
         "row 18: environment.use_wind_vec is 'maybe'; it must be true or",
     ),
+    "margin": (SETTINGS, "    cd_tether: 1.0", "  cd_tether: 1.0", "row 13: it is no YAML: expected <block end>"),
+    "bracket": (SETTINGS, "l_tether: 200.0", "l_tethers: [200, 0", "it is no YAML: "),
+    "tab": (SETTINGS, "    cd_tether: 1.0", "\tcd_tether: 1.0", "row 13: it is no YAML: found character '\\t'"),
+    "control": (SETTINGS, "cd_tether: 1.0", "cd_tether: \x01", "row 13: it is no YAML: special characters are not"),
+    "nested": (SETTINGS, "cd_tether: 1.0", "cd_tether: [[1.0], 2]", "row 13: tether.cd_tether is '[1.0]'; it must be"),
+    "pairs": (SETTINGS, "cd_tether: 1.0", "cd_tether: {a: 1.0}", "row 13: tether.cd_tether is '{a: 1.0}'; it must be"),
+    "deep": (SETTINGS, "cd_tether: 1.0", f"cd_tether: {3000 * '['}", "its lists are nested too deeply"),
     "length": (SETTINGS, "l_tether:", "no_length:", "initial.l_tethers (l_tether), the length of the tether, is missing"),
     "program": (SETTINGS, "\ntether:", "\nrope:", "is neither a file of settings of KiteUtils.jl"),
     "body": (MOORED, "4    Coupled", "4    Body1  ", "row 14: it is on body 1, which is not in this file"),

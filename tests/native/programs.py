@@ -11,7 +11,6 @@ from tetherfmu.libraries.native_shell import SHELL, unit
 from tetherfmu.runtime.kernel_library import this_platform
 from tetherfmu.runtime.variants import library_of
 from tetherfmu.wiring.fmu import of_tether
-from tetherfmu.wiring.variables import table_of
 
 SANITIZED = ("-g", "-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
 WARNINGS = ("-Wall", "-Wextra", "-Werror", "-Wno-unused-parameter", "-Wno-cast-function-type")
@@ -27,8 +26,8 @@ def compiled(folder, variant, fmi, source, options, segments=3, shape_points=5, 
 
     shell : whether the shell and the kernels are in the program.
     """
-    table = table_of(variant, {"segments": segments, "shape_points": shape_points})
-    (folder / "tables.h").write_text(header(of_tether(variant, table, shape_points), fmi, "{token}"))
+    wiring = of_tether(variant, {"segments": segments, "shape_points": shape_points})
+    (folder / "tables.h").write_text(header(wiring, fmi, "{token}"))
     (folder / "unit.c").write_text(f'{unit(fmi) if shell else ""}#include "{source}"\n')
     library = library_of(variant)
     kernels = ready.folders([library], [this_platform()])[library] / object_name(this_platform())

@@ -4,7 +4,7 @@ import subprocess
 from pathlib import Path
 
 from native import programs
-from tetherfmu.wiring.variables import references, table_of
+from tetherfmu.wiring.variables import table_of
 
 HOST = Path(__file__).with_name("real_time_host.c")
 WRAPPED = "-Wl," + ",".join(f"--wrap={name}" for name in ("malloc", "calloc", "realloc", "free"))
@@ -19,7 +19,7 @@ def compiled(folder, segments):
 def run(program, segments, mode, flight, steps, step, fixed_step):
     """The finished process of such a program; see `real_time_host.c`."""
     table = table_of("dynamic", {"segments": segments, "shape_points": SHAPE_POINTS})
-    reference = dict(zip((each.name for each in table), references(table, SHAPE_POINTS), strict=True))
+    reference = {each.name: each.place for each in table}
     fixed = f"{reference['fixed_step']},{fixed_step!r},{reference['solver_iterations']}"
     command = [program, "{token}", mode, flight, str(steps), repr(step), fixed]
     return subprocess.run(command, capture_output=True, text=True, check=False)

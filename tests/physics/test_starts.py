@@ -10,9 +10,9 @@ import pytest
 from tetherfmu.python import models
 from tetherfmu.python.models import TetherDynamic, TetherDynamicFree, TetherQuasiSteady
 from tetherfmu.python.system import TetherSystem
-from tetherfmu.records.lines import Line, Point
 from tetherfmu.records.problems import PlausibilityWarning, StepRefused
 from tetherfmu.runtime.parameters import Ground, Solver, Tether, Winch
+from tetherfmu.wiring.lines import Line, Point
 
 DRIVEN = ("TetherStraight", "TetherCatenary", "TetherQuasiSteady", "TetherDynamic")
 STEP = 0.02

@@ -8,7 +8,7 @@ import pytest
 
 from tetherfmu import Environment, Ground, Solver, Tether, TetherDynamicFree, Winch
 from tetherfmu.python.system import TetherSystem
-from tetherfmu.records.lines import Line, Point
+from tetherfmu.wiring.lines import Line, Point
 
 EXACT = Solver(relative_tolerance=1e-8)
 ARM = Tether(segments=3, initial_length=50.2, axial_stiffness=2e4, axial_damping=40.0)

@@ -10,8 +10,8 @@ import tetherfmu
 from tetherfmu.runtime.quantities import quantities
 
 PUBLIC = [name for name in tetherfmu.__all__ if name not in ("__version__", "MATERIALS")]
-MODULES = ("python.energy", "python.models", "python.results", "records.lines", "records.materials", "records.paths")
-MODULES += ("records.problems", "records.winches", "runtime.outputs", "runtime.parameters")
+MODULES = ("python.energy", "python.models", "python.results", "wiring.lines", "records.materials", "records.paths")
+MODULES += ("records.problems", "wiring.winches", "runtime.outputs", "runtime.parameters")
 MODULES += ("wind.frozen_turbulence", "wind.wind_boxes")
 
 

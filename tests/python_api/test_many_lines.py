@@ -4,10 +4,9 @@ import sys
 
 import pytest
 
-from tetherfmu import Environment, Ground, Line, Point, Solver, Tether, TetherSystem
-from tetherfmu.export.systems import structure_from
-from tetherfmu.files.system_files import SystemFile
+from tetherfmu import Line, Point, Tether, TetherSystem
 from tetherfmu.wiring.fmu import of_system
+from tetherfmu.wiring.system import System
 from tetherfmu.wiring.system_variables import table_of
 
 FEW, TIMES = 12, 4
@@ -34,10 +33,8 @@ def stepped(count):
 def wired(count):
     """The variables of its FMU, and where they stand."""
     points, lines = chain(count)
-    structure = structure_from(
-        SystemFile("chain", points, lines, Environment(), Solver(), Ground()), {each.name: each.position for each in points}
-    )
-    return lambda: (table_of(structure), of_system(structure, (), ()))
+    system = System("chain", points, lines)
+    return lambda: (table_of(system), of_system(system, (), ()))
 
 
 def counted(work):

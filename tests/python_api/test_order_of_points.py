@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from tetherfmu import Line
-from tetherfmu.records.ordering import ordered
+from tetherfmu.wiring.ordering import ordered
 
 
 def chain(count):

@@ -15,6 +15,7 @@ from tetherfmu.files.toml_files import WrongUse
 
 FAILED, WRONG_USE, STOPPED = 1, 2, 130
 DISK = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)  # errors of writing to a file that is open
+DISTRIBUTIONS = {"yaml": "pyyaml"}  # packages that are installed by another name than they are imported
 REQUIREMENT = re.compile(r"([\w-]+).*extra == ['\"](\w+)['\"]")
 
 
@@ -36,6 +37,7 @@ def command(main):
             if (missing.name or "tetherfmu").startswith("tetherfmu"):
                 raise
             package = missing.name.partition(".")[0]
+            package = DISTRIBUTIONS.get(package, package)
             return _said(f"{package} is not installed: {remedy(package)}", WRONG_USE)
         except OSError as error:
             file = error.filename or (opened[-1] if error.errno in DISK else None)

@@ -22,13 +22,13 @@ from warnings import catch_warnings
 
 from tetherfmu.python.system import TetherSystem
 from tetherfmu.records.problems import PlausibilityWarning
-from tetherfmu.records.winches import holding
 from tetherfmu.runtime.enumerations import WINCH_BY_FORCE, WINCH_BY_LENGTH, WINCH_BY_SPEED
 from tetherfmu.runtime.inputs import KITE_AT_START, ZERO, components, wind_at_names
 from tetherfmu.runtime.parameters import DEFAULT_TOLERANCE, Environment, FreeKite, Solver, Winch
 from tetherfmu.runtime.variants import BY_NAME, DYNAMIC
 from tetherfmu.wiring.portions import portions_of
 from tetherfmu.wiring.variables import INPUT, OUTPUT, names_of, variables
+from tetherfmu.wiring.winches import holding
 
 from .texts import filled
 
@@ -327,8 +327,7 @@ def of_system(system, wind_points=0):
 
     def model(tolerance):
         solver = replace(system.solver, relative_tolerance=tolerance)
-        more = {"winches": system.winches, "wind_points": wind_points}
-        return TetherSystem(system.points, system.lines, system.environment, solver, system.ground, **more)
+        return TetherSystem.of(system, solver=solver, wind_points=wind_points)
 
     moves = [name for what in ("position", "velocity") for each in driven for name in components(f"{each}.{what}", 3)]
     turns = [f"{line.name}.{_LED_BY[line.winch.winch_control]}" for line in lines_alone(system)]

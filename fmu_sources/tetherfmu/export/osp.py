@@ -34,13 +34,13 @@ def model_description(table):
     return _text(table, (("kite", "kite_", force), ("ground", "ground_", "force")), (("", ""),))
 
 
-def model_description_of_system(structure, table):
+def model_description_of_system(system, table):
     """Text of the file of a system: a Generic group for each point, as for the end of a tether, wind, winches.
 
-    The force of a free point is its load.  structure : `system_variables.Structure`.  table : of `variables.Variable`.
+    The force of a free point is its load.  system : `wiring.system.System`.  table : of `variables.Variable`.
     """
-    ports = [(point.name, f"{point.name}.", "load" if point.is_free else "force") for point in structure.points]
-    return _text(table, ports, [(f"{each.name}_", f"{each.name}.") for each in (*structure.lines, *structure.winches)])
+    ports = [(point.name, f"{point.name}.", "force" if point.is_driven else "load") for point in system.points]
+    return _text(table, ports, [(f"{each.name}_", f"{each.name}.") for each in (*system.lines, *system.winches)])
 
 
 def _text(table, ports, winches):

@@ -1,23 +1,20 @@
 """Assemble the FMU of a system of tethers from its file: one library serves all systems, so that nothing is compiled."""
 
-from dataclasses import asdict
+from contextlib import suppress
+from dataclasses import replace
 from html import escape
 from pathlib import Path
 
 from tetherfmu.files import system_files as files
 from tetherfmu.fmi.resources import DEFAULT_OPTIONS
 from tetherfmu.python.system import TetherSystem
-from tetherfmu.records.lines import sheaves_of
-from tetherfmu.records.ordering import ordered
-from tetherfmu.records.winches import as_built, check_with_sheaves
 from tetherfmu.runtime.inputs import ZERO
 from tetherfmu.runtime.kernel_library import SYSTEM
-from tetherfmu.runtime.layout import START_AT_REST, START_GIVEN
 from tetherfmu.runtime.naming import prefixed
-from tetherfmu.runtime.quantities import quantities
 from tetherfmu.wiring.fmu import of_system
 from tetherfmu.wiring.selection import shown, with_starts
-from tetherfmu.wiring.system_variables import Line, Point, Structure, table_of
+from tetherfmu.wiring.system import in_json
+from tetherfmu.wiring.system_variables import table_of
 
 from . import evidence, lean_evidence, osp
 from .archive import SLAVES, packed_with_kernels, seal, write
@@ -50,31 +47,30 @@ def build(path, folder, options=None, native=None, with_header=None, with_source
     """
     options = options or BuildOptions(shape_points=None)
     now(f"starting the system of {path}")
-    (found, positions), folder = read(path), Path(folder)
+    found, folder = read(path), Path(folder)
+    system = replace(found, shape_points=options.shape_points, wind_points=options.wind_points)
     with prefixed(f"{path}: "):
-        check_with_sheaves(found.lines, found.winches)
-        structure = structure_from(found, positions, options.shape_points, options.wind_points)
-        own = chosen(options.lean.over(found.build), table_of(structure))
-        check_start(None, {"system": asdict(structure), **own})
+        own = chosen(options.lean.over(found.build), table_of(system))
+        check_start(None, {"system": in_json(system), **own})
     starts, left_out = own.get("starts", ()), own.get("left_out", ())
-    table = with_starts(table_of(structure), starts)
-    points, lines, free = len(structure.points), len(structure.lines), len(structure.free)
-    about = f"{ABOUT} {structure.name}: {lines} line{'s' * (lines > 1)} between {points} points, of which {free} free."
+    table = with_starts(table_of(system), starts)
+    points, lines, free = len(system.points), len(system.lines), len(system.free)
+    about = f"{ABOUT} {system.name}: {lines} line{'s' * (lines > 1)} between {points} points, of which {free} free."
     now(f"flying {lines} lines with {len(table)} variables for the evidence set")
     sets = {} if starts else _evidence_of(found, table, native == 3, options.wind_points, left_out)
     now("writing the documents")
-    files = documents(structure, table, about, options.platforms, sets, native, left_out)
+    files = documents(system, table, about, options.platforms, sets, native, left_out)
     now("writing the FMU")
     if native:
-        wiring = of_system(structure, left_out, starts)
-        terminals = description_fmi3.terminals_of_system(structure, wiring.shown)
-        model = fmus.Model(structure.name, about, wiring, terminals, TIMES)
+        wiring = of_system(system, left_out, starts)
+        terminals = description_fmi3.terminals_of_system(system, wiring.shown)
+        model = fmus.Model(system.name, about, wiring, terminals, TIMES)
         return fmus.written(files, model, folder, options.platforms, native, with_header, with_sources)
     folder.mkdir(parents=True, exist_ok=True)
-    made = packed_with_kernels(SLAVE, None, about, SYSTEM, options.platforms, {"system": asdict(structure), **own})
+    made = packed_with_kernels(SLAVE, None, about, SYSTEM, options.platforms, {"system": in_json(system), **own})
     made.update(files)
     seal(made)
-    return write(made, folder, structure.name, None)
+    return write(made, folder, system.name, None)
 
 
 def _evidence_of(found, table, arrays, wind_points, left_out):
@@ -95,48 +91,25 @@ def _evidence_of(found, table, arrays, wind_points, left_out):
 
 
 def read(path):
-    """`SystemFile` of a file, and the positions of all points at the start [m], dict by name.
+    """`SystemFile` of a file; ValueError says in one line what is wrong.
 
-    A free point without a position gets the one where it is in equilibrium without wind and loads, or that of the origin if
-    there is none: the FMU seeks it anew. ValueError says in one line what is wrong.
+    A free point without a position starts where it is in equilibrium without wind and loads, or in the origin if there is
+    none: the FMU seeks it anew.
     """
     found = files.load(path)
     if found.name.lower() in {name.lower() for name in SLAVES}:
         raise ValueError(f"{path}: name is {found.name!r}; it must not be that of the FMU of a single tether")
-    system = TetherSystem(found.points, found.lines, found.environment, found.solver, found.ground, winches=found.winches)
-    places = {point.name: point.position for point in found.points}
-    if None in places.values():
-        try:
+    system = TetherSystem.of(found)
+    sought = [point.name for point in found.points if point.position is None]
+    starts = dict.fromkeys(sought, ZERO)
+    with suppress(ValueError):  # with other winds or loads there may be an equilibrium
+        if sought:
             start = system.initialize().points
-            found_at = {name: tuple(start[name].position.tolist()) for name in places}
-        except ValueError:  # with other winds or loads there may be an equilibrium
-            found_at = dict.fromkeys(places, ZERO)
-        places = {name: place or found_at[name] for name, place in places.items()}
-    return found, places
+            starts = {name: tuple(start[name].position.tolist()) for name in sought}
+    return replace(found, starts=starts)
 
 
-def structure_from(found, positions, shape_points=None, wind_points=0):
-    """`Structure` of a `SystemFile` whose points start at these positions [m]; shape_points, wind_points : as in `build`."""
-    free, band = ordered([point.name for point in found.points if not point.is_driven], found.lines)
-    points, lines = [], []
-    for each in found.points:
-        start = START_GIVEN if each.position else START_AT_REST  # of what is found
-        points.append(Point(each.name, each.mass, positions[each.name], each.velocity, start))
-    for each in found.lines:
-        starts = values_of(each.tether, each.winch) | {"reel_out_speed": each.reel_out_speed}
-        shown = each.tether.segments + 1 if shape_points is None else shape_points
-        own = sheaves_of(each) if each.through else {}
-        lines.append(Line(each.name, each.start, each.end, starts, shown, wind_points, each.through, own))
-    starts = values_of(found.environment, found.solver, found.ground)
-    return Structure(found.name, tuple(points), tuple(lines), tuple(free), band, starts, as_built(found.winches))
-
-
-def values_of(*records):
-    """Values of all quantities of records, dict by name."""
-    return {name: getattr(record, name) for record in records for name, _ in quantities(record)}
-
-
-def documents(structure, table, description, platforms, sets, native, left_out):
+def documents(system, table, description, platforms, sets, native, left_out):
     """All files beside the model: dict of their path in the archive to bytes.
 
     table : of all variables.  description : of the model.  sets : texts of the evidence set, dict by file name.
@@ -144,14 +117,14 @@ def documents(structure, table, description, platforms, sets, native, left_out):
     """
     body = filled(
         "system.html",
-        name=structure.name,
-        points="\n".join(_row(point.name, "free" if point.is_free else "driven") for point in structure.points),
-        lines="\n".join(_row(line.name, line.start, line.end) for line in structure.lines),
-        winches=_about_winches(structure.winches),
+        name=system.name,
+        points="\n".join(_row(point.name, "driven" if point.is_driven else "free") for point in system.points),
+        lines="\n".join(_row(line.name, line.start, line.end) for line in system.lines),
+        winches=_about_winches(system.winches),
         **about(description, native),
     )
-    groups = osp.model_description_of_system(structure, shown(table, frozenset(left_out)))
-    return files_beside(structure.name, page(structure.name, body, table, left_out), sets, platforms, groups, native)
+    groups = osp.model_description_of_system(system, shown(table, frozenset(left_out)))
+    return files_beside(system.name, page(system.name, body, table, left_out), sets, platforms, groups, native)
 
 
 def _about_winches(winches):

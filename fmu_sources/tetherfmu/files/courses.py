@@ -160,10 +160,10 @@ def held(times, values):
 
 def smooth_curve(times, values, spline):
     """A curve through rows that is at rest at both ends, or a C2 spline."""
-    from scipy.interpolate import CubicSpline, PchipInterpolator  # slow to import
-
     if spline:
-        return CubicSpline(times, values)
+        return csv_files.curve(times, values)
+    from scipy.interpolate import PchipInterpolator  # slow to import
+
     beyond = [times[0] - 1.0, *times, times[-1] + 1.0]
     return PchipInterpolator(beyond, np.concatenate([values[:1], values, values[-1:]]))
 
@@ -191,14 +191,4 @@ def numbers_of(table, name, unit):
     column = table.column(name)
     if column is None:
         raise ValueError(f"has no column {name}; it has {csv_files.shown(table.cells)}")
-    texts = table.cells[column]
-    numbers = np.array([number_in(each) for each in texts])
-    return numbers * csv_files.factor(table.unit(column), unit, column)
-
-
-def number_in(text):
-    """A number of a cell; NaN if it has none."""
-    try:
-        return float(text)
-    except ValueError:
-        return float("nan")
+    return table.numbers(column, unit)

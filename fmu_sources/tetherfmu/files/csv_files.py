@@ -50,6 +50,11 @@ class Table:
         below = self.units.get(column, "").strip("[]() ")
         return split(column)[1] or ("" if below in NO_UNIT else below)
 
+    def numbers(self, column, unit=None):
+        """Numbers of a column in a unit, NaN where it has none, array (rows,); unit None: as they are written."""
+        found = pd.to_numeric(self.cells[column], errors="coerce").to_numpy(float)
+        return found if unit is None else found * factor(self.unit(column), unit, column)
+
 
 def read(contents, fewest):
     """`Table` of the bytes of a file; ValueError says in one line why it is none.  fewest : rows that it must have."""
@@ -147,6 +152,13 @@ def factor(spelled, unit, column):
     if (spelled or unit) not in known:
         raise ValueError(f"the unit of {shown([column])} is {spelled!r}; it must be one of {', '.join(known)}")
     return known[spelled or unit]
+
+
+def curve(times, values, rates=None):
+    """A C2 spline through rows of a file, or with their rates a cubic curve."""
+    from scipy.interpolate import CubicHermiteSpline, CubicSpline  # slow to import
+
+    return CubicSpline(times, values) if rates is None else CubicHermiteSpline(times, values, rates)
 
 
 def from_angles(numbers):

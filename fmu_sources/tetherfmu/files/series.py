@@ -4,7 +4,7 @@ from itertools import chain
 
 import numpy as np
 import pandas as pd
-from scipy.interpolate import CubicHermiteSpline, CubicSpline, PchipInterpolator
+from scipy.interpolate import PchipInterpolator
 
 from tetherfmu.runtime.inputs import components, inputs_of
 from tetherfmu.runtime.limits import LARGEST_INPUT
@@ -42,7 +42,7 @@ def read_columns(contents):
     """
     table = csv_files.read(contents, FEWEST_ROWS)
     names = [csv_files.split(each)[0] for each in table.cells]
-    numbers = table.cells.apply(pd.to_numeric, errors="coerce").astype(float)
+    numbers = pd.DataFrame({column: table.numbers(column) for column in table.cells}, table.cells.index)
     for problem in chain(problems_of_names(names), problems(table, numbers.set_axis(names, axis=1))):
         raise ValueError(problem)
     for column, name in zip(table.cells, names, strict=True):
@@ -101,13 +101,6 @@ def too_large(inputs):
         yield f"{found}; it must be at most {LARGEST_INPUT:g} in magnitude"
 
 
-def curve(time, positions, velocities):
-    """A smooth path through positions [m]; without them at the origin, without velocities [m/s] a C2 spline."""
-    if positions is None or velocities is None:
-        return CubicSpline(time, np.zeros((len(time), 3)) if positions is None else positions)
-    return CubicHermiteSpline(time, positions, velocities)
-
-
 def noise(time, positions):
     """Scatter [m] of positions about a smooth path, and the accelerations [m/s2] in it; 0 of a path without noise.
 
@@ -151,7 +144,9 @@ class Series:
         self.duration = float(time[-1])
         self.has_velocities = all(f"{end}_velocity" in given for end in ("kite", "ground") if f"{end}_position" in given)
         self.scatter, self.shaking = noise(time, given["kite_position"])
-        self._ends = [curve(time, given.get(f"{end}_position"), given.get(f"{end}_velocity")) for end in ("kite", "ground")]
+        still = np.zeros((len(time), 3))
+        ends = ((given.get(f"{end}_position"), given.get(f"{end}_velocity")) for end in ("kite", "ground"))
+        self._ends = [csv_files.curve(time, still if place is None else place, speed) for place, speed in ends]
         lengths = next((table[name] for name in LENGTHS if name in table), None)
         self.has_length = lengths is not None
         if self.has_length:

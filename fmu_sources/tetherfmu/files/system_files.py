@@ -5,20 +5,21 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from tetherfmu.records.lines import Line, Point, check_system, checked_name
 from tetherfmu.records.materials import tether_of
-from tetherfmu.records.winches import SharedWinch, check_winches
-from tetherfmu.runtime import layout as at
+from tetherfmu.records.systems import checked_system
 from tetherfmu.runtime.inputs import INPUT_TABLE
 from tetherfmu.runtime.naming import prefixed
 from tetherfmu.runtime.outputs import OUTPUT_TABLE
-from tetherfmu.runtime.parameters import Environment, FreeKite, Ground, Solver, Tether, Winch
-from tetherfmu.runtime.quantities import quantities, quantity
-from tetherfmu.wiring.system_variables import OF_A_DRUM
+from tetherfmu.runtime.parameters import Environment, Ground, Solver, Tether, Winch
+from tetherfmu.runtime.quantities import quantities
+from tetherfmu.runtime.sheaves import SHEAVE_QUANTITIES
+from tetherfmu.wiring.lines import Line, Point, checked_name
+from tetherfmu.wiring.system import System
+from tetherfmu.wiring.winches import SharedWinch
 
 from . import lean
 from .lean import Lean
-from .toml_files import TABLE_OF_GROUND, ground_of, in_si, keys_of, record, require, tables_of, value_of, vector_in
+from .toml_files import TABLE_OF_GROUND, ground_of, keys_of, record, require, tables_of, value_of
 
 TABLES = ("points", "lines", "winches", "environment", "ground", "solver", "build")
 OF_THE_FLIGHT = ("duration", "wind", "loads", "series", "wanted")  # keys that say how it is flown; its FMU has none of that
@@ -28,85 +29,17 @@ TAKEN = {"time", "wind", *(each.name for each in (*INPUT_TABLE, *OUTPUT_TABLE))}
 }
 
 
-@dataclass(frozen=True)
-class TableOfPoint:
-    """Point of a system file."""
-
-    position: tuple | None = field(default=None, metadata={"read": vector_in("m", at.LARGEST_INPUT)})
-    velocity: tuple = field(default=(0.0, 0.0, 0.0), metadata={"read": vector_in("m/s", at.LARGEST_INPUT)})
-    mass: float | None = field(default=None, metadata={"quantity": dict(quantities(FreeKite))["kite_mass"]})
+KEYS_OF_A_POINT = ("position", "velocity", "mass")  # what a table has of each record
+SHEAVES = ("through", "initial_portions", *SHEAVE_QUANTITIES)
+KEYS_OF_A_LINE = dict.fromkeys(keys_of(Tether), Tether) | dict.fromkeys(keys_of(Winch), Winch)
+KEYS_OF_A_LINE |= dict.fromkeys(("reel_out_speed", *SHEAVES), Line)
+KEYS_OF_A_WINCH = [name for name, _ in quantities(SharedWinch)]
 
 
 @dataclass(frozen=True)
-class TableOfLine(Winch, Tether):
-    """Line of a system file, besides its points and its material."""
+class SystemFile(System):
+    """Contents of a system file: a `System` and the build options of its FMU."""
 
-    reel_out_speed: float = quantity(0.0, "m/s", "at the start; positive pays out", -at.LARGEST_INPUT, at.LARGEST_INPUT)
-
-
-def names_in(value):
-    """Names of points from a list in a file."""
-    if not isinstance(value, list) or not value or not all(isinstance(each, str) for each in value):
-        raise ValueError('it must be a list of names of points, as ["block"]')
-    return tuple(value)
-
-
-def numbers_of(unit):
-    """Function that reads a number of this unit, or a text with a unit, or a list of them, from a value of a file."""
-
-    def read_numbers(value):
-        if isinstance(value, list):
-            return tuple(in_si(each, unit) for each in value)
-        return in_si(value, unit)
-
-    return read_numbers
-
-
-def list_of(unit):
-    """The same for a list only."""
-
-    def read_list(value):
-        if not isinstance(value, list):
-            raise ValueError(f"it must be a list of numbers in {unit}")
-        return numbers_of(unit)(value)
-
-    return read_list
-
-
-@dataclass(frozen=True)
-class TableOfSheaves:
-    """Additional keys of a line over sheaves in a system file; `Line` has the defaults."""
-
-    through: tuple = field(default=(), metadata={"read": names_in})
-    initial_portions: tuple | None = field(default=None, metadata={"read": list_of("m")})
-    sheave_mass: tuple | float = field(default=0.0, metadata={"read": numbers_of("kg")})
-    sheave_friction: tuple | float = field(default=0.0, metadata={"read": numbers_of("")})
-    sheave_efficiency: tuple | float = field(default=1.0, metadata={"read": numbers_of("")})
-
-
-@dataclass(frozen=True)
-class TableOfWinch(Winch):
-    """Winch of several lines in a system file, besides these lines and its control."""
-
-    reel_out_speed: float = quantity(0.0, "m/s", "at the start; positive pays out", -at.LARGEST_INPUT, at.LARGEST_INPUT)
-    winch_force: float = quantity(0.0, "N", "at the start; positive reels in", -at.LARGEST_INPUT, at.LARGEST_INPUT)
-
-
-NUMBERS_OF_A_WINCH = ("reel_out_speed", "winch_force", *OF_A_DRUM)
-OF_A_LINE = ("from", "to", "material", *keys_of(TableOfLine), *keys_of(TableOfSheaves))
-
-
-@dataclass(frozen=True)
-class SystemFile:
-    """Contents of a system file: name, arguments of `TetherSystem`, build options of its FMU."""
-
-    name: str
-    points: tuple
-    lines: tuple
-    environment: Environment
-    solver: Solver
-    ground: Ground
-    winches: tuple = ()
     build: Lean = field(default_factory=Lean)
 
 
@@ -128,15 +61,14 @@ def read(table, name):
     checked_name("system", name)
     points = tuple(point_of(each, given) for each, given in named(table["points"], "points"))
     lines = tuple(line_of(each, given) for each, given in named(table["lines"], "lines"))
-    check_system(points, lines)
     winches = tuple(winch_of(each, given) for each, given in named(table.get("winches", {}), "winches"))
-    check_winches(winches, lines, [each.name for each in (*points, *lines)])
     environment = record(Environment, table.get("environment", {}), "environment")
     ground = Ground()
     if "ground" in table:
         ground = ground_of(record(TABLE_OF_GROUND, table["ground"], "ground", ("contact",)), environment)
     solver = record(Solver, table.get("solver", {}), "solver")
-    return SystemFile(name, points, lines, environment, solver, ground, winches, lean.read(table.get("build", {})))
+    build = lean.read(table.get("build", {}))
+    return checked_system(SystemFile(name, points, lines, environment, solver, ground, winches, build=build))
 
 
 def named(tables, section):
@@ -152,7 +84,8 @@ def named(tables, section):
 def point_of(name, table):
     """`Point` of a table of a file; ValueError names the key."""
     section = f"points.{name}"
-    given = vars(record(TableOfPoint, table, section))
+    require(table, section, KEYS_OF_A_POINT)
+    given = {key: value_of(Point, key, value, f"{section}.") for key, value in table.items()}
     if "position" not in table and "mass" not in table:
         raise ValueError(f"the key {section}.position is missing; only a free point, which has a mass, goes without")
     return Point(name, **given)
@@ -161,29 +94,25 @@ def point_of(name, table):
 def line_of(name, table):
     """`Line` of a table of a file; ValueError names the key."""
     section = f"lines.{name}"
-    require(table, section, OF_A_LINE, ("from", "to", "initial_length"))
+    require(table, section, ("from", "to", "material", *KEYS_OF_A_LINE), ("from", "to", "initial_length"))
     for end in ("from", "to"):
         if not isinstance(table[end], str):
             raise ValueError(f"{section}.{end} is {table[end]!r}; it must be the name of a point")
-    of_sheaves = {
-        key: value_of(TableOfSheaves, key, table[key], f"{section}.") for key in keys_of(TableOfSheaves) if key in table
-    }
-    others = {key: value for key, value in table.items() if key not in ("from", "to", "material", *of_sheaves)}
-    given = {key: value_of(TableOfLine, key, value, f"{section}.") for key, value in others.items()}
-    speed = given.pop("reel_out_speed", 0.0)
-    of_winch = {key: given.pop(key) for key, _ in quantities(Winch) if key in given}
+    given = {Tether: {}, Winch: {}, Line: {}}
+    for key in (key for key in table if key in KEYS_OF_A_LINE):
+        given[KEYS_OF_A_LINE[key]][key] = value_of(KEYS_OF_A_LINE[key], key, table[key], f"{section}.")
     with prefixed(f"{section}."):
-        winch, tether = Winch(**of_winch), tether_in(table, given)
-    return Line(name, table["from"], table["to"], tether, speed, winch, **of_sheaves)
+        winch, tether = Winch(**given[Winch]), tether_in(table, given[Tether])
+    return Line(name, table["from"], table["to"], tether, winch=winch, **given[Line])
 
 
 def winch_of(name, table):
     """`SharedWinch` of a table of a file; ValueError names the key."""
     section = f"winches.{name}"
     checked_name("winch", name)
-    require(table, section, ("lines", "control", *NUMBERS_OF_A_WINCH), ("lines",))
+    require(table, section, ("lines", "control", *KEYS_OF_A_WINCH), ("lines",))
     given = {key: table[key] for key in ("lines", "control") if key in table}
-    given |= {key: value_of(TableOfWinch, key, table[key], f"{section}.") for key in NUMBERS_OF_A_WINCH if key in table}
+    given |= {key: value_of(SharedWinch, key, table[key], f"{section}.") for key in KEYS_OF_A_WINCH if key in table}
     with prefixed("winches."):
         return SharedWinch(name, **given)
 

@@ -8,6 +8,7 @@ import re
 import stat
 import tomllib
 from dataclasses import field, fields, make_dataclass
+from functools import partial
 from itertools import combinations
 from pathlib import Path
 
@@ -87,6 +88,41 @@ def vector_in(unit, limit):
     return read_vector
 
 
+def numbers_in(unit):
+    """Function that reads a number of this unit, or a text with a unit, or a list of them, from a value of a file."""
+
+    def read_numbers(value):
+        return tuple(in_si(each, unit) for each in value) if isinstance(value, list) else in_si(value, unit)
+
+    return read_numbers
+
+
+def list_in(unit):
+    """The same for a list only."""
+
+    def read_list(value):
+        if not isinstance(value, list):
+            raise ValueError(f"it must be a list of numbers in {unit}")
+        return numbers_in(unit)(value)
+
+    return read_list
+
+
+def names_in(_unit):
+    """Function that reads names of points from a list in a file."""
+
+    def read_names(value):
+        if not isinstance(value, list) or not value or not all(isinstance(each, str) for each in value):
+            raise ValueError('it must be a list of names of points, as ["block"]')
+        return tuple(value)
+
+    return read_names
+
+
+# what makes a function that reads a form of `wiring.lines.given_in` from its unit
+FORMS = {"vector": partial(vector_in, limit=at.LARGEST_INPUT), "numbers": numbers_in, "list": list_in, "names": names_in}
+
+
 def ground_of(table, environment):
     """The `Ground` of a table of a file; ValueError if it does not go with the environment."""
     ground = Ground(**{GROUND + name: value for name, value in vars(table).items()})
@@ -124,12 +160,13 @@ def record(kind, table, section, needed=(), left_out=()):
 def value_of(kind, key, value, label):
     """A value of a field of a record in SI units; ValueError names it and says what is allowed.
 
-    A field without a quantity has a function of its value in its metadata, `read`.
+    A field without a quantity has a form in its metadata, or a function of its value, `read`.
     """
     declared = dict(can_be_given(kind)).get(key)
     try:
         if declared is None:
-            return kind.__dataclass_fields__[key].metadata["read"](value)
+            facts = kind.__dataclass_fields__[key].metadata
+            return (facts["read"] if "read" in facts else FORMS[facts["form"]](facts["unit"]))(value)
         is_named = isinstance(value, str) and value in declared.numbers
         number = declared.numbers[value] if is_named else in_si(value, declared.unit)
     except ValueError as error:

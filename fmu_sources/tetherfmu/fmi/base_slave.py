@@ -47,21 +47,18 @@ class BaseSlave(Fmi2Slave):
         self._warned_of_time = False
         self._refusal = None
 
-    def declare(self, table, values, references, options):
-        """Take a table of `variables.Variable`, the array of values, their places in it, and build options.
-
-        The value reference of a variable is the place of its value; its start value is put there.
-        """
+    def declare(self, table, values, options):
+        """Take a table of `variables.Variable`, the array of values, where their start values are put, and build options."""
         usual = {"start_time": 0.0, "stop_time": options["stop"], "step_size": options["step"]}
         self.default_experiment = DefaultExperiment(**usual, tolerance=DEFAULT_TOLERANCE)
-        self.table, self.values, self.references = table, values, references
-        self._by_reference = dict(zip(references, table, strict=True))
+        self.table, self.values = table, values
+        self._by_reference = {variable.place: variable for variable in table}
         for reference, variable in self._by_reference.items():
             if variable.start is not None:
                 values[reference] = variable.start
         self._reals = self._all(lambda variable: variable.kind == "Real")
         self._booleans = self._all(lambda variable: variable.kind == "Boolean")
-        self._integers = frozenset(references) - self._reals - self._booleans
+        self._integers = frozenset(self._by_reference) - self._reals - self._booleans
         self._inputs = self._all(lambda variable: variable.causality == INPUT)
         self.output_places = self._all(lambda variable: variable.causality in CALCULATED)
 
@@ -81,7 +78,7 @@ class BaseSlave(Fmi2Slave):
         options = {"canGetAndSetFMUstate": True, "canSerializeFMUstate": True, **(model_options or {})}
         root = super().to_xml(options)
         root.set("generationTool", f"TetherFMU {__version__} with {root.get('generationTool')}")
-        complete(root, self.table, self.references, self.constants)
+        complete(root, self.table, self.constants)
         return root
 
     # --- life cycle

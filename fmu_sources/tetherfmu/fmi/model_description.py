@@ -39,11 +39,11 @@ _OF_A_SCALAR = ("name", "valueReference", "description", "causality", "variabili
 _LARGEST_EXACT = 1e15  # a whole number of fewer than 16 digits is a double
 
 
-def complete(root, table, references, constants=()):
+def complete(root, table, constants=()):
     """Write units, types, variables and model structure of a table of variables into the description (modified).
 
     root : Element of the model description, with PythonFMU's ModelVariables and ModelStructure.  table : of
-    `variables.Variable`.  references : their value references.  constants : of `annotations`.
+    `variables.Variable`.  constants : of `annotations`.
     """
     for name in ("ModelVariables", "ModelStructure"):
         root.remove(root.find(name))
@@ -51,7 +51,7 @@ def complete(root, table, references, constants=()):
     for element in reversed(definitions(table)):
         root.insert(place, element)
     root.extend(annotations("VendorAnnotations", "Tool", "name", constants))
-    root.append(variables(table, references))
+    root.append(variables(table))
     root.append(structure(table))
 
 
@@ -86,11 +86,10 @@ def start_text(variable):
     return number_text(variable.start)
 
 
-def variables(table, references):
-    """ModelVariables of a table of variables with these value references."""
+def variables(table):
+    """ModelVariables of a table of variables."""
     element = Element("ModelVariables")
-    for variable, reference in zip(table, references, strict=True):
-        element.append(_variable(variable, reference))
+    element.extend(map(_variable, table))
     return element
 
 
@@ -180,8 +179,8 @@ def attributes(name, reference, meaning, elements):
     return found
 
 
-def _variable(variable, reference):
-    found = attributes(variable.name, reference, variable.quantity.meaning, (variable,))
+def _variable(variable):
+    found = attributes(variable.name, variable.place, variable.quantity.meaning, (variable,))
     scalar = Element("ScalarVariable", {key: text for key, text in found.items() if key in _OF_A_SCALAR})
     SubElement(scalar, variable.kind, {key: text for key, text in found.items() if key not in _OF_A_SCALAR})
     return scalar

@@ -13,8 +13,7 @@ from ..runtime.quantities import NOT_WHOLE, checked, is_beyond
 from ..runtime.saved_state import STEPPING, SavedState
 from ..wiring.fmu import of_system, of_tether
 from ..wiring.packing import pack_lines, put_holders, put_sheaves
-from ..wiring.system_variables import structure_of
-from ..wiring.variables import PARAMETER, table_of
+from ..wiring.system import system_from
 from .base_slave import WARNING, BaseSlave
 from .resources import KERNELS_FOLDER, options_in
 
@@ -43,11 +42,10 @@ class TetherSlave(BaseSlave):
         self._importer_tolerance, self._doubts, self._watch = 0.0, (), None
         if self.variant is None:
             given = options["left_out"], options["starts"]
-            self._wiring = of_system(structure_of(options["system"]), *given)
+            self._wiring = of_system(system_from(options["system"]), *given)
             self.modelName = options["system"]["name"]
         else:
-            table = table_of(self.variant, options)
-            self._wiring = of_tether(self.variant, table, options["shape_points"], options["left_out"])
+            self._wiring = of_tether(self.variant, options)
         self._make_arrays(options)
 
     def options(self):
@@ -58,24 +56,24 @@ class TetherSlave(BaseSlave):
         """Make the instance, the array of all values, and of a system what leads from one to the other."""
         wiring = self._wiring
         self._outputs_at, self._parameters_at, count = wiring.ends
-        self._is_direct = wiring.record is not None  # inputs and outputs of the kernels are among the values
-        self._kite_is_free = self._is_direct and wiring.record.kite_is_free
-        room = count - self._parameters_at if self._is_direct else 0
+        self._kite_is_free = wiring.is_direct and wiring.record.kite_is_free
+        room = count - self._parameters_at if wiring.is_direct else 0
         self._instance = Instance(self._kernels(), wiring.lines, wiring.free, wiring.band, room)
         self._watch_positions()
         first = self._instance.outputs_at
         found = [(reference, [first + place for place in places]) for reference, places in wiring.outputs]
         self._sums = [each for each in found if len(each[1]) > 1]
         self._alone = [(reference, places[0]) for reference, places in found if len(places) == 1]
-        values = self._instance.values if self._is_direct else zeros(count)
-        for _, reference, value in wiring.constants:
+        self._copied = [] if wiring.is_direct else [row[:2] for row in wiring.inputs]
+        values = self._instance.values if wiring.is_direct else zeros(count)
+        self.constants, self._doubtful = wiring.constants, wiring.doubtful
+        for _, reference, value in self.constants:
             values[reference] = value
-        self.constants = wiring.constants
-        self.declare(wiring.shown, values, wiring.shown_at, options)
+        self.declare(wiring.shown, values, options)
 
     def _watch_positions(self):
         """Look for polygons in the positions of a driven kite end of a tether alone, from the next step on."""
-        if self._is_direct:
+        if self._wiring.is_direct:
             self.advance = self._instance.advance  # at once: one call less in each step
             self._watch = None if self._kite_is_free else Watched(self._instance)
             if self._watch:
@@ -114,7 +112,7 @@ class TetherSlave(BaseSlave):
             self._set_up(self._packed(self.values, self._importer_tolerance))
         except ValueError as error:
             return str(error)
-        given = ((self.values[reference], *row) for reference, *row in self._wiring.doubtful)
+        given = ((self.values[reference], *row) for reference, *row in self._doubtful)
         self._watch_positions()
         self._doubts = tuple(said.format(value=value) for value, *bound, said in given if is_beyond(value, *bound))
         return self._first_shape()
@@ -148,9 +146,9 @@ class TetherSlave(BaseSlave):
     def _packed(self, values, tolerance):
         """Arguments of `_set_up`, from an array of all values; ValueError names a variable that is out of range."""
         wiring = self._wiring
-        for each in () if self._is_direct else wiring.table:  # of a tether alone `pack` names what is wrong as well
-            if each.causality == PARAMETER:
-                _check(each, values[each.place])
+        # of a tether alone `pack` names what is wrong as well
+        for each in () if wiring.is_direct else wiring.table[self._parameters_at :]:
+            _check(each, values[each.place])
         lines = (
             (
                 line.name,
@@ -173,18 +171,17 @@ class TetherSlave(BaseSlave):
 
     def _give(self):
         """Put the inputs of a system into the array of the kernels."""
-        if not self._is_direct:
-            given, values = self._instance.values, self.values
-            for place, reference, _, _ in self._wiring.inputs:
-                given[place] = values[reference]
-            for place, *_ in self._wiring.held:
-                given[place] = 0.0
-            for place, reference, _, _, factor in self._wiring.held:
-                given[place] += factor * values[reference]
+        given, values = self._instance.values, self.values
+        for place, reference in self._copied:
+            given[place] = values[reference]
+        for place, *_ in self._wiring.held:
+            given[place] = 0.0
+        for place, reference, _, _, factor in self._wiring.held:
+            given[place] += factor * values[reference]
 
     def _shown(self, problem):
         """Put the outputs of a system into the values, if nothing is wrong; returns what is."""
-        if problem or self._is_direct:
+        if problem:
             return problem
         values, found, state = self.values, self._instance.values, self._instance.state
         first = self._instance.outputs_at
@@ -232,13 +229,14 @@ class TetherSlave(BaseSlave):
 
         Its outputs are not taken but computed: they follow from the state array.
         """
-        for name, reference, expected in self._wiring.constants:
+        for name, reference, expected in self.constants:
             value = saved.values[reference]
             if value != expected:
                 raise ValueError(refusals.STATE_OTHER_CONSTANT.format(name=name, value=value, expected=expected))
-        for reference, variable in zip(self._wiring.references, self._wiring.table, strict=True):
-            value = saved.values[reference]
-            if variable.kind != "Real" and reference not in self.output_places and not abs(value) <= layout.LARGEST_INTEGER:
+        for variable in self._wiring.table:
+            value = saved.values[variable.place]
+            is_given = variable.kind != "Real" and variable.place not in self.output_places
+            if is_given and not abs(value) <= layout.LARGEST_INTEGER:
                 problem = refusals.NO_INTEGER.format(name=variable.name, value=value)
                 raise ValueError(refusals.STATE_WRONG_PARAMETER.format(problem=problem))
         packed = self._packed_of_state(saved) if saved.phase >= STEPPING else None

@@ -5,6 +5,7 @@ from __future__ import annotations
 from array import array
 from collections.abc import Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import Unpack
 
@@ -13,19 +14,21 @@ from numpy.typing import ArrayLike, NDArray
 
 from tetherfmu.files import system_files as files
 from tetherfmu.records import arguments
-from tetherfmu.records.lines import Line, Point, check_system
 from tetherfmu.records.problems import StepRefused
-from tetherfmu.records.winches import SharedWinch, check_winches, check_with_sheaves, holding
+from tetherfmu.records.systems import checked_system
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.naming import prefixed
 from tetherfmu.runtime.parameters import Environment, Ground, Solver
 from tetherfmu.runtime.status import OK
-from tetherfmu.wiring.portions import all_portions, joined
+from tetherfmu.wiring.lines import Line, Point
+from tetherfmu.wiring.portions import joined
+from tetherfmu.wiring.system import System
+from tetherfmu.wiring.winches import SharedWinch
 
 from .energy import account
 from .results import outputs_of
 from .running import Running
-from .system_arrays import Arrays, instance_of
+from .system_arrays import Arrays
 from .system_inputs import SystemInputs, Vectors, check_dicts, completed, put, starts
 from .system_results import SystemEnergy, SystemFlown, SystemOutputs, points_of
 from .turned_lines import energies_of, without_drum
@@ -91,26 +94,26 @@ class TetherSystem(Running):
         winches: Sequence[SharedWinch] = (),
         wind_points: int = 0,
     ):
-        points, lines = arguments.records_of("points", points, Point), arguments.records_of("lines", lines, Line)
-        winches = arguments.records_of("winches", winches, SharedWinch)
-        check_system(points, lines)
-        check_winches(winches, lines, [each.name for each in (*points, *lines)])
-        kinds = {Environment: environment, Solver: solver, Ground: ground}
-        for kind, record in kinds.items():
-            arguments.record_of(type(self).__name__, record, kind)
-        for line in lines:
-            arguments.tethers_of("Line", line.tether)
-        check_with_sheaves(lines, winches)
-        self.points, self.lines, self.winches = points, lines, winches
-        self._records = environment, solver, ground
-        self.wind_points: int = arguments.wind_points(wind_points)
-        arguments.check_wind(environment, self.wind_points)
+        self._take(System(type(self).__name__, points, lines, environment, solver, ground, winches, wind_points))
+
+    def _take(self, system):
+        """Be as a `System` says."""
+        self._system = system = checked_system(system)
+        self.points, self.lines, self.winches = system.points, system.lines, system.winches
+        self.wind_points: int = system.wind_points
         self._make()
+
+    @classmethod
+    def of(cls, system: System, **changes) -> TetherSystem:
+        """System that a record describes, as a file gives it, with other values of its fields; errors as above."""
+        made = object.__new__(cls)
+        made._take(replace(system, **changes))
+        return made
 
     def _make(self):
         """Make the arrays."""
-        self._instance = instance_of(self.points, self.lines, *self._records, self.wind_points, self.winches)
-        self._arrays = Arrays(self._instance, all_portions(self.lines), self._records[0].wind_profile, self.winches)
+        self._arrays = Arrays(self._system)
+        self._instance = self._arrays.instance
 
     @classmethod
     def from_file(cls, path: str | Path) -> TetherSystem:
@@ -120,7 +123,7 @@ class TetherSystem(Running):
         """
         found = files.load(path)
         with prefixed(f"{path}: "):
-            return cls(found.points, found.lines, found.environment, found.solver, found.ground, winches=found.winches)
+            return cls.of(found)
 
     @contextmanager
     def _all_or_nothing(self):
@@ -173,10 +176,10 @@ class TetherSystem(Running):
             raise ValueError(f"{next(iter(set(wanted) - set(self._instance.free)))} is not a free point: give its position")
         with self._all_or_nothing():
             moving = {"velocities": {each.name: each.velocity for each in self.points}}
-            moving |= starts(self.lines, self.winches, self._instance.free, self.wind_points)
+            moving |= starts(self._system)
             given = completed({"wind_velocity": wind_velocity, "velocities": velocities, "loads": loads, **inputs}, moving)
             given["positions"] = {name: position for name, position in positions.items() if position is not None}
-            self._arrays.turned.told = put(given, self._arrays, self.points, self._arrays.lines, at_start=True)
+            self._arrays.turned.told = put(given, self._arrays, at_start=True)
             self._arrays.seek(wanted)
             self._refuse(self._instance.start())
         self._runs = True
@@ -210,7 +213,7 @@ class TetherSystem(Running):
         self._check_started()
         with self._all_or_nothing():
             given = {"positions": positions, "velocities": velocities, "loads": loads, **inputs}
-            self._arrays.turned.told = put(given, self._arrays, self.points, self._arrays.lines)
+            self._arrays.turned.told = put(given, self._arrays)
             self._refuse(self._instance.advance(arguments.number("step", step, "s")))
         self._warn()
         return self._present()
@@ -250,7 +253,7 @@ class TetherSystem(Running):
         step = arguments.number("step", step, "s")
         rows = np.repeat(self._arrays.inputs[None, :], steps, axis=0)
         given = {"positions": positions, "velocities": velocities, "loads": loads, **inputs}
-        told = put(given, self._arrays, self.points, self._arrays.lines, rows)
+        told = put(given, self._arrays, rows)
         when = at.AT_ROWS if every else at.NEVER
         try:
             return self._fly(np.ascontiguousarray(rows), step, every, when, on_refusal, self._flown)
@@ -308,7 +311,7 @@ class TetherSystem(Running):
         most = next(iter(lines.values())).solver_iteration_limit  # of all lines the same
         points = points_of(self.points, portions, motion, values)
         found = {line.name: portions_in(line, values) for line in self.lines if line.through}
-        return SystemOutputs(points, lines, most, self._arrays.turned.outputs(list(values.values())), found)
+        return SystemOutputs(points, lines, most, self._arrays.turned.outputs(values), found)
 
     def energy(self) -> SystemEnergy:
         """Energies and powers of the present state, with the inputs of the last step; StepRefused before `initialize`."""
@@ -321,13 +324,12 @@ class TetherSystem(Running):
         found, sheaves = {}, {}
         for line, energies, own in zip(self.lines, parts, states, strict=True):
             found[line.name], of_sheaves = energy_of(line, energies, own)
-            if holding(self.winches, line.name):
+            if self._system.holding(line.name):
                 found[line.name] = without_drum(found[line.name])
             if of_sheaves is not None:
                 sheaves[line.name] = of_sheaves
-        loads = self._arrays.loads_in(self._arrays.inputs)
-        velocities = {name: point.velocity for name, point in self._present().points.items()}
-        powers = {name: float(load @ velocities[name]) for name, load in zip(self._instance.free, loads, strict=True)}
+        points, inputs, vectors = self._present().points, self._arrays.inputs, self._arrays.vectors
+        powers = {name: float(inputs[vectors[f"{name}.load"][0]] @ points[name].velocity) for name in self._system.free}
         return SystemEnergy(found, powers, sheaves, winches)
 
     @property
@@ -352,7 +354,7 @@ class TetherSystem(Running):
         motion = joined(self.lines, [each[:, 0] for each in rows.motion])
         positions = {line.name: along(each) for line, each in zip(self.lines, motion, strict=True)}
         points = points_of(self.points, self._arrays.lines, rows.motion, values)
-        winches = self._arrays.turned.outputs(list(values.values()))
+        winches = self._arrays.turned.outputs(values)
         found = {line.name: portions_in(line, values) for line in self.lines if line.through}
         whole = {line.name: whole_outputs(line, values) for line in self.lines}
         return SystemFlown(points, whole, positions, seconds, refusals, time, winches, found)

@@ -1,82 +1,75 @@
 """The flat arrays of a system: an `Instance` made of records, and views of its arrays for numpy."""
 
-from itertools import accumulate
-from types import SimpleNamespace
-
 import numpy as np
 
 from tetherfmu.libraries import ready
-from tetherfmu.records.lines import sheave_numbers
-from tetherfmu.records.ordering import ordered
-from tetherfmu.records.winches import as_built, with_controls
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import plan_layout as places
-from tetherfmu.runtime.inputs import PLACES
+from tetherfmu.runtime.inputs import WIND_AT
 from tetherfmu.runtime.instance import Instance
 from tetherfmu.runtime.kernel_library import SYSTEM
 from tetherfmu.runtime.parameters import Winch, numbers_of
-from tetherfmu.wiring.fmu import carried, holders_of, lines_of
+from tetherfmu.wiring.fmu import carried, holders_of, inputs_of, lines_of
+from tetherfmu.wiring.lines import sheave_numbers
 from tetherfmu.wiring.packing import pack_lines, put_holders, put_sheaves
 from tetherfmu.wiring.portions import all_portions
-from tetherfmu.wiring.system_variables import ENDS, Line
+from tetherfmu.wiring.system_variables import GIVEN, RELEASE
 
 from .turned_lines import Turned
 
 
-def instance_of(points, lines, environment, solver, ground, wind_points=0, winches=()):
-    """`Instance` of a system of records, set up; ValueError names the line if a quantity is not allowed."""
-    lines = with_controls(lines, winches)
-    free, band = ordered([point.name for point in points if not point.is_driven], lines)
-    planned = [
-        Line(line.name, line.start, line.end, {}, sum(each.segments for each in line.tethers) + 1, wind_points, line.through)
-        for line in lines
-    ]
-    structure = SimpleNamespace(lines=planned, free=tuple(free), winches=as_built(winches))
-    made = Instance(ready.kernels(SYSTEM), lines_of(structure), structure.free, band)
-    masses = {point.name: point.mass for point in points} | {None: 0.0}
-    portions = all_portions(lines)
+def instance_of(system):
+    """`Instance` of a `System`, set up; ValueError names the line if a quantity is not allowed."""
+    made = Instance(ready.kernels(SYSTEM), lines_of(system), system.free, system.band)
+    masses, portions = {point.name: point.mass for point in system.points} | {None: 0.0}, all_portions(system.lines)
     packed = (
         (
             each.line.name,
-            numbers_of(each.line.tethers, environment, solver, each.line.winch if each.number == 0 else Winch(), ground),
+            numbers_of(
+                each.line.tethers,
+                system.environment,
+                system.solver,
+                Winch() if each.number else system.winch_of(each.line),
+                system.ground,
+            ),
             len(each.line.tethers),
-            [name in free for name in (each.start, each.end)],
+            [name in system.free for name in (each.start, each.end)],
             [masses[name] for name in own],
         )
-        for each, own in zip(portions, carried(structure), strict=True)
+        for each, own in zip(portions, carried(system), strict=True)
     )
     counts, parameters = pack_lines(made.kernels, packed)
     put_sheaves(counts, parameters, [sheave_numbers(each) for each in portions])
-    put_holders(counts, parameters, holders_of(structure))
+    put_holders(counts, parameters, holders_of(system))
     made.set_up(counts, parameters)
     return made
 
 
 class Arrays:
-    """Views of the arrays of an `Instance` of lines between points: `inputs` and `state`, as `plan_layout.py` has them.
+    """The `Instance` of a `System`, and views of its arrays: `inputs` and `state`, as `plan_layout.py` has them.
 
-    lines : those of the instance: `wiring.portions.Portion`.
+    lines : portions of its lines, as those of the instance.  vectors : places of inputs by the names of FMI, without the
+    index of an element, arrays (copies, numbers): all lines at a point have its motion.
     """
 
-    def __init__(self, instance, lines, wind_profile, winches):
-        self.instance, self.lines, self._profile = instance, lines, wind_profile
-        self.turned = Turned(winches, lines)
-        self.inputs = np.frombuffer(instance.values)[: instance.outputs_at]
-        sizes = (at.inputs_size(line.wind_points) for line in instance.lines)
-        self._bounds, self._ends = list(accumulate(sizes, initial=0)), {}
-        for k, line in enumerate(lines):
-            for end, point in zip(ENDS, (line.start, line.end), strict=True):
-                self._ends.setdefault(point, []).append((k, end))
-        self.state, self.plan = np.frombuffer(instance.state), np.frombuffer(instance.plan, dtype=np.int64)
+    def __init__(self, system):
+        self.instance, self.system, self.lines = instance_of(system), system, all_portions(system.lines)
+        self.turned = Turned(system)
+        self.inputs = np.frombuffer(self.instance.values)[: self.instance.outputs_at]
+        self.state, self.plan = np.frombuffer(self.instance.state), np.frombuffer(self.instance.plan, dtype=np.int64)
+        found, sizes = {}, dict.fromkeys((*GIVEN, RELEASE), 1) | {WIND_AT.name: -1}
+        for place, name, *_ in inputs_of(system):
+            found.setdefault(name.partition("[")[0], []).append(place)
+        for name, each in found.items():
+            size = sizes.get(name.rpartition(".")[2], 3)
+            found[name] = np.reshape(each, (1, -1) if size < 0 else (-1, size))
+        self.vectors = found
 
-    def loads_in(self, inputs):
-        """View of the loads on free points (..., 3) in inputs (..., size)."""
-        free = self.instance.free
-        return inputs[..., inputs.shape[-1] - 3 * len(free) :].reshape(*inputs.shape[:-1], len(free), 3)
-
-    def inputs_in(self, k, inputs):
-        """View of the inputs of line k, its wind points too, in those of all (..., size)."""
-        return inputs[..., self._bounds[k] : self._bounds[k + 1]]
+    def put(self, inputs, name, numbers):
+        """Set an FMI vector, constant or of all steps, in inputs (..., size), which are modified."""
+        where = self.vectors[name]
+        steps = inputs.shape[:-1] if np.size(numbers) > where.shape[1] else ()
+        inputs[..., where] = np.reshape(numbers, (*steps, 1, where.shape[1]))
 
     def topology(self):
         """Copy of the plan without what the kernels write and which points the start has found, and ratios of winches."""
@@ -84,7 +77,7 @@ class Arrays:
         found[places.STATUS_LINE] = 0
         rows = found[places.PLAN_HEADER :].reshape(-1, places.LINE_NUMBERS)
         rows[:, [places.START_IS_SOUGHT, places.END_IS_SOUGHT]] = 0
-        return np.concatenate([found, self.turned.ratios()])
+        return np.concatenate([found, self.turned.ratios.ravel()])
 
     def winds(self):
         """Places in the parameters of all lines: pairs of that of the wind profile, and of the wind at nodes, a slice."""
@@ -96,14 +89,14 @@ class Arrays:
     def put_profile(self):
         """Let all lines have the wind profile of the environment again, but those with wind points."""
         for (profile, _), line in zip(self.winds(), self.instance.lines, strict=True):
-            self.instance.parameters[profile] = at.AT_NODES if line.wind_points else self._profile
+            self.instance.parameters[profile] = at.AT_NODES if line.wind_points else self.system.environment.wind_profile
 
     def without_winds(self, parameters):
         """Copy of parameters of all lines without what is part of their states: the wind at nodes, and that it is there."""
         found = np.array(parameters)
         for profile, nodes in self.winds():
             found[nodes] = 0.0
-            found[profile] = self._profile if found[profile] == at.AT_NODES else found[profile]
+            found[profile] = self.system.environment.wind_profile if found[profile] == at.AT_NODES else found[profile]
         return found
 
     def seek(self, names):
@@ -111,15 +104,6 @@ class Arrays:
         rows = self.plan[places.PLAN_HEADER :].reshape(-1, places.LINE_NUMBERS)
         for row, line in zip(rows, self.lines, strict=True):
             row[[places.START_IS_SOUGHT, places.END_IS_SOUGHT]] = line.start in names, line.end in names
-
-    def put_point_in(self, rows, name, what, vector):
-        """Set "position" [m] or "velocity" [m/s] of a point, (..., 3), among the inputs of its lines.
-
-        rows : views (..., INPUTS) of the inputs of all lines (modified).
-        """
-        for k, end in self._ends[name]:
-            place = PLACES[f"{end}_{what}"]
-            rows[k][..., place : place + 3] = vector
 
     def outputs_by_line(self, outputs):
         """Outputs of each portion by its name, from those of all (..., outputs)."""

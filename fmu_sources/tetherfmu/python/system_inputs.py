@@ -9,10 +9,9 @@ from numpy.typing import ArrayLike
 
 from tetherfmu.records.arguments import check_release, numbers_in_shape
 from tetherfmu.records.problems import StepRefused
-from tetherfmu.records.winches import holding
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import status
-from tetherfmu.runtime.inputs import PLACES
+from tetherfmu.runtime.inputs import ZERO
 from tetherfmu.runtime.naming import check_names, meant_or_all
 from tetherfmu.wiring.portions import portions_of
 from tetherfmu.wiring.system_variables import GIVEN, RELEASE, SPEED
@@ -56,19 +55,16 @@ _WINCHES = {f"{name}s": name for name in (*GIVEN, RELEASE)}  # arguments: inputs
 _KNOWN = ("positions", "velocities", "loads", *_WINCHES, "wind_velocity", "wind_at")
 
 
-def starts(lines, shared, free, wind_points):
-    """All inputs but the motion of points as they are at a start where they are not given, a dict by name.
-
-    shared : the winches that hold several lines.
-    """
+def starts(system):
+    """All inputs but the motion of points as they are at a start where they are not given, a dict by name."""
     winches = {}
     for each, name in _WINCHES.items():
-        alone = [line for line in lines if name == RELEASE or not holding(shared, line.name)]
-        turned = (*alone, *(winch for winch in shared if name in (winch.input, SPEED)))
+        alone = [line for line in system.lines if name == RELEASE or not system.holding(line.name)]
+        turned = (*alone, *(winch for winch in system.winches if name in (winch.input, SPEED)))
         winches[each] = {one.name: getattr(one, name, 0.0) for one in turned}
-    points = {line.name: (len(portions_of(line)) * wind_points, 3) for line in lines}
-    winds = {"wind_at": {name: np.zeros(shape) for name, shape in points.items()}} if wind_points else {}
-    return {"wind_velocity": (0.0, 0.0, 0.0), "loads": dict.fromkeys(free, (0.0, 0.0, 0.0)), **winches, **winds}
+    points = {line.name: (len(portions_of(line)) * system.wind_points, 3) for line in system.lines}
+    winds = {"wind_at": {name: np.zeros(shape) for name, shape in points.items()}} if system.wind_points else {}
+    return {"wind_velocity": ZERO, "loads": dict.fromkeys(system.free, ZERO), **winches, **winds}
 
 
 def check_dicts(given):
@@ -88,7 +84,7 @@ def completed(given, before):
     return found
 
 
-def put(given, arrays, points, lines, inputs=None, at_start=False):
+def put(given, arrays, inputs=None, at_start=False):
     """Set the inputs that are given; ValueError if a name does not exist or a value has another shape.
 
     given : arguments of `TetherSystem.step` by name; None is none.  arrays : `Arrays` of the system, whose inputs are
@@ -98,20 +94,19 @@ def put(given, arrays, points, lines, inputs=None, at_start=False):
     """
     check_dicts(given)
     given = {name: value for name, value in given.items() if value is not None}
-    whole = arrays.inputs if inputs is None else inputs
-    rows = [arrays.inputs_in(k, whole) for k in range(len(lines))]
-    movable = dict.fromkeys(point.name for point in points if at_start or point.is_driven)
-    loaded = {name: k for k, name in enumerate(arrays.instance.free)}
-    steps = whole.shape[:-1]
+    inputs = arrays.inputs if inputs is None else inputs
+    system, turned, steps = arrays.system, arrays.turned, inputs.shape[:-1]
+    first = {each.line.name: k for k, each in enumerate(arrays.lines) if each.number == 0}  # portions of lines
+    movable = dict.fromkeys(point.name for point in system.points if at_start or point.is_driven)
     for what, own in (("positions", "position"), ("velocities", "velocity")):
         for name, value in given.get(what, {}).items():
             _check_known(f"{own} of a {'point' if at_start else 'driven point'}", name, movable)
             numbers = _numbers(f"{name}.{own}", value, (3,), steps)
-            arrays.put_point_in(rows, name, own, numbers)
-            if what == "velocities" and name not in arrays.instance.free:
+            arrays.put(inputs, f"{name}.{'initial_' if name in system.free else ''}{own}", numbers)
+            if what == "velocities" and name not in system.free:
                 check_effect("ground_velocity", numbers, arrays.instance.parameters_of(0), at_start, f"{name}.velocity")
     for name, value in given.get("loads", {}).items():
-        _check_known("load on a free point", name, loaded)
+        _check_known("load on a free point", name, dict.fromkeys(system.free))
         load = _numbers(f"{name}.load", value, (3,), steps)
         if not np.all(np.abs(load) <= at.LARGEST_INPUT):
             raise StepRefused(
@@ -119,76 +114,62 @@ def put(given, arrays, points, lines, inputs=None, at_start=False):
                 "magnitude",
                 status.INPUT_NOT_FINITE,
             )
-        arrays.loads_in(whole)[..., loaded[name], :] = load
-    number, told = {line.name: k for k, line in enumerate(lines)}, np.tile(arrays.turned.told, (*steps, 1))
-    whole_lines = dict.fromkeys(line.name for line in lines if line.number == 0)
-    held = set(arrays.turned.held)
-    alone = [line.name for k, line in enumerate(lines) if k not in held and line.number == 0]
-    speeds = {}
+        arrays.put(inputs, f"{name}.load", load)
+    winches, told = {each.name: j for j, each in enumerate(system.winches)}, np.tile(turned.told, (*steps, 1))
+    alone, speeds = [line.name for line in system.lines if not system.holding(line.name)], np.zeros(told.shape)
     for each, what in _WINCHES.items():
-        shared = arrays.turned.by(what)
-        starting = [winch.name for winch in arrays.turned.winches if at_start and what == SPEED != winch.input]
-        told_alone = dict.fromkeys([*alone, *shared, *starting])
+        shared = [winch.name for winch in system.winches if winch.input == what]
+        starting = [winch.name for winch in system.winches if at_start and what == SPEED != winch.input]
         for name, value in given.get(each, {}).items():
-            if what == RELEASE:
-                _check_known("release of a line", name, whole_lines)
-                check_release(_numbers(f"{name}.{what}", value, (), steps), f"{name}.{what}")
-            else:
-                _check_known(f"{what} of a line or a winch", name, told_alone)
+            is_release = what == RELEASE
+            known = first if is_release else dict.fromkeys([*alone, *shared, *starting])
+            _check_known("release of a line" if is_release else f"{what} of a line or a winch", name, known)
             numbers = _numbers(f"{name}.{what}", value, (), steps)
-            if name in starting:
-                speeds[name] = numbers
+            if is_release:
+                check_release(numbers, f"{name}.{what}")
+            if name in winches:
+                (speeds if name in starting else told)[..., winches[name]] = numbers
                 continue
-            if name in shared:
-                told[..., arrays.turned.place_of(name)] = numbers
-                continue
-            own = rows[number[name]][..., PLACES[what] : PLACES[what] + 1]
-            own[..., 0] = numbers
-            check_effect(what, own, arrays.instance.parameters_of(number[name]), at_start, f"{name}.{what}")
-    if arrays.turned.winches:
-        arrays.turned.put(told, rows)
-    if speeds:
-        arrays.turned.put_starts(speeds, rows)
-    points = arrays.instance.lines[0].wind_points
+            vector = f"{name}.{what}"
+            arrays.put(inputs, vector, numbers)
+            check_effect(
+                what, inputs[..., arrays.vectors[vector][0]], arrays.instance.parameters_of(first[name]), at_start, vector
+            )
+    turned.put(inputs, told, speeds if at_start else None)
     for name, value in given.get("wind_at", {}).items():
-        _check_known("wind_at of a line", name, whole_lines)
-        if not points:
+        _check_known("wind_at of a line", name, first)
+        if not system.wind_points:
             raise ValueError("this TetherSystem has no wind points for wind_at: make it with wind_points=11")
-        own = range(number[name], number[name] + sum(line.line.name == name for line in lines))
-        winds = _numbers(f"{name}.wind_at", value, (len(own) * points, 3), steps)
-        for j, k in enumerate(own):
-            of_portion = winds[..., j * points : (j + 1) * points, :]
-            rows[k][..., at.INPUTS :] = of_portion.reshape(*winds.shape[:-2], 3 * points)
+        vector = f"{name}.wind_at"
+        arrays.put(inputs, vector, _numbers(vector, value, (arrays.vectors[vector].shape[1] // 3, 3), steps))
     if "wind_velocity" in given:
-        _put_wind(given["wind_velocity"], arrays, rows, number, at_start)
+        _put_wind(given["wind_velocity"], arrays, inputs, first, at_start)
     return told
 
 
-def _put_wind(wind, arrays, rows, number, at_start):
+def _put_wind(wind, arrays, inputs, first, at_start):
     """Set the wind [m/s] of all lines, (3,), or at each node of some, a dict by name; errors as those of `put`.
 
-    number : of each portion by its name.
+    first : first portions of lines by name.
     """
-    instance, at_nodes, steps = arrays.instance, isinstance(wind, Mapping), rows[0].shape[:-1]
+    instance, at_nodes, steps = arrays.instance, isinstance(wind, Mapping), inputs.shape[:-1]
     if not at_nodes:
         wind = _numbers("wind_velocity", wind, (3,), steps)
-    if instance.lines[0].wind_points and (at_nodes or np.any(wind)):
+    if arrays.system.wind_points and (at_nodes or np.any(wind)):
         raise ValueError("wind_velocity is given to a TetherSystem with wind points; give wind_at")
     if at_nodes and steps:
         raise ValueError("wind_velocity is given at nodes; in a flight it must be (3,), or (steps, 3)")
     winds = []
     for name, value in wind.items() if at_nodes else ():
-        _check_known("wind_velocity of a line", name, [line.name for line in arrays.lines if line.number == 0])
-        first = number[name]
-        own = range(first, first + sum(line.line.name == name for line in arrays.lines))
+        _check_known("wind_velocity of a line", name, first)
+        own = range(first[name], first[name] + sum(line.line.name == name for line in arrays.lines))
         shape, node = (sum(instance.counts[k] for k in own) + 1, 3), 0
         value = numbers_in_shape(f"wind_velocity of {name}", value, shape)
         for k in own:
             winds.append((k, value[node : node + instance.counts[k] + 1]))
             node += instance.counts[k]
     if at_start or not at_nodes:
-        for row in rows:
-            row[..., at.WIND_VELOCITY : at.WIND_VELOCITY + 3] = 0.0 if at_nodes else wind
+        arrays.put(inputs, "wind_velocity", np.zeros(3) if at_nodes else wind)
         arrays.put_profile()
     for k, each in winds:
         put_node_winds(instance, each, k)

@@ -18,6 +18,7 @@ from tetherfmu.runtime.instance import Instance
 from tetherfmu.runtime.kernel_library import Kernels
 from tetherfmu.runtime.parameters import Environment, FreeKite, Ground, Solver, Tether, Winch
 from tetherfmu.runtime.variants import BY_NAME, library_of
+from tetherfmu.wiring.lines import record_of
 from tetherfmu.wiring.packing import pack_records
 from tetherfmu.wiring.variables import line_of_tether
 
@@ -77,7 +78,7 @@ class TetherModel(Running):
         name, variant = type(self).__name__, BY_NAME[self.variant]
         tethers = arguments.tethers_of(name, tether)
         kinds = {Environment: environment, Solver: solver, Winch: winch, Ground: ground}
-        records = [arguments.record_of(name, record, kind) for kind, record in kinds.items()]
+        records = [record_of(name, record, kind) for kind, record in kinds.items()]
         tethers, *records = arguments.with_quantities(name, quantities, tethers, *records)
         records[2].check_effect()
         if not variant.has_nodes and (len(tethers) > 1 or point_masses):

@@ -4,69 +4,53 @@ from dataclasses import replace
 
 import numpy as np
 
-from tetherfmu.records.winches import BY_LENGTH, carriers_of, shares_of
+from tetherfmu.records.systems import shares_of
 from tetherfmu.runtime import layout as at
+from tetherfmu.wiring.fmu import held_of
+from tetherfmu.wiring.winches import carriers_of
 
 from .system_results import WinchEnergy, WinchOutputs
 
 
 class Turned:
-    """Lines of a system as its shared winches turn them.
+    """Lines of a `System` as its shared winches turn them.
 
-    told (modified) : what each winch is told now, its input, an array.
+    told (modified) : what each winch is told now, its input, an array.  ratios : of the lines that winches hold (lines,
+    winches); they tell systems apart.
     """
 
-    def __init__(self, winches, lines):
-        names = [line.name for line in lines]
-        held, self._ratios, self._shares = shares_of(winches)
-        self.carriers = {name: names.index(line) for name, line in carriers_of(winches).items()}
-        self.winches, self.held = winches, [names.index(name) for name in held]
-        self._first_lengths = np.array([sum(each.initial_length for each in lines[k].tethers) for k in self.held])
-        self._by_length = np.array([each.control == BY_LENGTH for each in winches], dtype=bool)
-        self.told = np.zeros(len(winches))
+    def __init__(self, system):
+        self.winches, lines = system.winches, {line.name: line for line in system.lines}
+        self._held, self.ratios, self._shares = shares_of(system.winches)
+        lengths = {name: sum(each.initial_length for each in lines[name].tethers) for name in self._held}
+        self._first_lengths, self.told = np.array([*lengths.values()]), np.zeros(len(system.winches))
+        self._first, self._terms, self._starting = {}, {}, {}  # by places of inputs: number, pairs of a winch and its factor
+        winches = {each.name: (j, each.input) for j, each in enumerate(system.winches)}
+        for place, name, *_, factor in held_of(system):
+            owner, _, what = name.partition(".")
+            if owner in lengths:
+                self._first[place] = lengths[owner]
+            else:
+                terms = self._terms if what == winches[owner][1] else self._starting
+                terms.setdefault(place, []).append((winches[owner][0], factor))
 
-    def ratios(self):
-        """Ratios of all lines that winches hold, a flat array: they tell systems apart."""
-        return self._ratios.ravel()
-
-    def by(self, what):
-        """Names of the winches with this input."""
-        return [each.name for each in self.winches if each.input == what]
-
-    def place_of(self, name):
-        """Place of a winch with this name."""
-        return [each.name for each in self.winches].index(name)
-
-    def put(self, told, rows):
+    def put(self, inputs, told, speeds=None):
         """Let the lines be turned as winches are told, (..., winches).
 
-        rows : views (..., INPUTS) of the inputs of all lines (modified).
+        inputs : (..., size) of all lines (modified).  speeds : with which winches start that are not controlled by speed,
+        likewise; None if they have started.
         """
-        for name, k in self.carriers.items():
-            rows[k][..., at.WINCH_FORCE] = told[..., self.place_of(name)]
-        for k, ratios, first in zip(self.held, self._ratios, self._first_lengths, strict=True):
-            if self.winches[np.flatnonzero(ratios)[0]].name in self.carriers:
-                continue
-            is_by_length = any(self._by_length[ratios != 0.0])
-            terms = (ratio * told[..., j] for j, ratio in enumerate(ratios) if ratio)
-            turned = sum(terms, start=first if is_by_length else 0.0)
-            rows[k][..., at.WINCH_LENGTH if is_by_length else at.REEL_OUT_SPEED] = turned
+        for place, terms in self._terms.items():
+            inputs[..., place] = sum((factor * told[..., j] for j, factor in terms), start=self._first.get(place, 0.0))
+        for place, terms in self._starting.items() if speeds is not None else ():
+            inputs[..., place] = sum(factor * speeds[..., j] for j, factor in terms)
 
-    def put_starts(self, speeds, rows):
-        """Let winches that are not controlled by speed start with these [m/s], by name; rows (modified) : as in `put`."""
-        for name, k in self.carriers.items():
-            rows[k][..., at.REEL_OUT_SPEED] = speeds[name]
-        for k, ratios in zip(self.held, self._ratios, strict=True):
-            if any(self._by_length[ratios != 0.0]):
-                held = zip(ratios, self.winches, strict=True)
-                rows[k][..., at.REEL_OUT_SPEED] = sum(ratio * speeds[each.name] for ratio, each in held if ratio)
-
-    def outputs(self, lines):
-        """`WinchOutputs` of each winch by its name; lines : outputs of all lines (..., outputs), a list."""
+    def outputs(self, values):
+        """`WinchOutputs` of each winch by its name; values : outputs of all lines by name (..., outputs)."""
         if not self.winches:
             return {}
-        speeds = np.stack([lines[k][..., at.WINCH_SPEED] for k in self.held], axis=-1) @ self._shares.T
-        lengths = np.stack([lines[k][..., at.TETHER_LENGTH] for k in self.held], axis=-1) - self._first_lengths
+        speeds = np.stack([values[name][..., at.WINCH_SPEED] for name in self._held], axis=-1) @ self._shares.T
+        lengths = np.stack([values[name][..., at.TETHER_LENGTH] for name in self._held], axis=-1) - self._first_lengths
         payouts = lengths @ self._shares.T
         return {each.name: WinchOutputs(speeds[..., j][()], payouts[..., j][()]) for j, each in enumerate(self.winches)}
 

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from tetherfmu.records.lines import numbers_in
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.outputs import PLACES
+from tetherfmu.wiring.lines import numbers_in
 from tetherfmu.wiring.portions import portions_of
 
 from .energy import Energy

@@ -1,1 +1,1 @@
-"""Constant records of users, with their checks: lines, points, winches, materials, paths."""
+"""Materials, paths, arguments of Python classes, and whether a system fits together."""

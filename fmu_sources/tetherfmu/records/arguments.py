@@ -25,15 +25,6 @@ def tethers_of(model, given):
     return found
 
 
-def record_of(model, given, kind):
-    """A record of this kind; TypeError for anything else."""
-    if not isinstance(given, kind):
-        name = kind.__name__
-        an = "an" if name == "Environment" else "a"
-        raise TypeError(f"{name.lower()} is {given!r}; it must be {an} {name}, as in {model}(..., {name.lower()}={name}())")
-    return given
-
-
 def records_of(name, given, kind):
     """A tuple of records of this kind from a sequence of them; TypeError for anything else."""
     found = tuple(given) if isinstance(given, Iterable) else (given,)

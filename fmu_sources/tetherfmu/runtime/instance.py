@@ -40,7 +40,7 @@ def renamed(said, words):
     return re.sub(pattern, lambda found: own[found[0]], said) if own else said
 
 
-class Line(NamedTuple):
+class RunningLine(NamedTuple):
     """Constant properties of a running line."""
 
     name: str  # in messages; "" of a tether alone
@@ -63,8 +63,8 @@ class Line(NamedTuple):
 class Instance:
     """Lines that are set up, started, and advanced step by step; a refused start or step keeps states and outputs.
 
-    kernels : `kernel_library.Kernels`.  lines : tuple of `Line`.  free : names of the free points, a tuple.  band : of their
-    matrix, see `records/ordering.py`.  room : places for the caller behind inputs and outputs in `values`.
+    kernels : `kernel_library.Kernels`.  lines : tuple of `RunningLine`.  free : names of the free points, a tuple.
+    band : of their matrix, see `wiring/ordering.py`.  room : places for the caller behind inputs and outputs in `values`.
 
     values : array of inputs, outputs (from `outputs_at` on) and `room` places (from `parameters_at` on), at the same address
     for life. The caller sets the inputs.

@@ -22,7 +22,7 @@ Only then the sizes of the arrays are known.
 # plan: scalars
 LINES = 0  # given
 FREE_POINTS = 1  # given
-BAND = 2  # given: of the matrix of the free points, see `records/ordering.py`
+BAND = 2  # given: of the matrix of the free points, see `wiring/ordering.py`
 STATUS_LINE = 3  # number of the line that a status is about, or ALL_LINES; written by the kernels
 POINTS_WORK = 4  # place of the free points in `work`
 OUTPUTS_WORK = 5  # place of outputs in `work`

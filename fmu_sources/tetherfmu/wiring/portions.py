@@ -8,7 +8,7 @@ from ..runtime.inputs import wind_at_names
 class Portion(NamedTuple):
     """A portion of a line, or all of a line that runs over no sheave.
 
-    line : the record of the line, with `name`, `start`, `through` and `end`.  number : from 0.  name : of the line; of a
+    line : the `lines.Line`.  number : from 0.  name : of the line; of a
     portion but the first one no name of a variable.  start, end : names of its points.  is_through : whether the line goes
     on over a sheave at its end.  is_portion : whether it is not all of the line.
     """
@@ -21,16 +21,10 @@ class Portion(NamedTuple):
     is_through: bool
     is_portion: bool
 
-    @property
-    def tethers(self):
-        """Tethers in series of the whole line, where the record has them."""
-        return self.line.tethers
-
-    @property
-    def wind_at_names(self):
-        """Names of the wind at its points, without that of the line, which has those of its portions one after the other."""
-        own = self.line.wind_points
-        return wind_at_names((self.number + 1) * own)[3 * self.number * own :]
+    def wind_at_names(self, count):
+        """Names of the wind at so many points of it: of the line, which has those of its portions one after the other."""
+        own = wind_at_names((self.number + 1) * count)[3 * self.number * count :]
+        return tuple(f"{self.line.name}.{name}" for name in own)
 
     @property
     def ends(self):

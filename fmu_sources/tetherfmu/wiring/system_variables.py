@@ -5,9 +5,7 @@ declared where that of a single tether is; here it gets the name of its point or
 its place in the array of all values: inputs, outputs, parameters.
 """
 
-import hashlib
-import json
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 
 from ..runtime import inputs, outputs
 from ..runtime import layout as at
@@ -18,7 +16,9 @@ from ..runtime.parameters import Environment, FreeKite, Ground, Solver, Tether, 
 from ..runtime.quantities import Quantity, quantities
 from ..runtime.sheaves import SHEAVE_QUANTITIES
 from ..runtime.variants import DYNAMIC
+from .lines import sheaves_of
 from .portions import all_portions, portions_of
+from .system import values_of
 from .variables import INPUT, OUTPUT, PARAMETER, Variable, elements, parameters_of, without_effect
 
 
@@ -38,8 +38,6 @@ MEANINGS = {
     "tension_from": "tension of the first segment, at {}; with winch_control = force where the line leaves the winch",
     "tension_to": "tension of the last segment, at {}",
 }
-# parameters of shared winches that are controlled by force
-OF_A_DRUM = ("winch_mass", "winch_damping", "winch_friction", "winch_start")
 SPEED = "reel_out_speed"  # an input of those by speed; of others a parameter, with which they start
 TOLD = {  # inputs of shared winches
     "reel_out_speed": "speed at which {} pays out a line with the ratio 1; positive pays out",
@@ -65,114 +63,10 @@ GIVEN_TO_ALL = inputs_at("wind")  # vectors that all lines share
 GIVEN = inputs_at("winch")  # inputs of a tether that a line has: of its winch
 RELEASE = "release"  # and the one with which it lets go
 MOTION = inputs.BY_NAME["kite_load"].group  # of variables of points
-HASH_DIGITS = 8  # hexadecimal: with them the name of a structure has the 15 letters that a saved state has room for
-
-
-@dataclass(frozen=True)
-class Point:
-    """A point of a system: its name, its mass [kg] (None if driven), its start [m], [m/s], and of a free one how it starts.
-
-    start : START_GIVEN, or START_AT_REST where it is in equilibrium.
-    """
-
-    name: str
-    mass: float | None
-    position: tuple
-    velocity: tuple
-    start: int = at.START_GIVEN
-
-    @property
-    def is_free(self):
-        """Whether the lines move it."""
-        return self.mass is not None
-
-
-@dataclass(frozen=True)
-class Line:
-    """A line of a system: its name, the names of its points, start values of its quantities by name, points of its shape.
-
-    wind_points : at which the wind is an input, of each portion; 0 for none.  through : names of points at its sheaves.
-    sheaves : of such a line, dict of start values of `SHEAVE_QUANTITIES`, one for each sheave, and `initial_portions` [m].
-    """
-
-    name: str
-    start: str
-    end: str
-    starts: dict
-    shape_points: int
-    wind_points: int = 0
-    through: tuple = ()
-    sheaves: dict = field(default_factory=dict)
-
-
-@dataclass(frozen=True)
-class SharedWinch:
-    """A winch that holds several lines of a system, see `records/winches.py`: its name and its input.
-
-    ratios : pairs of a line and its ratio.  shares : pairs of a line and what it counts in the payout.  reel_out_speed,
-    winch_force : at the start.  carrier : of one that is controlled by force, the line in whose arrays its drum stands.
-    drum : pairs of a quantity in `OF_A_DRUM` and its start value.
-    """
-
-    name: str
-    input: str
-    ratios: tuple
-    shares: tuple
-    reel_out_speed: float = 0.0
-    winch_force: float = 0.0
-    carrier: str = ""
-    drum: tuple = ()
-
-
-@dataclass(frozen=True)
-class Structure:
-    """Points, lines and shared winches of a system, and what does not change while it runs.
-
-    free : names of the free points in the order of their matrix, and band : its band, see `records/ordering.py`.
-    starts : start values of quantities of the whole system, dict by name, where they are not the defaults.
-    """
-
-    name: str
-    points: tuple
-    lines: tuple
-    free: tuple
-    band: int
-    starts: dict
-    winches: tuple = ()
-
-    def holding(self, line):
-        """The shared winches that hold a line with this name."""
-        return [each for each in self.winches if line in dict(each.ratios)]
-
-    @property
-    def has_wind_points(self):
-        """Whether the wind is given at points of lines, which then feel no other."""
-        return any(line.wind_points for line in self.lines)
-
-    @property
-    def hash(self):
-        """Text of 15 letters that tells systems apart which cannot have the same state."""
-        facts = [[(point.name, point.is_free) for point in self.points], list(self.free), self.band]
-        facts.append([(line.name, line.start, line.end, line.shape_points) for line in self.lines])
-        if self.has_wind_points:
-            facts.append([line.wind_points for line in self.lines])
-        if self.winches:
-            facts.append([(each.name, each.input, each.ratios) for each in self.winches])
-        if any(line.through for line in self.lines):
-            facts.append([line.through for line in self.lines])
-        return f"system_{hashlib.sha256(json.dumps(facts).encode()).hexdigest()[:HASH_DIGITS]}"
-
-
-def structure_of(given):
-    """`Structure` of what `dataclasses.asdict` makes of one, or of what JSON holds of that."""
-    points = tuple(Point(**each) for each in given["points"])
-    lines = tuple(Line(**{**each, "through": tuple(each["through"])}) for each in given["lines"])
-    winches = tuple(SharedWinch(**each) for each in given["winches"])
-    return Structure(**{**given, "points": points, "lines": lines, "winches": winches, "free": tuple(given["free"])})
 
 
 def input_name(name, line):
-    """Name of an input of a tether as one of the system, as that of a `Line` (or of an equal record of the Python API).
+    """Name of an input of a tether as one of the system, as that of a line or a portion.
 
     "kite_position[1]" is "KITE.position[1]".
     """
@@ -192,41 +86,41 @@ def _vector(name, causality, declared, group, start=(None, None, None), known=(N
         yield Variable(each, causality, "Real", replace(declared, meaning=meaning), 0, first, those, group)
 
 
-def _inputs(structure):
+def _inputs(system):
     """Inputs: motion of driven points, loads on free ones, those of the winches of lines, wind."""
     motion = [each for each in inputs.INPUT_TABLE if each.of == DRIVEN_KITE]
     load = next(each for each in inputs.INPUT_TABLE if each.of == FREE_KITE)
-    for point in structure.points:
-        if point.is_free:
+    for point in system.points:
+        if not point.is_driven:
             declared = Quantity(load.unit, _LOAD.format(point.name))
             yield from _vector(f"{point.name}.load", INPUT, declared, load.group, load.start)
             continue
-        for each, start in zip(motion, (point.position, point.velocity), strict=True):
+        for each, start in zip(motion, (system.position_of(point), point.velocity), strict=True):
             what = each.name.removeprefix("kite_")
             declared = Quantity(each.unit, f"{what} of {point.name}")
             yield from _vector(f"{point.name}.{what}", INPUT, declared, each.group, start)
-    for line in structure.lines:
-        for name in () if structure.holding(line.name) else GIVEN:
+    for line in system.lines:
+        for name in () if system.holding(line.name) else GIVEN:
             declared = inputs.BY_NAME[name]
             quantity = Quantity(declared.unit, f"{declared.meaning}; of {line.name}, whose winch is at {line.start}")
-            start = line.starts.get(name, declared.start[0])
+            start = getattr(line, name, declared.start[0])
             yield Variable(f"{line.name}.{name}", INPUT, "Real", quantity, 0, start, group=declared.group)
-    for winch in structure.winches:
+    for winch in system.winches:
         declared = inputs.BY_NAME[winch.input]
         quantity = Quantity(declared.unit, TOLD[winch.input].format(winch.name))
-        start = getattr(winch, winch.input, declared.start[0])
+        start = float(getattr(winch, winch.input, declared.start[0]))
         yield Variable(f"{winch.name}.{winch.input}", INPUT, "Real", quantity, 0, start, group=declared.group)
-    for line in structure.lines:
+    for line in system.lines:
         declared = inputs.BY_NAME[RELEASE]
         quantity = Quantity("", _RELEASE.format(line))
         yield Variable(f"{line.name}.{RELEASE}", INPUT, declared.kind, quantity, 0, 0.0, group=declared.group)
     for each in (inputs.BY_NAME[name] for name in GIVEN_TO_ALL):
         for variable in _vector(each.name, INPUT, Quantity(each.unit, each.meaning), each.group, each.start):
-            yield without_effect(variable, structure.has_wind_points, each.name)
-    for line in structure.lines:
+            yield without_effect(variable, bool(system.wind_points), each.name)
+    for line in system.lines:
         points, count = f"points on {line.name} at equal unstretched length, {line.start} first", len(portions_of(line))
-        points += f", {line.wind_points} on each portion" if count > 1 else ""
-        for name, meaning in elements(f"{line.name}.{inputs.WIND_AT.name}", points, POINTS, count * line.wind_points):
+        points += f", {system.wind_points} on each portion" if count > 1 else ""
+        for name, meaning in elements(f"{line.name}.{inputs.WIND_AT.name}", points, POINTS, count * system.wind_points):
             quantity = Quantity(inputs.WIND_AT.unit, f"wind at {meaning}")
             yield Variable(name, INPUT, "Real", quantity, 0, 0.0, group=inputs.WIND_AT.group)
 
@@ -238,86 +132,88 @@ _STARTS = {"given": "at initial_position with initial_velocity"}
 _STARTS["equilibrium"] = "at rest where its lines, its weight and its load are in equilibrium"
 
 
-def _parameters(structure):
+def _parameters(system):
     """Parameters: of the whole system, of free points, of lines."""
-    for each in parameters_of(OF_THE_SYSTEM, structure.starts):
-        yield without_effect(each, structure.has_wind_points)
+    for each in parameters_of(OF_THE_SYSTEM, values_of(system.environment, system.solver, system.ground)):
+        yield without_effect(each, bool(system.wind_points))
     mass, kind_of_start = (dict(quantities(FreeKite))[name] for name in ("kite_mass", "kite_start"))
     units = {"position": "m", "velocity": "m/s"}
-    for point in structure.points:
-        if point.is_free:
+    for point in system.points:
+        if not point.is_driven:
             meaning = "point mass, in addition to the halves of the segments that meet there"
             declared = replace(mass, meaning=meaning)
             yield Variable(f"{point.name}.mass", PARAMETER, "Real", declared, 0, point.mass, group=MOTION)
+            start = at.START_GIVEN if point.position else at.START_AT_REST  # of where it was found
             declared = replace(kind_of_start, meaning=_START.format(point.name), choices=_STARTS)
-            yield Variable(f"{point.name}.start", PARAMETER, "Enumeration", declared, 0, point.start, group=MOTION)
-            for what, unit in units.items():
+            yield Variable(f"{point.name}.start", PARAMETER, "Enumeration", declared, 0, start, group=MOTION)
+            for (what, unit), first in zip(units.items(), (system.position_of(point), point.velocity), strict=True):
                 declared = Quantity(unit, f"{what} of {point.name} at the start", -at.LARGEST_INPUT, at.LARGEST_INPUT)
-                yield from _vector(f"{point.name}.initial_{what}", PARAMETER, declared, MOTION, getattr(point, what))
-    for line in structure.lines:
-        for each in parameters_of((Tether,) if structure.holding(line.name) else RECORDS_OF_A_LINE, line.starts):
+                yield from _vector(f"{point.name}.initial_{what}", PARAMETER, declared, MOTION, first)
+    for line in system.lines:
+        records = RECORDS_OF_A_LINE[:1] if system.holding(line.name) else RECORDS_OF_A_LINE
+        for each in parameters_of(records, values_of(*line.tethers, line.winch)):
             yield replace(each, name=f"{line.name}.{each.name}")
         yield from _parameters_of_sheaves(line)
-    for winch in structure.winches:
+    for winch in system.winches:
         yield from _parameters_of_winch(winch)
 
 
 def _parameters_of_winch(winch):
     """Parameters of a shared winch: of its drum, and how it starts."""
-    drum = dict(winch.drum)
+    drum = {name: float(getattr(winch, name)) for name in winch.drum_names}
     for each in parameters_of((Winch,), drum):
         if each.name in drum:
             declared = replace(each.quantity, meaning=each.quantity.meaning.replace("force control: ", ""))
             yield replace(each, name=f"{winch.name}.{each.name}", quantity=declared)
     if winch.input != SPEED:
         declared = Quantity("m/s", f"{TURNED['winch_speed'][1]} at the start", -at.LARGEST_INPUT, at.LARGEST_INPUT)
-        yield Variable(f"{winch.name}.{SPEED}", PARAMETER, "Real", declared, 0, winch.reel_out_speed, group="winch")
+        yield Variable(f"{winch.name}.{SPEED}", PARAMETER, "Real", declared, 0, float(winch.reel_out_speed), group="winch")
 
 
 def _parameters_of_sheaves(line):
     """Parameters of the portions and the sheaves of a line that runs over some."""
-    portions = portions_of(line) if line.through else ()
+    portions, starts = (portions_of(line), sheaves_of(line)) if line.through else ((), {})
     for k, portion in enumerate(portions):
         meaning = f"unstretched length at the start of portion {k + 1}, from {portion.start} to {portion.end}, "
         meaning += "in proportion to those of the others; 0 of any: each sheave starts with the same tension on both sides"
-        declared, start = Quantity("m", meaning, 0.0, 1e5), line.sheaves["initial_portions"][k]
+        declared, start = Quantity("m", meaning, 0.0, 1e5), starts["initial_portions"][k]
         yield Variable(f"{line.name}.initial_portions[{k + 1}]", PARAMETER, "Real", declared, 0, start, group="geometry")
     for name, declared in SHEAVE_QUANTITIES.items():
         for k, portion in enumerate(portions[:-1]):
             own = replace(declared, meaning=f"{declared.meaning}; of sheave {k + 1}, at {portion.end}")
-            start = line.sheaves[name][k]
+            start = starts[name][k]
             yield Variable(f"{line.name}.{name}[{k + 1}]", PARAMETER, "Real", own, 0, start, group="forces")
 
 
-def _dependencies(name, structure, line):
+def _dependencies(name, system, line):
     """Names of inputs and parameters that a line depends on; name : of the one that a tether depends on."""
-    if name in GIVEN and structure.holding(line.name):
-        return [f"{winch.name}.{name}" for winch in structure.holding(line.name)]
+    if name in GIVEN and system.holding(line.name):
+        return [f"{winch.name}.{name}" for winch in system.holding(line.name)]
     if name in _QUANTITIES_OF_A_LINE:
         return [f"{line.name}.{name}"]
     renamed = input_name(name, line)
     point, _, what = renamed.partition(".")
-    is_free = any(point == each.name and each.is_free for each in structure.points)
+    is_free = any(point == each.name and not each.is_driven for each in system.points)
     return [f"{point}.initial_{what}" if is_free else renamed]
 
 
 _QUANTITIES_OF_A_LINE = frozenset(name for record in RECORDS_OF_A_LINE for name, _ in quantities(record))
 
 
-def _known(structure, line, output, element, known):
+def _known(system, line, output, element, known):
     """Names of what an output of a line depends on when initialization ends; None for anything.
 
     Between driven points each line has its own shape; where a free one is sought, all lines together have one, and so do
     those of drums that are sought. known : names of inputs and parameters.
     """
-    found = depends_on(DYNAMIC, output, element, line.shape_points, line.wind_points)
+    found = depends_on(DYNAMIC, output, element, system.shape_points_of(line), system.wind_points)
     if (
         line.through
-        or any(each.carrier for each in structure.holding(line.name))
-        or (structure.free and any(name.startswith(("kite_position", "ground_position")) for name in found))
+        or any(each.name in system.carriers for each in system.holding(line.name))
+        or (system.free and any(name.startswith(("kite_position", "ground_position")) for name in found))
     ):
         return None
-    named = (each for name in found for each in _dependencies(name, structure, line))
+    named = (each for name in found for each in _dependencies(name, system, line))
     return tuple(name for name in dict.fromkeys(named) if name in known)
 
 
@@ -327,10 +223,10 @@ def _together(listed):
     return None if None in listed else tuple(dict.fromkeys(name for names in listed for name in names))
 
 
-def _outputs(structure, known):
+def _outputs(system, known):
     """Outputs: forces on driven points, motion of free ones, what a line has, the work of the solver."""
-    for point in structure.points:
-        if point.is_free:
+    for point in system.points:
+        if not point.is_driven:
             for what in ("position", "velocity"):
                 declared = replace(outputs.BY_NAME[f"kite_{what}"].quantity, meaning=f"{what} of {point.name}")
                 starts = [(name,) for name in components(f"{point.name}.initial_{what}", 3)]
@@ -338,21 +234,20 @@ def _outputs(structure, known):
                 yield from _vector(f"{point.name}.{what}", OUTPUT, declared, MOTION, known=known_of)
             continue
         declared = replace(outputs.BY_NAME["kite_force"].quantity, meaning=f"force of its lines on {point.name}")
-        ends = [(each.line, end, name) for each in all_portions(structure.lines) for end, name in each.ends]
+        ends = [(each.line, end, name) for each in all_portions(system.lines) for end, name in each.ends]
         at_it = [(line, end) for line, end, name in ends if name == point.name]
         at_it = [(line, outputs.BY_NAME[f"{end}_force"]) for line, end in at_it]
         found = [
-            _together(_known(structure, line, force, f"{force.name}[{i}]", known) for line, force in at_it)
-            for i in (1, 2, 3)
+            _together(_known(system, line, force, f"{force.name}[{i}]", known) for line, force in at_it) for i in (1, 2, 3)
         ]
         yield from _vector(f"{point.name}.force", OUTPUT, declared, at_it[0][1].group, known=found)
-    for line in structure.lines:
-        yield from _outputs_of_line(structure, line, known)
-    for winch in structure.winches:
-        lines = [line for line in structure.lines if line.name in dict(winch.ratios)]
+    for line in system.lines:
+        yield from _outputs_of_line(system, line, known)
+    for winch in system.winches:
+        lines = [line for line in system.lines if line.name in winch.lines]
         for own, (name, meaning) in TURNED.items():
             each = outputs.BY_NAME[name]
-            found = _together(_known(structure, line, each, name, known) for line in lines)
+            found = _together(_known(system, line, each, name, known) for line in lines)
             quantity = replace(each.quantity, meaning=f"{meaning}; of {winch.name}")
             yield Variable(f"{winch.name}.{own}", OUTPUT, each.kind, quantity, 0, depends_on=found, group=each.group)
     for name in outputs.COUNTERS:
@@ -360,21 +255,21 @@ def _outputs(structure, known):
         yield Variable(name, each.causality(), each.kind, each.quantity, 0, group=each.group)
 
 
-def _outputs_of_line(structure, line, known):
+def _outputs_of_line(system, line, known):
     """Outputs of a line."""
     for name, own in OF_A_LINE.items():
         each = outputs.BY_NAME[name]
         end = line.start if name.startswith(ENDS[0]) else line.end
         meaning = MEANINGS[own].format(end) if own in MEANINGS else each.quantity.meaning
-        found = _known(structure, line, each, name, known)
+        found = _known(system, line, each, name, known)
         quantity = replace(each.quantity, meaning=meaning)
         yield Variable(f"{line.name}.{own}", OUTPUT, each.kind, quantity, 0, depends_on=found, group=each.group)
     shape = outputs.BY_NAME["shape"]
     points = f"points on the line at equal unstretched length, {line.start} first"
-    count = line.shape_points * len(portions_of(line))
+    count = system.shape_points_of(line) * len(portions_of(line))
     for name, meaning in elements(f"{line.name}.shape", points, POINTS, count):
         quantity = replace(shape.quantity, meaning=meaning)
-        yield Variable(name, shape.causality(line.wind_points), "Real", quantity, 0, group=shape.group)
+        yield Variable(name, shape.causality(system.wind_points), "Real", quantity, 0, group=shape.group)
     if line.through:
         for name, unit, meaning, count in outputs_of_portions(line):
             for k in range(count):
@@ -391,11 +286,11 @@ def outputs_of_portions(line):
         yield name, unit, meaning, count - 1
 
 
-def table_of(structure):
+def table_of(system):
     """The table of all variables of a system, a tuple of `variables.Variable`: inputs, outputs and local ones, parameters.
 
     The place of a variable is its value reference.
     """
-    given, fixed = list(_inputs(structure)), list(_parameters(structure))
-    found = _outputs(structure, {each.name for each in (*given, *fixed)})
+    given, fixed = list(_inputs(system)), list(_parameters(system))
+    found = _outputs(system, {each.name for each in (*given, *fixed)})
     return tuple(replace(each, place=k) for k, each in enumerate((*given, *found, *fixed)))

@@ -13,7 +13,7 @@ from ..runtime import inputs, outputs
 from ..runtime import layout as at
 from ..runtime.dependencies import depends_on
 from ..runtime.inputs import DRIVEN_KITE, INPUT_TABLE, WIND_AT, WITHOUT_EFFECT, components, inputs_of, wind_at_names
-from ..runtime.instance import Line
+from ..runtime.instance import RunningLine
 from ..runtime.outputs import ARRAY_ORDER, LOCAL, OUTPUT, POINTS, SCALAR, VECTOR
 from ..runtime.parameters import RECORDS, Environment, FreeKite, Ground, Solver, Tether, Winch
 from ..runtime.quantities import Quantity, quantities
@@ -31,7 +31,7 @@ class Variable:
     causality: str  # INPUT, OUTPUT, LOCAL or PARAMETER
     kind: str  # "Real", "Integer", "Enumeration" or "Boolean"
     quantity: Quantity
-    place: int  # in the `inputs` array or, behind it, in the `outputs` array; of a parameter, its number
+    place: int  # its value reference; of what `parameters_of` gives its number
     start: float | None = None  # of inputs and parameters
     depends_on: tuple | None = None  # of an output, names of what it depends on when initialization ends; None: on anything
     group: str = ""  # see `wiring/selection.py`
@@ -51,8 +51,8 @@ INPUT_NAMES = tuple(name for each in INPUT_TABLE for name in components(each.nam
 
 
 def line_of_tether(shape_points, wind_points=0):
-    """The `instance.Line` of a tether alone."""
-    return Line("", INPUT_NAMES + wind_at_names(wind_points), shape_points, wind_points)
+    """The `instance.RunningLine` of a tether alone."""
+    return RunningLine("", INPUT_NAMES + wind_at_names(wind_points), shape_points, wind_points)
 
 
 def elements(name, meaning, shape, shape_points):
@@ -163,10 +163,10 @@ def variables(variant, shape_points, starts=(), wind_points=0):
     starts : pairs (input or parameter, start value) that replace defaults.  wind_points : number of points of the input
     `wind_at`.
     """
-    tether, first = BY_NAME[variant], dict(starts)
+    tether, first, begin = BY_NAME[variant], dict(starts), at.inputs_size(wind_points) + at.outputs_size(shape_points)
     given = [replace(each, start=first.get(each.name, each.start)) for each in _input_variables(tether, wind_points)]
-    found = _output_variables(tether, shape_points, wind_points)
-    return (*given, *found, *_parameter_variables(tether, first, wind_points))
+    fixed = [replace(each, place=begin + each.place) for each in _parameter_variables(tether, first, wind_points)]
+    return (*given, *_output_variables(tether, shape_points, wind_points), *fixed)
 
 
 def table_of(variant, options):
@@ -175,19 +175,3 @@ def table_of(variant, options):
     """
     starts = (("segments", options["segments"]), *map(tuple, options.get("starts", ())))
     return variables(variant, options["shape_points"], starts, options.get("wind_points", 0))
-
-
-def wind_points_in(table):
-    """Number of points of the input `wind_at` in a table of `variables`."""
-    return sum(variable.causality == INPUT and variable.name.startswith(f"{WIND_AT.name}[") for variable in table) // 3
-
-
-def parameters_at(shape_points, wind_points=0):
-    """Place of the first parameter in the array of all values: inputs, outputs, parameters."""
-    return at.inputs_size(wind_points) + at.outputs_size(shape_points)
-
-
-def references(table, shape_points):
-    """Value references of a table of `variables`: their places in the array of all values."""
-    first = parameters_at(shape_points, wind_points_in(table))
-    return [variable.place + (first if variable.causality == PARAMETER else 0) for variable in table]

@@ -17,10 +17,14 @@ class Array(NamedTuple):
 def arrays(wiring):
     """Variables of FMI 3 of a `wiring.fmu.Wiring`, in the order of its table: list of `Array`."""
     found = {}
-    for variable, reference in zip(wiring.shown, wiring.shown_at, strict=True):
-        found.setdefault(variable.name.partition("[")[0], []).append((variable, reference))
-    made = []
-    for name, elements in found.items():
-        size = wiring.sizes.get(name, (COMPONENTS,)) if "[" in elements[0][0].name else ()
-        made.append(Array(name, elements[0][1], size, tuple(variable for variable, _ in elements)))
-    return made
+    for variable in wiring.shown:
+        found.setdefault(variable.name.partition("[")[0], []).append(variable)
+    return [Array(name, elements[0].place, dimensions_of(elements), tuple(elements)) for name, elements in found.items()]
+
+
+def dimensions_of(elements):
+    """Dimensions of a variable: of a scalar none; of a vector how many elements it has; of vectors at points also these."""
+    first, count = elements[0].name, len(elements)
+    if not first.endswith("]"):
+        return ()
+    return (count // COMPONENTS, COMPONENTS) if "," in first else (count,)

@@ -44,7 +44,7 @@ def text(model, token, sources=()):
     root.append(categories())
     root.append(experiment(*model.times))
     root.extend(annotations("VendorAnnotations", "Tool", "name", model.wiring.constants))
-    root.append(variables(table, model.wiring.shown_at))
+    root.append(variables(table))
     root.append(structure(table))
     return xml_text(root)
 

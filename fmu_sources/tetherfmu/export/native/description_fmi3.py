@@ -74,7 +74,7 @@ def terminals(table):
     )
 
 
-def terminals_of_system(structure, table):
+def terminals_of_system(system, table):
     """Text of terminalsAndIcons.xml: points, each a bus of position, velocity and force or load; winches of lines; wind.
 
     table : of the variables that the FMU has.
@@ -84,19 +84,19 @@ def terminals_of_system(structure, table):
     member = WIND_AT.terminal.partition(".")[2]
     winds = [
         (f"{line.name}.{WIND}", f"the wind along {line.name}", [(member, f"{line.name}.{WIND_AT.name}")])
-        for line in structure.lines
-        if line.wind_points
+        for line in system.lines
+        if system.wind_points
     ]
     shared = (WIND, TERMINALS[WIND], [(INPUTS[name].terminal.partition(".")[2], name) for name in GIVEN_TO_ALL])
-    winches = (*map(_bus_of_winch, structure.lines), *map(_bus_of_shared_winch, structure.winches))
-    listed = (*map(_bus_of_point, structure.points), *winches, *(winds or [shared]))
+    winches = (*map(_bus_of_winch, system.lines), *map(_bus_of_shared_winch, system.winches))
+    listed = (*map(_bus_of_point, system.points), *winches, *(winds or [shared]))
     return _buses((*words, [each for each in members if each[1] in known]) for *words, members in listed)
 
 
 def _bus_of_point(point):
     """Name, description and members of the terminal of a point."""
-    members = ("position", "velocity", "load" if point.is_free else "force")
-    kind = "free" if point.is_free else "driven"
+    members = ("position", "velocity", "force" if point.is_driven else "load")
+    kind = "driven" if point.is_driven else "free"
     return point.name, f"{point.name}, a {kind} point", [(each, f"{point.name}.{each}") for each in members]
 
 
@@ -112,7 +112,7 @@ def _bus_of_shared_winch(winch):
     """The same of a winch that holds several lines."""
     members = [(INPUTS[winch.input].terminal.partition(".")[2], f"{winch.name}.{winch.input}")]
     members += [(own, f"{winch.name}.{own}") for own in TURNED]
-    return winch.name, f"the winch {winch.name} of {', '.join(dict(winch.ratios))}", members
+    return winch.name, f"the winch {winch.name} of {', '.join(winch.lines)}", members
 
 
 def _buses(listed):

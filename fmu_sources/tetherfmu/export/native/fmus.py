@@ -16,7 +16,6 @@ from tetherfmu.libraries.ahead_of_time import object_name
 from tetherfmu.libraries.native_shell import SHELL, native_library
 from tetherfmu.runtime.kernel_library import SUFFIXES
 from tetherfmu.wiring.fmu import Wiring, of_tether
-from tetherfmu.wiring.variables import table_of
 
 from ..archive import DESCRIPTION, SLAVES, guid_of, write
 from ..build_options import BuildOptions
@@ -50,8 +49,7 @@ def build(name, folder, options=None, fmi=2, with_header=None, with_sources=Fals
     variant = SLAVES[name]
     given = DEFAULT_OPTIONS | options.of_slave(variant)
     check_start(variant, given)
-    about, table = options.description_of(variant), table_of(variant, given)
-    wiring = of_tether(variant, table, given["shape_points"], given["left_out"])
+    about, wiring = options.description_of(variant), of_tether(variant, given)
     terminals = description_fmi3.terminals(wiring.shown)
     model = Model(name, about, wiring, terminals, (given["step"], given["stop"]))
     files = documents(name, variant, about, options, given, native=fmi)

@@ -65,7 +65,7 @@ def _references(wiring, listed, fmi, causality, named):
     if fmi == 3:
         found = [(each.name, each.reference, each.variables) for each in listed]
     else:
-        found = [(each.name, place, (each,)) for each, place in zip(wiring.shown, wiring.shown_at, strict=True)]
+        found = [(each.name, each.place, (each,)) for each in wiring.shown]
     for name, reference, variables in found:
         first = variables[0]
         if first.causality == causality:

@@ -8,6 +8,8 @@ from itertools import accumulate
 
 from tetherfmu.runtime import inputs, layout, parameters, plan_layout, plausibility, refusals, saved_state, status
 from tetherfmu.runtime.instance import OF_ALL_LINES, Instance, address
+from tetherfmu.wiring.fmu import FORCES
+from tetherfmu.wiring.selection import own_name
 from tetherfmu.wiring.variables import PARAMETER
 
 from .arrays import arrays
@@ -30,7 +32,7 @@ def header(wiring, fmi, token):
     """
     widths = {array.reference: len(array.variables) for array in arrays(wiring)} if fmi == 3 else None
     listed = [variable for variable in wiring.table if variable.causality == PARAMETER]
-    variables = variable_texts(wiring.shown, wiring.shown_at, widths, wiring.ends[2])
+    variables = variable_texts(wiring.shown, widths, wiring.ends[2])
     parts = *_constants(wiring, token), *_sizes(wiring), *_inputs(wiring), *_parameters(wiring, listed), *_lines(wiring)
     parts = *parts, *_maps(wiring), *variables, *_starts(wiring), *sentence_texts()
     head = "/* Made by export/native/tables.py. */", "#ifndef TABLES_H", "#define TABLES_H"
@@ -69,7 +71,7 @@ def _constants(wiring, token):
     defined = {
         **fractions,
         "DEFAULT_TOLERANCE": parameters.DEFAULT_TOLERANCE,
-        "DIRECT": int(record is not None),
+        "DIRECT": int(wiring.is_direct),
         "FREE_KITE": int(record is not None and record.kite_is_free),
         "HAS_KINK": int(record is None or record.has_kink),
         "FAST_END_SPEED": inputs.FAST_END_SPEED,
@@ -112,8 +114,8 @@ def _inputs(wiring):
     listed = (*inputs.INPUT_TABLE, *(wiring.lines[0].wind_points * (inputs.WIND_AT,)))
     numbers = [inputs.SCALES.index(each.scale) for each in listed for _ in range(each.size)]
     names = [line.inputs for line in wiring.lines]
-    own = dict(zip(wiring.references, (each.name for each in wiring.table), strict=True))
-    if wiring.record:
+    own = {each.place: each.name for each in wiring.table}
+    if wiring.is_direct:
         own |= dict(enumerate(names[0]))  # also of what another tether has
     return [
         c_enumeration({f"SCALE_{name}": number for number, name in enumerate(inputs.SCALES)}),
@@ -135,7 +137,7 @@ def _words(wiring):
 def room_of(kernels, wiring):
     """Text that says how much room the arrays of lines with equal numbers of segments need at most."""
     beside = [plan_layout.PARAMETERS_SIZE, plan_layout.WORK_SIZE]
-    if not wiring.record:  # inputs and outputs of the lines are not those of the FMU
+    if not wiring.is_direct:  # inputs and outputs of the lines are not those of the FMU
         beside += [plan_layout.INPUTS_SIZE, plan_layout.OUTPUTS_SIZE]
     states, others = [], []
     for n in range(1, layout.MAX_SEGMENTS + 1):
@@ -190,7 +192,10 @@ def _parameters(wiring, listed):
 
 def _lines(wiring):
     """Names of the lines, value references of what each has, and of forces."""
-    own = {"SLACK_SEGMENTS_AT": wiring.slack_segments, "FORCE_AT": wiring.forces}
+    own = {each.name: each.place for each in wiring.table}
+    prefixes = (f"{line.name.partition('[')[0]}." if line.name else "" for line in wiring.lines)  # also of a portion
+    slack, forces = (f"{prefix}slack_segments" for prefix in prefixes), (name for name in own if own_name(name) in FORCES)
+    own = {"SLACK_SEGMENTS_AT": [own[name] for name in slack], "FORCE_AT": [own[name] for name in forces]}
     return [
         c_texts("LINE_NAME", [line.name for line in wiring.lines]),
         *(c_numbers(f"unsigned {name}", references) for name, references in own.items()),
@@ -237,10 +242,11 @@ def limits_of(quantity):
     return float(quantity.minimum), float(quantity.maximum)
 
 
-def variable_texts(table, at, widths, count):
-    """Name, kind and width by value reference, of which there are so many; last the time. at : of the table."""
+def variable_texts(table, widths, count):
+    """Name, kind and width by value reference, of which there are so many; last the time."""
     kinds, names = [0] * count, [""] * count
-    for reference, variable in zip(at, table, strict=True):
+    for variable in table:
+        reference = variable.place
         if widths is None or reference in widths:
             is_array = (widths or {}).get(reference, 1) > 1
             names[reference] = variable.name.partition("[")[0] if is_array else variable.name
@@ -256,8 +262,8 @@ def variable_texts(table, at, widths, count):
 def _starts(wiring):
     """Start value by value reference, and the references of those that nobody can set."""
     starts = [0.0] * wiring.ends[2]
-    for reference, variable in zip(wiring.references, wiring.table, strict=True):
-        starts[reference] = float(variable.start or 0.0)
+    for variable in wiring.table:
+        starts[variable.place] = float(variable.start or 0.0)
     constants = ((str(place), c_text(name)) for name, place, _ in wiring.constants)
     return [
         c_numbers("double START", starts),

@@ -1,8 +1,7 @@
 """Settings (`settings.yaml`) of KiteUtils.jl, KiteModels.jl, SymbolicAWEModels.jl and Tethers.jl: a kite at its tether.
 
-Of YAML it reads what such files have: sections at the margin, in them indented `key: value`; `#` begins a comment. Rows that
-are no such pairs, as of a list over several rows, are passed over. As in KiteUtils.jl a key may stand in any section. One
-tether makes a scene, several lines from the ground to the kite a system.
+Sections have pairs of a key and a value; as in KiteUtils.jl a key may stand in any section. One tether makes a scene,
+several lines from the ground to the kite a system.
 
 Air there is rho_0 at 15 degrees Celsius and sea level; at the ground station of the height h and the temperature T it is
 
@@ -18,13 +17,14 @@ Source: KiteUtils.jl 0.11, `Settings`, `wind_vec_from_angles`; AtmosphericModels
 import re
 from math import cos, exp, hypot, pi, radians, sin
 
+import yaml
+
 from tetherfmu.files.toml_files import value_of
 from tetherfmu.runtime.layout import EXPLOG, LOGARITHMIC, POWER_LAW, UNIFORM
 from tetherfmu.runtime.parameters import Environment, Tether, Winch
 
 from .written import Imported, number, row
 
-ROW = re.compile(r"(?P<indent>\s*)(?P<key>[\w-]+)\s*:(?:\s+(?P<value>.*))?$")
 HAS_IT = re.compile(r"^tether\s*:", re.MULTILINE)
 SCALE_HEIGHT, ZERO_CELSIUS, STANDARD = 8550.0, 273.15, 15.0  # [m], [K], temperature of rho_0 [degrees Celsius]
 LAWS = {0: UNIFORM, 1: POWER_LAW, 2: LOGARITHMIC, 3: EXPLOG}  # `profile_law`: `wind_profile`
@@ -49,19 +49,23 @@ DRUM = ("inertia_total", "gear_ratio", "drum_radius")
 
 
 class Settings:
-    """The pairs of a file, as "section.key" -> (row, text), and which of them have been used."""
+    """The pairs of a file, as "section.key" -> (row, text, list of texts), and which of them have been used.
+
+    ValueError names the row of what is no YAML, and of a key that is there twice.
+    """
 
     def __init__(self, text):
-        self.pairs, self.used, self.partly, section = {}, set(), {}, ""
-        for count, line in enumerate(text.splitlines(), start=1):
-            found = ROW.match(re.sub(r"(^|\s)#.*", "", line).rstrip())
-            if found and not found["indent"]:
-                section = found["key"]
-            if found and (found["indent"] or found["value"]):
-                key = f"{section}.{found['key']}"
-                if key in self.pairs:
-                    raise ValueError(f"row {count}: {key} is in row {self.pairs[key][0]}, too; keep one of them")
-                self.pairs[key] = count, (found["value"] or "").strip().strip("\"'")
+        self.pairs, self.used, self.partly = {}, set(), {}
+        for section, node in pairs_in(composed(text)):
+            name = in_text(section, text)
+            for key, value in pairs_in(node) or [(section, node)]:
+                self._add(f"{name}.{in_text(key, text)}", key.start_mark.line + 1, value, text)
+
+    def _add(self, key, count, node, text):
+        if key in self.pairs:
+            raise ValueError(f"row {count}: {key} is in row {self.pairs[key][0]}, too; keep one of them")
+        parts = node.value if isinstance(node, yaml.SequenceNode) else [node]
+        self.pairs[key] = count, in_text(node, text), [in_text(each, text) for each in parts]
 
     def all(self, *names):
         """Key, row and numbers (a list) of a quantity of the file that has several names; None if none of them is there.
@@ -71,9 +75,9 @@ class Settings:
         found = []
         for key in (key for name in names for key in self.pairs if key.partition(".")[2] == name):
             self.used.add(key)
-            count, text = self.pairs[key]
+            count, _, texts = self.pairs[key]
             with row(count):
-                found.append((key, count, [number(key, each) for each in text.strip("[] ").split(",")]))
+                found.append((key, count, [number(key, each) for each in texts]))
         for key, count, values in found[1:]:
             if values != found[0][2]:
                 raise ValueError(
@@ -98,7 +102,7 @@ class Settings:
         """Whether a key is there and true; ValueError names the row of what is neither true nor false."""
         for key in (key for key in self.pairs if key.partition(".")[2] == name):
             self.used.add(key)
-            count, text = self.pairs[key]
+            count, text, _ = self.pairs[key]
             if text.lower() not in ("true", "false"):
                 raise ValueError(f"row {count}: {key} is {text!r}; it must be true or false")
             return text.lower() == "true"
@@ -119,6 +123,30 @@ class Settings:
         kept = {key.partition(".")[0] for key in self.used}
         others = ((key, key.partition(".")[0]) for key in self.pairs if key not in self.used)
         return list(dict.fromkeys([*self.partly, *(key if section in kept else section for key, section in others)]))
+
+
+def composed(text):
+    """The node of a text in YAML, None of an empty one; ValueError names the row where it is none."""
+    try:
+        return yaml.compose(text, yaml.SafeLoader)
+    except yaml.MarkedYAMLError as error:
+        count, problem = (error.problem_mark or error.context_mark).line + 1, error.problem or error.context
+    except yaml.reader.ReaderError as error:
+        count, problem = text.count("\n", 0, error.position) + 1, error.reason
+    except RecursionError:
+        raise ValueError("is no file of settings: its lists are nested too deeply") from None
+    raise ValueError(f"row {count}: it is no YAML: {problem}")
+
+
+def pairs_in(node):
+    """Pairs (key, value) of a node, both nodes, a list; none of a node that has no pairs."""
+    return node.value if isinstance(node, yaml.MappingNode) else []
+
+
+def in_text(node, text):
+    """What a node says: a scalar without quotes, anything else as it stands in the text."""
+    is_scalar = isinstance(node, yaml.ScalarNode)
+    return node.value if is_scalar else text[node.start_mark.index : node.end_mark.index].strip()
 
 
 def imported(text):

@@ -66,9 +66,8 @@ class SystemFlight:
 
         segments : of each line, dict by name.  solver : `Solver`.  exact : with the wind of the middle of each step.
         """
-        of = self.found
-        lines = [replace(each, tether=changed(each.tether, {"segments": segments[each.name]})) for each in of.lines]
-        system = TetherSystem(of.points, lines, of.environment, solver, of.ground, winches=of.winches)
+        lines = [replace(each, tether=changed(each.tether, {"segments": segments[each.name]})) for each in self.found.lines]
+        system = TetherSystem.of(self.found, lines=lines, solver=solver)
         time, every = step * np.arange(self.calls(step)), round(self.every / step)
         wind = self.wind_at(time + 0.5 * step * exact)
         with catch_warnings(action="ignore", category=PlausibilityWarning):  # `implausible` has them

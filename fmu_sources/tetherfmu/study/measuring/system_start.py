@@ -67,8 +67,7 @@ def speeds_of_lines(found, given):
 
 def equilibrium(found, given, speeds, time):
     """`SystemOutputs` of the system at rest where it would be at a time [s] before or after its start."""
-    lines = [with_length(each, time * speeds[each.name]) for each in found.lines]
-    system = TetherSystem(found.points, lines, found.environment, found.solver, found.ground, winches=found.winches)
+    system = TetherSystem.of(found, lines=[with_length(each, time * speeds[each.name]) for each in found.lines])
     velocities = given["velocities"]
     positions = {name: np.add(place, time * np.asarray(velocities[name])) for name, place in given["positions"].items()}
     own = {what: value for what, value in given.items() if what != "reel_out_speeds"}

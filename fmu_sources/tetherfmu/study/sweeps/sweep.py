@@ -15,7 +15,7 @@ from tetherfmu.files.settings import with_settings
 from tetherfmu.files.toml_files import WrongUse, tables_of
 from tetherfmu.runtime.naming import check_names
 from tetherfmu.runtime.parameters import DEFAULT_TOLERANCE, Tether
-from tetherfmu.runtime.variants import VARIANTS
+from tetherfmu.runtime.variants import BY_NAME, VARIANTS
 from tetherfmu.study.measuring.executors import executor_of, progress_bar
 from tetherfmu.study.measuring.runs import Config, least_cost
 from tetherfmu.study.measuring.store import Store, key
@@ -42,9 +42,8 @@ def config_of(scene, tether, segments, step):
     check_names("sweep", [tether], VARIANTS, "tether")
     if scene.kite_is_free and tether != "dynamic":
         raise ValueError(f"tether is {tether}; the free end of {scene.name} is moved by the dynamic tether only")
-    has_nodes, has_waves = tether in ("dynamic", "quasi_steady"), tether == "dynamic"
-    step = step or scene.wanted.communication_step or STEP
-    return Config(tether, segments if has_nodes else 0, DEFAULT_TOLERANCE if has_waves else 0.0, step)
+    variant, step = BY_NAME[tether], step or scene.wanted.communication_step or STEP
+    return Config(tether, segments if variant.has_nodes else 0, DEFAULT_TOLERANCE if variant.has_waves else 0.0, step)
 
 
 def tasks_of(task, scene, missing):

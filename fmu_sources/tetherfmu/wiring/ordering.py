@@ -4,7 +4,7 @@ By distances along lines from a point at the rim of the network, backwards (reve
 Source: George and Liu, Computer Solution of Large Sparse Positive Definite Systems, section 4.3.
 """
 
-from tetherfmu.wiring.portions import all_portions
+from .portions import all_portions
 
 
 def ordered(free, lines):

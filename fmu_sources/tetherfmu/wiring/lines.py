@@ -1,38 +1,67 @@
-"""Points and lines of a system, also over sheaves: constant records, and whether they fit together."""
+"""Points and lines of a system, also over sheaves: what users say of them, as constant records with their checks.
+
+The Python API, files, FMUs and C tables read these.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
 from itertools import pairwise
 
-import numpy as np
-from numpy.typing import ArrayLike
-
-from tetherfmu.runtime import layout as at
-from tetherfmu.runtime.naming import LONGEST_NAME, meant_or_all, names_checked, shortened
-from tetherfmu.runtime.parameters import FreeKite, Tether, Winch
-from tetherfmu.runtime.quantities import Quantity
-from tetherfmu.runtime.sheaves import SHEAVE_QUANTITIES
-
-from . import arguments
+from ..runtime import layout as at
+from ..runtime.naming import LONGEST_NAME, meant_or_all, names_checked, prefixed, shortened
+from ..runtime.parameters import FreeKite, Tether, Winch
+from ..runtime.quantities import Quantity, checked, quantities, quantity
+from ..runtime.sheaves import SHEAVE_QUANTITIES
 
 Vector = tuple[float, float, float]
-ANY_INPUT = Quantity("", "", -at.LARGEST_INPUT, at.LARGEST_INPUT)
 LENGTH = Quantity("m", "a portion", minimum=0.0)
+MASS = dict(quantities(FreeKite))["kite_mass"]
 
 
-def vector(name: str, value: ArrayLike) -> Vector:
+def given_in(form, unit="", default=None):
+    """Field of a record that is no quantity: how files give it, "vector", "numbers", "list" or "names", and its unit."""
+    return field(default=default, metadata={"form": form, "unit": unit})
+
+
+def first_input(unit, meaning):
+    """Field of a record for an input at the start."""
+    return quantity(0.0, unit, meaning, -at.LARGEST_INPUT, at.LARGEST_INPUT)
+
+
+def check_inputs(record, *names):
+    """ValueError unless inputs at the start are allowed."""
+    for name, declared in quantities(record):
+        if name in names and not declared.allows(getattr(record, name)):
+            raise ValueError(
+                f"{record.name}.{name} is {getattr(record, name)!r}; it must be finite and at most {at.LARGEST_INPUT:g} in "
+                "magnitude"
+            )
+
+
+def record_of(model, given, kind):
+    """A record of this kind; TypeError for anything else."""
+    if not isinstance(given, kind):
+        name = kind.__name__
+        an = "an" if name == "Environment" else "a"
+        raise TypeError(f"{name.lower()} is {given!r}; it must be {an} {name}, as in {model}(..., {name.lower()}={name}())")
+    return given
+
+
+def vector(name: str, value: Sequence[float]) -> Vector:
     """Three finite numbers; ValueError names what is something else."""
     try:
-        found = np.asarray(value, dtype=float)
+        found = (
+            () if isinstance(value, str) or any(isinstance(each, Iterable) for each in value) else tuple(map(float, value))
+        )
     except (TypeError, ValueError):
-        found = np.zeros(0)
-    if found.shape != (3,):
+        found = ()
+    if len(found) != 3:
         raise ValueError(f"{name} is {value!r}; it must be three numbers")
-    if not np.all(np.abs(found) <= at.LARGEST_INPUT):  # NaN is not
+    if not all(abs(each) <= at.LARGEST_INPUT for each in found):  # NaN is not
         raise ValueError(f"{name} is {value!r}; its numbers must be finite and at most {at.LARGEST_INPUT:g} in magnitude")
-    return tuple(found.tolist())
+    return found
 
 
 def checked_name(kind: str, name: str) -> None:
@@ -68,9 +97,9 @@ class Point:
     """
 
     name: str
-    position: ArrayLike | None = None
-    velocity: ArrayLike = (0.0, 0.0, 0.0)
-    mass: float | None = None
+    position: Sequence[float] | None = given_in("vector", "m")
+    velocity: Sequence[float] = given_in("vector", "m/s", (0.0, 0.0, 0.0))
+    mass: float | None = field(default=None, metadata={"quantity": MASS})
 
     def __post_init__(self):
         checked_name("point", self.name)
@@ -80,10 +109,8 @@ class Point:
             object.__setattr__(self, "position", vector(f"{self.name}.position", self.position))
         object.__setattr__(self, "velocity", vector(f"{self.name}.velocity", self.velocity))
         if not self.is_driven:
-            try:
-                FreeKite(self.mass)
-            except ValueError as problem:
-                raise ValueError(f"the point {self.name}: {str(problem).replace('kite_mass', 'mass')}") from None
+            with prefixed(f"the point {self.name}: "):
+                checked("mass", self.mass, MASS)
 
     @property
     def is_driven(self) -> bool:
@@ -131,28 +158,24 @@ class Line:
     start: str
     end: str
     tether: Tether | Sequence[Tether] = Tether()  # noqa: RUF009 (a constant record)
-    reel_out_speed: float = 0.0
+    reel_out_speed: float = first_input("m/s", "at the start; positive pays out")
     winch: Winch = Winch()  # noqa: RUF009
-    through: Sequence[str] = ()
-    initial_portions: Sequence[float] | None = None
-    sheave_mass: float | Sequence[float] = 0.0
-    sheave_friction: float | Sequence[float] = 0.0
-    sheave_efficiency: float | Sequence[float] = 1.0
+    through: Sequence[str] = given_in("names", default=())
+    initial_portions: Sequence[float] | None = given_in("list", "m")
+    sheave_mass: float | Sequence[float] = given_in("numbers", "kg", 0.0)
+    sheave_friction: float | Sequence[float] = given_in("numbers", default=0.0)
+    sheave_efficiency: float | Sequence[float] = given_in("numbers", default=1.0)
 
     def __post_init__(self):
         checked_name("line", self.name)
-        arguments.record_of("Line", self.winch, Winch).check_effect()
+        record_of("Line", self.winch, Winch).check_effect()
         check_sheaves(self)
         for point in (self.start, *self.through, self.end):
             if not isinstance(point, str):
                 raise TypeError(f"the line {self.name} goes to {point!r}; it must be the name of a point")
         if self.start == self.end and not self.through:
             raise ValueError(f"the line {self.name} goes from the point {self.start} to itself; it needs two points")
-        if not ANY_INPUT.allows(self.reel_out_speed):
-            raise ValueError(
-                f"{self.name}.reel_out_speed is {self.reel_out_speed!r}; it must be finite and at most "
-                f"{at.LARGEST_INPUT:g} in magnitude"
-            )
+        check_inputs(self, "reel_out_speed")
 
     @property
     def tethers(self) -> tuple[Tether, ...]:
@@ -163,7 +186,7 @@ class Line:
 def numbers_in(line, name):
     """One number of each sheave of a line, a tuple; ValueError for another count, or if one is not allowed."""
     given, declared = getattr(line, name), SHEAVE_QUANTITIES[name]
-    many = np.ndim(given) > 0
+    many = isinstance(given, Iterable) and not isinstance(given, str) and getattr(given, "ndim", 1) > 0
     found = tuple(given) if many else (given,) * len(line.through)
     if len(found) != len(line.through):
         raise ValueError(
@@ -181,8 +204,8 @@ def check_sheaves(line):
         raise ValueError(f'{line.name}.through is {line.through!r}; it must be a list of names of points, as ["block"]')
     object.__setattr__(line, "through", tuple(line.through))
     if not line.through:
-        defaults = {"initial_portions": None, "sheave_mass": 0.0, "sheave_friction": 0.0, "sheave_efficiency": 1.0}
-        for name, default in defaults.items():
+        for name in ("initial_portions", *SHEAVE_QUANTITIES):
+            default = getattr(Line, name)
             if getattr(line, name) is not default and getattr(line, name) != default:
                 raise ValueError(
                     f"{line.name}.{name} is {getattr(line, name)!r} and has no effect: {line.name} runs through no point"
@@ -229,7 +252,7 @@ def sheave_numbers(portion):
 
 
 def sheaves_of(line):
-    """Start values of the sheaves of a line, and of its portions, as a `wiring.system_variables.Line` has them."""
+    """Start values of the sheaves of a line that runs over some, and of its portions, a dict by name."""
     given = line.initial_portions or (0.0,) * (len(line.through) + 1)
     return {"initial_portions": tuple(given), **{name: numbers_in(line, name) for name in SHEAVE_QUANTITIES}}
 

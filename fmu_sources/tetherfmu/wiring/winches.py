@@ -11,24 +11,26 @@ kernels have its drum with one of its lines, its carrier.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field
 
-import numpy as np
-
-from tetherfmu.runtime import layout as at
-from tetherfmu.runtime.naming import meant_or_all, names_checked, prefixed
-from tetherfmu.runtime.parameters import Winch
-from tetherfmu.runtime.quantities import quantities
-from tetherfmu.wiring import system_variables
-from tetherfmu.wiring.system_variables import OF_A_DRUM
-
-from .lines import ANY_INPUT, Line, checked_name
+from ..runtime import layout as at
+from ..runtime.naming import meant_or_all, names_checked, prefixed
+from ..runtime.parameters import Winch
+from ..runtime.quantities import quantities
+from .lines import Line, check_inputs, checked_name, first_input
 
 BY_SPEED, BY_FORCE, BY_LENGTH = "speed", "force", "length"
 GIVEN = {BY_SPEED: "reel_out_speed", BY_FORCE: "winch_force", BY_LENGTH: "winch_length"}  # its input, by what controls it
-CONTROL = dict(quantities(Winch))["winch_control"].numbers
+QUANTITIES_OF_A_WINCH = dict(quantities(Winch))
+CONTROL = QUANTITIES_OF_A_WINCH["winch_control"].numbers
 SMALLEST_RATIO, LARGEST_RATIO = 1e-3, 1e3
-DEPENDENT = 1e-9  # a singular value of the matrix of ratios below this part of the largest is none
+# quantities of a `Winch` that a shared one has, if it is controlled by force
+OF_A_DRUM = ("winch_mass", "winch_damping", "winch_friction", "winch_start")
+
+
+def of_a_winch(name):
+    """Field of a record for a quantity of a `Winch`."""
+    return field(default=getattr(Winch, name), metadata={"quantity": QUANTITIES_OF_A_WINCH[name]})
 
 
 @names_checked
@@ -65,12 +67,12 @@ class SharedWinch:
     name: str
     lines: Mapping[str, float]
     control: str = BY_SPEED
-    reel_out_speed: float = 0.0
-    winch_force: float = 0.0
-    winch_mass: float = 0.0
-    winch_damping: float = 0.0
-    winch_friction: float = 0.0
-    winch_start: int | str = at.WINCH_GIVEN
+    reel_out_speed: float = first_input("m/s", "at the start; positive pays out")
+    winch_force: float = first_input("N", "at the start; positive reels in")
+    winch_mass: float = of_a_winch("winch_mass")
+    winch_damping: float = of_a_winch("winch_damping")
+    winch_friction: float = of_a_winch("winch_friction")
+    winch_start: int | str = of_a_winch("winch_start")
 
     def __post_init__(self):
         checked_name("winch", self.name)
@@ -90,12 +92,7 @@ class SharedWinch:
                 f"{self.name}.lines has the ratios {list(self.lines.values())}; with the control 'force' one of "
                 "them must be above 0: reverse all signs"
             )
-        for name in ("reel_out_speed", "winch_force"):
-            if not ANY_INPUT.allows(getattr(self, name)):
-                raise ValueError(
-                    f"{self.name}.{name} is {getattr(self, name)!r}; it must be finite and at most {at.LARGEST_INPUT:g} in "
-                    "magnitude"
-                )
+        check_inputs(self, "reel_out_speed", "winch_force")
         with prefixed(f"{self.name}."):
             object.__setattr__(self, "winch_start", self.drum.winch_start)
         for name in ("winch_force", *OF_A_DRUM):
@@ -108,6 +105,16 @@ class SharedWinch:
     def input(self) -> str:
         """Name of its input."""
         return GIVEN[self.control]
+
+    @property
+    def ratios(self) -> tuple[tuple[str, float], ...]:
+        """Pairs of a line and its ratio."""
+        return tuple((line, float(ratio)) for line, ratio in self.lines.items())
+
+    @property
+    def drum_names(self) -> tuple[str, ...]:
+        """Names of the quantities of its drum, none of one that is not controlled by force."""
+        return OF_A_DRUM if self.control == BY_FORCE else ()
 
     @property
     def drum(self) -> Winch:
@@ -139,7 +146,6 @@ def check_winches(winches: Sequence[SharedWinch], lines: Sequence[Line], taken: 
         if len({each.control for each in held}) > 1:
             names = ", ".join(f"{each.name} ({each.control})" for each in held)
             raise ValueError(f"the line {line.name} is held by winches with different controls, {names}; give them the same")
-    shares_of(winches)
 
 
 def check_drums(line, held):
@@ -154,7 +160,7 @@ def check_drums(line, held):
 def carriers_of(winches):
     """Of each winch that is controlled by force one of its lines, each another one: a dict of names.
 
-    They exist, as no winch pays out what others do together (`shares_of`).
+    They exist, as no winch pays out what others do together.
     """
     found = {}
 
@@ -171,52 +177,6 @@ def carriers_of(winches):
         if winch.control == BY_FORCE:
             seek(winch, set())
     return {winch.name: line for line, winch in found.items()}
-
-
-def shares_of(winches):
-    """Names of the lines that winches hold, ratios (lines, winches) and shares (winches, lines).
-
-    ValueError if winches hold the same lines in the same ratios.
-    """
-    held = list(dict.fromkeys(name for each in winches for name in each.lines))
-    ratios = np.zeros((len(held), len(winches)))
-    for j, each in enumerate(winches):
-        ratios[[held.index(name) for name in each.lines], j] = list(each.lines.values())
-    if winches:
-        values = np.linalg.svd(ratios, compute_uv=False)
-        if len(held) < len(winches) or values[-1] < DEPENDENT * values[0]:
-            raise ValueError(
-                f"the winches {', '.join(each.name for each in winches)} hold the same lines in the same "
-                "ratios, so that their payouts cannot be distinguished; omit one"
-            )
-    return held, ratios, np.linalg.pinv(ratios) if winches else ratios.T
-
-
-def as_built(winches):
-    """The same as records of `wiring.system_variables`, a tuple."""
-    held, _, shares = shares_of(winches)
-    carriers = carriers_of(winches)
-    return tuple(
-        system_variables.SharedWinch(
-            each.name,
-            each.input,
-            tuple((line, float(ratio)) for line, ratio in each.lines.items()),
-            tuple((line, share) for line, share in zip(held, own.tolist(), strict=True) if share),
-            float(each.reel_out_speed),
-            float(each.winch_force),
-            carriers.get(each.name, ""),
-            tuple((name, float(getattr(each, name))) for name in OF_A_DRUM if each.control == BY_FORCE),
-        )
-        for each, own in zip(winches, shares, strict=True)
-    )
-
-
-def with_controls(lines, winches):
-    """Lines, those that winches hold with the control of these."""
-    controls = {name: Winch(winch_control=CONTROL[each.control]) for each in winches for name in each.lines}
-    carriers = carriers_of(winches)
-    controls |= {carriers[each.name]: each.drum for each in winches if each.name in carriers}
-    return tuple(replace(line, winch=controls.get(line.name, line.winch)) for line in lines)
 
 
 def check_with_sheaves(lines, winches):
