@@ -144,6 +144,25 @@ def folder_of(built_once, flavour):
     return built_once(f"{flavour}_fmus", build)
 
 
+WIND_POINTS = 3
+
+
+@pytest.fixture(scope="session")
+def windy(built_once):
+    """Folder with a folder for each flavour of FMUs with wind points: of a tether without nodes, and of one with them."""
+    from runtime.host import extract_all
+    from tetherfmu.commands.build import main
+
+    def build(folder):
+        points = ["--wind-points", str(WIND_POINTS)]
+        for flavour, options in FLAVOURS.items():
+            out = ["--out", str(folder / flavour)]
+            assert main(["TetherStraight", "TetherDynamicFree", *points, *out, *options]) == 0
+            extract_all(folder / flavour)
+
+    return built_once("fmus_with_wind_points", build)
+
+
 @pytest.fixture(scope="session")
 def example_folder(built_once):
     """Folder with all FMUs of the examples."""

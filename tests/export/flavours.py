@@ -2,26 +2,23 @@
 
 import pytest
 
-from runtime.host import STEP, blob_of, restore
+from runtime.host import extract_all
 from tetherfmu.check.__main__ import main as check
 from tetherfmu.export import systems
+from tetherfmu.export.build_options import BuildOptions
 
-FLAVOURS = (0, 2, 3)  # version of FMI of a native FMU; 0 by PythonFMU
-every_flavour = pytest.mark.parametrize("native", FLAVOURS)
+FLAVOURS = {"pythonfmu": None, "native": 2, "native_fmi3": 3}  # version of FMI of a native FMU
+NEXT = dict(zip(FLAVOURS, [*FLAVOURS][1:] + [*FLAVOURS][:1], strict=True))  # flavour that takes states over from one
+every_flavour = pytest.mark.parametrize("flavour", FLAVOURS)
 
 
-def build_all(folder, *files):
+def build_all(folder, *files, wind_points=0):
     """Build an FMU of each file and flavour, in a folder of its own for each flavour."""
-    for file in files:
-        for native in FLAVOURS:
-            systems.build(file, folder / str(native), native=native or None)
-
-
-def go_astray_and_back(host, **inputs):
-    """Take a step with other inputs, and go back to the state of before."""
-    blob = blob_of(host)
-    host.step(STEP, **inputs)
-    restore(host, blob)
+    options = BuildOptions(shape_points=None, wind_points=wind_points)
+    for flavour, native in FLAVOURS.items():
+        for file in files:
+            systems.build(file, folder / flavour, options, native=native)
+        extract_all(folder / flavour)
 
 
 def assert_checks_pass(folder, capfd, steps=100):
