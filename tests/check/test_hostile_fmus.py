@@ -20,10 +20,7 @@ HOSTILE = {
     "holds": (LOOP, "the run of the evidence set did not end within 1 s"),
     "fails": ("raise ValueError('of its own')", "the run of the evidence set failed: "),
     "says much": ("import sys, os; sys.stderr.write('a' * 10**8); os._exit(1)", "the run of the evidence set failed: "),
-    "leaves a result": (
-        "import sys, os; open(sys.argv[3], 'w').write('{}'); os._exit(0)",
-        "left a result that is none",
-    ),
+    "leaves a result": ("import sys, os; open(sys.argv[3], 'w').write('{}'); os._exit(0)", "left a result that is none"),
 }
 
 

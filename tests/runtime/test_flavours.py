@@ -123,11 +123,7 @@ FLIGHTS = {
     "ground in fixed steps": on_the_ground(lies, fixed_step=0.005),
     "ground, and a winch that holds 30 N": on_the_ground(leaves, winch_control=2),
     "break": Flight(
-        {"initial_length": 500.5, "breaking_force": 1500.0},
-        flies_away,
-        lambda name: flies_away(name, 0),
-        loose,
-        (CHAIN,),
+        {"initial_length": 500.5, "breaking_force": 1500.0}, flies_away, lambda name: flies_away(name, 0), loose, (CHAIN,)
     ),
     "release": Flight(
         {"initial_length": 500.5},

@@ -57,12 +57,7 @@ MENDED = {
         6.0,
     ),
     "a gap of 1 s": (lambda t: t.drop(range(500, 510)), "bridged: 1 of", FEW, 6.0),
-    "a tension of a million": (
-        lambda t: put(t, "force", 600, "1000000"),
-        "ground_tension: 1 of .*spikes",
-        ROUNDED,
-        RATHER,
-    ),
+    "a tension of a million": (lambda t: put(t, "force", 600, "1000000"), "ground_tension: 1 of .*spikes", ROUNDED, RATHER),
     "spikes of the tension": (
         lambda t: changed(t, force=lambda c: c.where(c.index % 100 != 50, 8.0 * c)),
         "ground_tension: 12 of",
