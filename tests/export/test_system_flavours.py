@@ -399,6 +399,7 @@ def check(path, other, twin, name):
     assert blob_of(host) == late
     taker = Host(other, "taker")
     restore(taker, blob)
+    assert_same(outputs_of(taker), rows[HALF])
     assert blob_of(taker) == blob
     fly(taker, flight, HALF, rest)
     host.fmu.reset()

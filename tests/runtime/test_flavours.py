@@ -116,6 +116,11 @@ FLIGHTS = {
     "drum": by_force(**DRUM),
     "drum that stops": by_force(**DRUM, shortest_length=499.98, longest_length=500.02)._replace(seen=stops),
     "winch in fixed steps": by_force(fixed_step=0.005),
+    "winch by length": Flight(
+        {"initial_length": 525.0, "winch_control": 3},
+        lambda name, k: kite_inputs(name, *circle(k * STEP)) | {"winch_length": 525.0 + 0.1 * math.sin(0.3 * k)},
+        from_the_circle(winch_length=525.0, reel_out_speed=1.5),
+    ),
     "drum in fixed steps": by_force(**DRUM, fixed_step=0.005),
     "ground": on_the_ground(lies),
     "soft ground without friction": on_the_ground(lies, ground_friction=0.0, ground_sink=0.02),
@@ -125,6 +130,14 @@ FLIGHTS = {
     "break": Flight(
         {"initial_length": 500.5, "breaking_force": 1500.0}, flies_away, lambda name: flies_away(name, 0), loose, (CHAIN,)
     ),
+    "break in fixed steps": Flight(
+        {"initial_length": 500.5, "breaking_force": 1500.0, "fixed_step": 0.005},
+        flies_away,
+        lambda name: flies_away(name, 0),
+        loose,
+        (CHAIN,),
+    ),
+    "stiff": CIRCLE._replace(parameters={"initial_length": 499.9, "axial_stiffness": 1e12}),  # not in positions alone
     "release": Flight(
         {"initial_length": 500.5},
         lambda name, k: {"release": k == 12, **flies_away(name, k)},
@@ -240,6 +253,7 @@ def check(path, other, flight):
     assert blob_of(host) == late
     taker = Host(other, "taker")
     restore(taker, blob)
+    assert_same(taker, rows[HALF])
     assert blob_of(taker) == blob
     fly(taker, flight, HALF, rest)
     host.fmu.reset()
