@@ -4,7 +4,7 @@ from zlib import crc32
 
 import pytest
 
-from .flavours import build_all
+from flavours import build_all
 
 
 @pytest.fixture(scope="session")

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from fmpy.fmi1 import FMICallException
 
+from flavours import NEXT, every_flavour
 from isolation import in_shared_process
 from runtime.host import STEP, Host, blob_of, restore
 from runtime.test_flavours import assert_said
@@ -18,8 +19,6 @@ from tetherfmu.files import system_files as files
 from tetherfmu.runtime.limits import WORST_WORK, WORST_WORK_WITH_DRUM
 from tetherfmu.wiring import system_variables
 from y_of_lines import y_of_lines
-
-from .flavours import NEXT, every_flavour
 
 EXAMPLES = Path(__file__).parents[2] / "examples" / "systems"
 STEPS, HALF = 20, 10

@@ -9,6 +9,7 @@ import pytest
 from fmpy import read_model_description
 from fmpy.fmi1 import FMICallException
 
+from flavours import FLAVOURS, assert_checks_pass, every_flavour
 from isolation import in_shared_process
 from runtime.host import STEP, Host, blob_of, restore
 from tetherfmu import TetherSystem
@@ -22,7 +23,6 @@ from tetherfmu.wiring.fmu import lines_of
 from tetherfmu.wiring.system_variables import ENDS
 from tetherfmu.wiring.system_variables import GIVEN as GIVEN_INPUTS
 
-from .flavours import FLAVOURS, assert_checks_pass, every_flavour
 from .test_system_flavours import CHAIN, GIVEN, LOADS, text_of
 from .test_system_flavours import EXAMPLES as FILES
 

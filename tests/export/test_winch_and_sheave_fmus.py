@@ -6,12 +6,12 @@ Their numbers are those of `test_system_flavours.py`.
 import pytest
 from fmpy import read_model_description
 
+from flavours import assert_checks_pass, every_flavour
 from isolation import in_shared_process
 from runtime.host import STEP, Host
 from shared_drums import SHARED, TEXT
 from tetherfmu import PlausibilityWarning, TetherSystem
 
-from .flavours import assert_checks_pass, every_flavour
 from .test_system_flavours import DRUMS, OF_WINCHES, WEIGHTS, WINDY, steered, text_of
 
 FORCE, INFINITE, NO_NUMBER = 2, float("inf"), float("nan")

@@ -11,12 +11,12 @@ from fmpy.fmi1 import FMICallException
 from fmpy.validation import validate_fmu
 
 from export.test_host_header import c_name, numbers_of
+from flavours import FLAVOURS, build_by_command, every_flavour
 from isolation import in_shared_process
 from native.steps_again import differences
-from runtime.host import Host, blob_of, extract_all
+from runtime.host import Host, blob_of
 
 POINTS, STEP = 3, 0.02
-FLAVOURS = {"pythonfmu": (), "native": ("--native", "--header"), "fmi3": ("--native", "--fmi", "3", "--header")}
 WIND = np.array([[4.0, 1.0, 0.0], [9.0, -2.0, 0.5], [12.0, 1.5, 0.0]])
 FILE = """
 name = "Swing"
@@ -28,20 +28,17 @@ load = {position = [4, 0, 10], mass = 20}
 a = {from = "left", to = "load", initial_length = 20.3, segments = 4, diameter = "10 mm"}
 b = {from = "right", to = "load", initial_length = 20.4, segments = 3, diameter = "10 mm"}
 """
-every_flavour = pytest.mark.parametrize("flavour", list(FLAVOURS))
 
 
 @pytest.fixture(scope="session")
 def fmus(built_once):
     """Folder with the file, and a folder of FMUs with wind points for each flavour."""
-    from tetherfmu.commands.build import main
 
     def build(folder):
         (folder / "swing.toml").write_text(FILE)
-        for flavour, options in FLAVOURS.items():
-            path = str(folder / "swing.toml")
-            assert main(["--system", path, "--wind-points", str(POINTS), "--out", str(folder / flavour), *options]) == 0
-            extract_all(folder / flavour)
+        for flavour in FLAVOURS:
+            options = ["--system", str(folder / "swing.toml"), "--wind-points", str(POINTS)]
+            build_by_command(folder / flavour, flavour, *options)
 
     return built_once("system_fmus_with_wind_points", build)
 
@@ -80,7 +77,7 @@ def test_a_refused_step_names_the_wind(fmus, flavour):
     assert host.all_outputs() == before
 
 
-@pytest.mark.parametrize("flavour", ["native", "fmi3"])
+@pytest.mark.parametrize("flavour", ["native", "native_fmi3"])
 @in_shared_process
 def test_directional_derivative(fmus, flavour):
     """Of a tension by the wind at one point of its line: a difference of two steps from the same state."""
@@ -89,7 +86,7 @@ def test_directional_derivative(fmus, flavour):
     blob, tension = blob_of(host), "a.tension_from"
     fly(host, 5, 6)
     output = [host.reference[tension]]
-    if flavour == "fmi3":
+    if flavour == "native_fmi3":
         seed = [0.0] * 3 + [1.0] + [0.0] * 5
         (rate,) = host.fmu.getDirectionalDerivative(output, [host.reference["a.wind_at"]], seed, 1)
     else:
@@ -108,7 +105,7 @@ def test_it_is_a_valid_fmu_that_says_what_it_ignores(fmus, flavour):
     assert known[next(name for name in known if name.startswith("a.shape"))].causality == "output"
 
 
-@pytest.mark.parametrize("flavour", ["native", "fmi3"])
+@pytest.mark.parametrize("flavour", ["native", "native_fmi3"])
 def test_numbers_of_the_header_are_those_of_the_model_description(fmus, flavour):
     numbers = numbers_of(fmus / flavour / "Swing.h")
     for variable in read_model_description(str(fmus / flavour / "Swing.fmu")).modelVariables:
@@ -117,7 +114,7 @@ def test_numbers_of_the_header_are_those_of_the_model_description(fmus, flavour)
 
 
 def test_each_line_has_a_terminal_of_its_wind_in_the_place_of_the_one_of_all(fmus):
-    with zipfile.ZipFile(fmus / "fmi3" / "Swing.fmu") as opened:
+    with zipfile.ZipFile(fmus / "native_fmi3" / "Swing.fmu") as opened:
         root = ElementTree.fromstring(opened.read("terminalsAndIcons/terminalsAndIcons.xml"))
     found = {each.get("name"): [(one.get("memberName"), one.get("variableName")) for one in each] for each in root[0]}
     assert {name: members for name, members in found.items() if "wind" in name} == {

@@ -8,7 +8,7 @@ import pytest
 from fmpy.fmi1 import FMICallException
 from fmpy.validation import validate_fmu
 
-from conftest import FLAVOURS, WIND_POINTS
+from flavours import WIND_POINTS, every_flavour
 from isolation import in_shared_process
 from native.steps_again import differences
 from runtime.host import Host, blob_of, description_of, restore
@@ -23,7 +23,6 @@ FORCE = [f"kite_force[{i}]" for i in (1, 2, 3)]
 NAMES = ("TetherStraight", "TetherDynamicFree")
 WIND = np.array([[4.0, 1.0, 0.0], [9.0, -2.0, 0.5], [12.0, 1.5, 0.0]])
 every_fmu = pytest.mark.parametrize("name", NAMES)
-every_flavour = pytest.mark.parametrize("flavour", list(FLAVOURS))
 
 
 def wind(k):

@@ -9,7 +9,7 @@ import pytest
 from fmpy.fmi1 import FMICallException
 
 import tetherfmu
-from conftest import FLAVOURS, folder_of
+from flavours import NEXT, every_flavour, folder_of
 from isolation import in_shared_process
 from runtime.host import STEP, Host, blob_of, restore
 from scenes import circle, kite_at_start, kite_inputs
@@ -212,16 +212,13 @@ def start(host, flight):
     return host
 
 
-NEXT = {"pythonfmu": "native", "native": "native_fmi3", "native_fmi3": "pythonfmu"}  # flavour that takes states over
-
-
 @pytest.fixture(scope="session")
 def built(built_once, windy):
     """Function of a number of wind points and a flavour: folder with all FMUs."""
     return lambda points, flavour: windy / flavour if points else folder_of(built_once, flavour)
 
 
-@pytest.mark.parametrize("flavour", FLAVOURS)
+@every_flavour
 @pytest.mark.parametrize(("flight", "name"), [(flight, name) for flight, each in FLIGHTS.items() for name in each.tethers])
 def test_flight_of_the_python_api(built, flight, name, flavour):
     path, other = (built(FLIGHTS[flight].wind_points, each) / f"{name}.fmu" for each in (flavour, NEXT[flavour]))
