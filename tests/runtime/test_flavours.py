@@ -137,7 +137,9 @@ FLIGHTS = {
         loose,
         (CHAIN,),
     ),
-    "stiff": CIRCLE._replace(parameters={"initial_length": 499.9, "axial_stiffness": 1e12}),  # not in positions alone
+    "stiff": CIRCLE._replace(  # positions alone cannot hold the strain
+        parameters={"initial_length": 499.9, "axial_stiffness": 1e12}, tethers=("TetherCatenary", "TetherQuasiSteady")
+    ),
     "release": Flight(
         {"initial_length": 500.5},
         lambda name, k: {"release": k == 12, **flies_away(name, k)},
