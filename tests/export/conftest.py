@@ -4,18 +4,16 @@ from zlib import crc32
 
 import pytest
 
-from flavours import build_all
+from flavours import build_system
 
 
 @pytest.fixture(scope="session")
 def built(built_once):
-    """Function of the text of a file, a number of wind points and a flavour: folder with the FMU of this system."""
+    """Function of the text of a file, a flavour and a number of wind points: path of the FMU of this system."""
 
-    def folder_of(text, wind_points=0, flavour=""):
-        def make(folder):
-            (folder / "system.toml").write_text(text, encoding="utf-8")
-            build_all(folder, folder / "system.toml", wind_points=wind_points)
+    def fmu_of(text, flavour="pythonfmu", wind_points=0):
+        name = f"system_{crc32(text.encode()):x}_{flavour}_{wind_points}"
+        folder = built_once(name, lambda folder: build_system(folder, flavour, text, wind_points))
+        return next(folder.glob("*.fmu"))
 
-        return built_once(f"system_{crc32(text.encode()):x}_{wind_points}", make) / flavour
-
-    return folder_of
+    return fmu_of
