@@ -25,10 +25,16 @@ def folder_of(built_once, flavour):
     return built_once(f"{flavour}_fmus", lambda folder: build_by_command(folder, flavour))
 
 
-def build_system(folder, flavour, text, wind_points=0):
-    """Build the FMU of a system, from the text of its file, in a flavour, beside the file."""
+def build_system(folder, flavour, text, wind_points, with_evidence):
+    """Build the FMU of a system, from the text of its file, in a flavour, beside the file.
+
+    with_evidence : or without its evidence set, three flights that take longer than all else.
+    """
     file = folder / "system.toml"
     file.write_text(text, encoding="utf-8")
     options = BuildOptions(shape_points=None, wind_points=wind_points)
-    systems.build(file, folder, options, native=FLAVOURS[flavour])
+    with pytest.MonkeyPatch.context() as changed:
+        if not with_evidence:
+            changed.setattr(systems, "_evidence_of", lambda *given: {})
+        systems.build(file, folder, options, native=FLAVOURS[flavour])
     extract_all(folder)

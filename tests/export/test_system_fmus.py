@@ -39,7 +39,7 @@ def flavour():
 
 @pytest.fixture
 def bridle(built, flavour):
-    return built(text_of("y_bridle"), flavour)
+    return built(text_of("y_bridle"), flavour, with_evidence=True)
 
 
 @pytest.fixture

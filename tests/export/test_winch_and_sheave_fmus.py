@@ -104,7 +104,7 @@ WITH_EVIDENCE |= {"drums beside a sheave": SHARED, "hoist": text_of("two_fall_ho
 @pytest.mark.parametrize(("name", "wind_points"), [*((name, 0) for name in WITH_EVIDENCE), ("hoist", WINDY)])
 def test_their_evidence_is_met(built, name, wind_points, capsys):
     """Of the native FMU; the others give the same numbers."""
-    assert check([str(built(WITH_EVIDENCE[name], "native", wind_points))]) == 0
+    assert check([str(built(WITH_EVIDENCE[name], "native", wind_points, with_evidence=True))]) == 0
     assert "evidence set: 100 steps" in capsys.readouterr().out
 
 
