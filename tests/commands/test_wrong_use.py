@@ -217,6 +217,18 @@ WRONG = {  # what is typed, what must be said
     "fly hoist --duration 0.6 --csv t.csv --outputs tension_form": "has no tension_form; did you mean tension_from?",
     "fly hoist --duration 0.6 --from 3": "--from is 3 s; it must be at most the end of the flight, 0.6 s",
     "fly hoist --from -1": "'-1' is not possible; it must be a number, at least 0 s",
+    "build straight --outputs kite_fors": "outputs: this FMU has no 'kite_fors' among its outputs; did you mean kite_force?",
+    "build straight --outputs kite_force[1]": "kite_force[1] is an element of kite_force; a vector is there as a whole,",
+    "build straight --inputs none --outputs none --parameters none": "an FMU without inputs, outputs and parameters is none",
+    "build straight --inputs diameter": "inputs: this FMU has no 'diameter' among its inputs",
+    "build straight --set diametr=4": "there is no input or parameter 'diametr' to set; did you mean diameter?",
+    "build straight --set segments=2.5": "segments is 2.5; it must be a whole number",
+    "build straight --set initial_length=-3": "initial_length is -3.0; it must be at least 0.01 m and at most 100000 m",
+    "build straight --set wind_velocity=8": "wind_velocity is '8'; it must be 3 numbers",
+    "build straight --set wind_profile=5": "wind_profile is 5; it must be one of 1 (uniform), ",
+    "build straight --set wind_profile=3 --set surface_roughness=7": "the FMU would refuse its start values: ",
+    "build straight --set winch_control=force --set winch_force=-500 --inputs motion": "the first step of 0.02 s with its",
+    "build straight --set reel_out_speed=-1e5 --inputs wind": "none of its inputs changes that",
 }
 
 
@@ -226,6 +238,7 @@ def place(tmp_path_factory):
     place = tmp_path_factory.mktemp("wrong")
     (place / "text.txt").write_text("no archive\n")
     (place / "folder").mkdir()
+    (place / "dist").mkdir()  # where FMUs go: it may be made, no file
     (place / "folder" / "file").touch()
     (place / "mine").mkdir()
     (place / "mine" / "README.md").touch()
