@@ -40,6 +40,19 @@ initial_length = 525.0
 [wanted]
 allowed_error = 0.02
 """
+OF_SWEEPS = {
+    "--outputs kite_tensio": "there is no output 'kite_tensio'; did you mean kite_tension?",
+    "--from 30": "start is 30 s; it must be at least 0 s and less than the duration, 20 s",
+    "--percentiles 101": "--percentiles: '101' is not possible",
+    "--tether strait": "--tether: 'strait' is not possible; did you mean straight?",
+    "--vary gravity=1,2 --vary gravity=3": "gravity is given twice",
+    "--vary tether.diameter=1,2 --vary diameter=3": "tether.diameter and diameter are the same value, given twice",
+    "--set gravity=9 --vary environment.gravity=8": "gravity and environment.gravity are the same value, given twice",
+    "--set wind.velocity[1]=4": "wind.velocity[1] and wind.speed are the same value, given twice",
+    "--set gravity=9 --set gravity=8": "gravity is given twice; give one of them",
+    "--set gravity=9 --set environment.gravity=8": "gravity and environment.gravity are the same value, given twice",
+    "--set tether.diametre=3": "unknown key tether.diametre; did you mean diameter?",
+}
 WRONG = {  # what is typed, what must be said
     "nonsense": ("'nonsense'", "build, fly, check"),
     "buidl": "there is no command 'buidl'; did you mean build?",
@@ -229,6 +242,7 @@ WRONG = {  # what is typed, what must be said
     "build straight --set wind_profile=3 --set surface_roughness=7": "the FMU would refuse its start values: ",
     "build straight --set winch_control=force --set winch_force=-500 --inputs motion": "the first step of 0.02 s with its",
     "build straight --set reel_out_speed=-1e5 --inputs wind": "none of its inputs changes that",
+    **{f"sweep circle --vary wind.speed=5,6 {options}": says for options, says in OF_SWEEPS.items()},
 }
 
 
