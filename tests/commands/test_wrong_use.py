@@ -242,6 +242,13 @@ WRONG = {  # what is typed, what must be said
     "build straight --set wind_profile=3 --set surface_roughness=7": "the FMU would refuse its start values: ",
     "build straight --set winch_control=force --set winch_force=-500 --inputs motion": "the first step of 0.02 s with its",
     "build straight --set reel_out_speed=-1e5 --inputs wind": "none of its inputs changes that",
+    "advise hoist --set wanted.allowed_eror=0.1": "unknown key wanted.allowed_eror; did you mean allowed_error?",
+    "advise hoist --set wanted.fixed=true": "unknown key wanted.fixed",
+    "advise hoist --set duration=0": "duration is 0; it must be at least 0.5 s",
+    "advise hoist --set lines.rope_left.winch_control=force": "lines.rope_left.winch_control is force, and nothing gives that",
+    "advise hoist --set loads.winch_left=[0,0,1]": "loads.winch_left is given, and winch_left is no free point",
+    "advise hoist --set loads.left=3": "loads.left is 3; it must be three numbers [x, y, z] in N",
+    "advise hoyst": "there is no file and no scene 'hoyst'; did you mean hoist?",
     **{f"sweep circle --vary wind.speed=5,6 {options}": says for options, says in OF_SWEEPS.items()},
 }
 
