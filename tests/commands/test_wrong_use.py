@@ -245,7 +245,7 @@ WRONG = {  # what is typed, what must be said
     "advise hoist --set wanted.allowed_eror=0.1": "unknown key wanted.allowed_eror; did you mean allowed_error?",
     "advise hoist --set wanted.fixed=true": "unknown key wanted.fixed",
     "advise hoist --set duration=0": "duration is 0; it must be at least 0.5 s",
-    "advise hoist --set lines.rope_left.winch_control=force": "lines.rope_left.winch_control is force, and nothing gives that",
+    "advise hoist --set lines.rope_left.winch_control=force": "rope_left.winch_control is force, and nothing gives that",
     "advise hoist --set loads.winch_left=[0,0,1]": "loads.winch_left is given, and winch_left is no free point",
     "advise hoist --set loads.left=3": "loads.left is 3; it must be three numbers [x, y, z] in N",
     "advise hoyst": "there is no file and no scene 'hoyst'; did you mean hoist?",
