@@ -16,7 +16,7 @@ from scenes import circle, kite_at_start, kite_inputs
 from tetherfmu.export.archive import SLAVES
 
 STEPS, HALF = 20, 10
-CHAIN, FREE = "TetherDynamic", "TetherDynamicFree"
+FREE = "TetherDynamicFree"
 
 
 class Flight(NamedTuple):
@@ -68,31 +68,35 @@ def landing(k):
     return np.array((45.0 + 2.0 * time, time, 12.0 - 4.0 * time)), np.array((2.0, 1.0, -4.0))
 
 
-def on_the_ground(seen, **ground):
+def on_the_ground(**ground):
+    """It lies there, but for the straight tether, which ignores the ground; a winch may pull it off at once."""
+    held = "winch_control" in ground
+
+    def start(name):
+        return kite_at_start(name, *landing(0)) | ({"winch_force": 30.0} if held else {})
+
+    def lies(name, rows):
+        length = max(row["grounded_length"][0] for row in rows)
+        assert length == 0.0 if name == "TetherStraight" else held or length > 5.0
+
     parameters = {"initial_length": 60.0, "segments": 10, "ground_contact": 2, "relative_tolerance": 1e-5, **ground}
-    force = {"winch_force": 30.0} if "winch_control" in ground else {}
-    start = lambda name: kite_at_start(name, *landing(0)) | force  # noqa: E731
-    return Flight(parameters, lambda name, k: kite_inputs(name, *landing(k)), start, seen=seen)
-
-
-def lies(name, rows):
-    """All but the straight tether, which ignores the ground."""
-    length = max(row["grounded_length"][0] for row in rows)
-    assert length == 0.0 if name == "TetherStraight" else length > 5.0
-
-
-def leaves(name, rows):
-    """The winch pulls a tether without waves off the ground at once."""
+    return Flight(parameters, lambda name, k: kite_inputs(name, *landing(k)), start, seen=lies)
 
 
 def flies_away(name, k):
     return {"kite_position": (300.0, 0.0, 400.0 + 0.1 * k), "kite_velocity": (0.0, 0.0, 5.0)}
 
 
-def loose(name, rows):
+def gets_loose(name, rows):
     assert not rows[0]["broken"][0]
     assert rows[-1]["broken"][0]
     assert rows[-1]["break_time"][0] > 0.0
+
+
+def loose(given=flies_away, **parameters):
+    """A dynamic tether that breaks, or lets its kite go."""
+    parameters = {"initial_length": 500.5, **parameters}
+    return Flight(parameters, given, lambda name: flies_away(name, 0), gets_loose, ("TetherDynamic",))
 
 
 WIND = np.array([[4.0, 1.0, 0.0], [9.0, -2.0, 0.5], [12.0, 1.5, 0.0]])  # at three points [m/s]
@@ -122,32 +126,18 @@ FLIGHTS = {
         from_the_circle(winch_length=525.0, reel_out_speed=1.5),
     ),
     "drum in fixed steps": by_force(**DRUM, fixed_step=0.005),
-    "ground": on_the_ground(lies),
-    "soft ground without friction": on_the_ground(lies, ground_friction=0.0, ground_sink=0.02),
-    "ground below the station": on_the_ground(lies, ground_height=-4.0),
-    "ground in fixed steps": on_the_ground(lies, fixed_step=0.005),
-    "ground, and a winch that holds 30 N": on_the_ground(leaves, winch_control=2),
-    "break": Flight(
-        {"initial_length": 500.5, "breaking_force": 1500.0}, flies_away, lambda name: flies_away(name, 0), loose, (CHAIN,)
-    ),
-    "break in fixed steps": Flight(
-        {"initial_length": 500.5, "breaking_force": 1500.0, "fixed_step": 0.005},
-        flies_away,
-        lambda name: flies_away(name, 0),
-        loose,
-        (CHAIN,),
-    ),
+    "ground": on_the_ground(),
+    "soft ground without friction": on_the_ground(ground_friction=0.0, ground_sink=0.02),
+    "ground below the station": on_the_ground(ground_height=-4.0),
+    "ground in fixed steps": on_the_ground(fixed_step=0.005),
+    "ground, and a winch that holds 30 N": on_the_ground(winch_control=2),
+    "break": loose(breaking_force=1500.0),
+    "break in fixed steps": loose(breaking_force=1500.0, fixed_step=0.005),
     "stiff": CIRCLE._replace(  # positions alone cannot hold the strain
         parameters={"initial_length": 499.9, "axial_stiffness": 1e12}, tethers=("TetherCatenary", "TetherQuasiSteady")
     ),
-    "release": Flight(
-        {"initial_length": 500.5},
-        lambda name, k: {"release": k == 12, **flies_away(name, k)},
-        lambda name: flies_away(name, 0),
-        loose,
-        (CHAIN,),
-    ),
-    "released kite": Flight({}, lambda name, k: {"release": k >= 5}, lambda name: {}, loose, (FREE,)),
+    "release": loose(given=lambda name, k: {"release": k == 12, **flies_away(name, k)}),
+    "released kite": Flight({}, lambda name, k: {"release": k >= 5}, lambda name: {}, gets_loose, (FREE,)),
     "kite that starts in equilibrium": Flight(
         {"initial_length": 40.0, "segments": 8, "kite_mass": 300.0, "kite_start": 2},
         lambda name, k: {"reel_out_speed": 0.1 * k},
