@@ -83,17 +83,26 @@ def two_steps_of_work(rows):
 OF_WINCHES = y_of_lines("TwoWinches", "winch_control = 2\nwinch_mass = 20.0\nwinch_friction = 5.0", "winch_control = 3")
 
 
-def both_winches_turn(limit):
-    def seen(rows):
+def of_winches(more="", parameters=NOTHING):
+    """One line by force and one by length; more : in the file of the Python API, with the effect of the parameters."""
+
+    def given(k):
+        return {"main.winch_force": 200.0 + 10.0 * k, "a.winch_length": 39.0 - 0.002 * k}
+
+    def both_turn(rows):
         assert rows[-1]["main.tether_length"] != 100.0
         assert rows[-1]["main.winch_speed"] != 0.0
         assert rows[-1]["a.tether_length"] == pytest.approx(39.0 - 0.002 * (STEPS - 1), abs=0.01)
-        assert rows[-1]["solver_iteration_limit"] == limit
+        assert rows[-1]["solver_iteration_limit"] == (2 * WORST_WORK_WITH_DRUM if more else 0)
 
-    return seen
+    return Flight(OF_WINCHES, given, {"a.winch_length": 39.0}, parameters, OF_WINCHES + more, seen=both_turn)
 
 
 WEIGHTS = {"left.load": (-900.0, 0.0, 1500.0), "right.load": (900.0, 0.0, 1500.0)}
+
+
+def pays_out(rows):
+    assert rows[-1]["depower.payout"] > 0.005
 
 
 def steered(control):
@@ -105,7 +114,7 @@ def steered(control):
         text,
         lambda k: {f"steering.{name}": given["steering"] * k, f"depower.{name}": given["depower"] * k * k},
         WEIGHTS,
-        seen=lambda rows: rows[-1]["depower.payout"] > 0.005 or pytest.fail("it has not been paid out"),
+        seen=pays_out,
     )
 
 
@@ -236,20 +245,8 @@ FLIGHTS = {
     "a bridle": Flight(text_of("y_bridle"), of_kites(150.0, -3.0, 200.0), seen=reels_out),
     "two kites": Flight(TWO_KITES, of_kites(159.5, 40.0, 111.7), seen=reels_out),
     "fixed steps": Flight(TWO_KITES, of_kites(159.5, 40.0, 111.7), {}, OF_FIXED, TWO_KITES + FIXED, seen=two_steps_of_work),
-    "a winch by force and one by length": Flight(
-        OF_WINCHES,
-        lambda k: {"main.winch_force": 200.0 + 10.0 * k, "a.winch_length": 39.0 - 0.002 * k},
-        {"a.winch_length": 39.0},
-        seen=both_winches_turn(0),
-    ),
-    "these winches in fixed steps": Flight(
-        OF_WINCHES,
-        lambda k: {"main.winch_force": 200.0 + 10.0 * k, "a.winch_length": 39.0 - 0.002 * k},
-        {"a.winch_length": 39.0},
-        OF_FIXED,
-        OF_WINCHES + FIXED,
-        seen=both_winches_turn(2 * WORST_WORK_WITH_DRUM),
-    ),
+    "a winch by force and one by length": of_winches(),
+    "these winches in fixed steps": of_winches(FIXED, OF_FIXED),
     "shared winches by length": steered("length"),
     "shared winches by speed": steered("speed"),
     "shared drums in equilibrium": Flight(
