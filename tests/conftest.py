@@ -111,9 +111,6 @@ def pytest_collection_finish():
     gc.enable()
 
 
-FLAVOURS = {"pythonfmu": (), "native": ("--native", "--header"), "native_fmi3": ("--native", "--header", "--fmi", "3")}
-
-
 @pytest.fixture(scope="session")
 def fmu_folder(built_once, request):
     """Folder with all FMUs of a flavour (`runtime.host.every_flavour`), built once; without one, of PythonFMU's."""
@@ -133,15 +130,23 @@ def fmi3_folder(built_once):
 
 
 def folder_of(built_once, flavour):
-    """Folder with all FMUs of one of `FLAVOURS`."""
-    from runtime.host import extract_all
-    from tetherfmu.commands.build import main
+    """Folder with all FMUs of one of `flavours.FLAVOURS`."""
+    import flavours
+
+    return flavours.folder_of(built_once, flavour)
+
+
+@pytest.fixture(scope="session")
+def windy(built_once):
+    """Folder with a folder for each flavour of FMUs with wind points: of a tether without nodes, and of one with them."""
+    from flavours import FLAVOURS, WIND_POINTS, build_by_command
 
     def build(folder):
-        assert main(["--out", str(folder), *FLAVOURS[flavour]]) == 0
-        extract_all(folder)
+        for flavour in FLAVOURS:
+            options = ["TetherStraight", "TetherDynamicFree", "--wind-points", str(WIND_POINTS)]
+            build_by_command(folder / flavour, flavour, *options)
 
-    return built_once(f"{flavour}_fmus", build)
+    return built_once("fmus_with_wind_points", build)
 
 
 @pytest.fixture(scope="session")

@@ -151,6 +151,11 @@ def test_a_wrong_model_description(run, tmp_path):
 
 
 @pytest.mark.parametrize("character", "+#%()[]',&;=@!ä")
+def test_characters_that_crash_pythonfmu(tmp_path, character):
+    assert inspection.crashing_characters(tmp_path / f"a{character}b") == [character]
+
+
+@pytest.mark.parametrize("character", "'ä")
 def test_a_folder_for_extraction_that_crashes_pythonfmu(run, tmp_path, fmu_folder, character):
     """The run is refused with the remedy."""
     special = tmp_path / f"a{character}b"

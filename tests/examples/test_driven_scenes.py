@@ -146,29 +146,6 @@ def test_a_scene_is_driven_as_a_system_is():
     assert flown.of("kite_tension")[-1] == 0.0
 
 
-REFUSED = {
-    "landing_hook --set series.tipp.velocity=[0,0,1]": "unknown key series.tipp; did you mean tip?",
-    "landing_hook --set series.tip.velocity=[0,0,1]": "series.tip has velocity and elevation; it must have one of",
-    "landing_hook --set series.hoist.winch_force=3": "key series.hoist.winch_force; known are release, reel_out_speed",
-    "landing_hook --set series.load.load=[[0,1]]": "series.load.load: row 1 has 1; it must be three numbers, rows",
-    "landing_hook --set series.hook.position=[0,0,1]": "unknown key series.hook.position; known are load",
-    "landing_hook --set lines.hoist.winch_control=force": "series.hoist.reel_out_speed; known are release, winch_force",
-    "landing_crane --set series.kite_velocity=[0,0,1]": "series.kite_velocity moves the kite, which is a free end",
-    "landing_crane --set series.reel_out_sped=1": "unknown key series.reel_out_sped; did you mean reel_out_speed?",
-    "parked --set series.kite_load=[0,0,1]": "series.kite_load is a force on a free end; flight.kind must be 'free_end'",
-    "parked --set series.winch_length=3 --set series.winch_force=3": "series has winch_force and winch_length; only one",
-    "parked --set series.release=[[1,true]] --tether straight": "--tether is straight; parked lets its tether go",
-}
-
-
-@pytest.mark.parametrize("options", REFUSED)
-def test_wrong_rows_are_refused_in_one_line(options, tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    assert status_of("fly", *options.split()) == 2
-    (line,) = capsys.readouterr().err.splitlines()
-    assert REFUSED[options] in line
-
-
 @pytest.mark.parametrize("asked", ["advise landing_crane", "tradeoff landing_crane", "advise landing_hook"])
 def test_no_advice_for_a_tether_that_is_let_go(asked, tmp_path, monkeypatch, capsys):
     """A tether that recoils has no error that converges."""

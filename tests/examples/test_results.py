@@ -8,7 +8,6 @@ import pandas as pd
 import pytest
 from running import assert_is_drawn, run_code
 
-from ended import status_of
 from scenes import hanging_load
 from tetherfmu.__main__ import main as tetherfmu
 from tetherfmu.files.scene_files import load
@@ -131,19 +130,3 @@ def test_a_small_mean_of_large_values_has_digits():
     assert results.alike(-1.0387, -23396.1, 23396.4) == ["-1.04", "-23396", "23396"]
     assert results.alike(1e-12, -23396.1, 23396.4) == ["0", "-23396", "23396"]
     assert results.alike(2.5, 0.0, 5.0) == ["2.5000", "0.0000", "5.0000"]
-
-
-WRONG = {
-    "hoist --duration 0.6 --csv none/table.csv": "there is not a folder none",
-    "hoist --duration 0.6 --outputs power": "--outputs chooses columns of --csv; it requires --csv",
-    "hoist --duration 0.6 --csv t.csv --outputs tension_form": "has no tension_form; did you mean tension_from?",
-    "hoist --duration 0.6 --from 3": "--from is 3 s; it must be at most the end of the flight, 0.6 s",
-    "hoist --from -1": "'-1' is not possible; it must be a number, at least 0 s",
-}
-
-
-@pytest.mark.parametrize("options", WRONG)
-def test_wrong_use_is_named(options, tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    assert status_of("fly", *options.split()) == 2
-    assert WRONG[options] in capsys.readouterr().err.splitlines()[-1]

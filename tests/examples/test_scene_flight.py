@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from running import EXAMPLES, assert_is_drawn, run_code
 
-from ended import status_of
 from tetherfmu.__main__ import main as tetherfmu
 from tetherfmu.files.named import named_systems
 from tetherfmu.libraries.examples import example
@@ -133,34 +132,6 @@ def test_the_list_has_the_scenes(capsys):
     assert any(line.startswith("slewing_crane ") for line in lines)
     assert any(line.startswith("hoist ") and "a system" in line for line in lines)
     assert len(lines) == len([*EXAMPLES.glob("*/*.toml")])
-
-
-WRONG = {
-    "eight_on_a_wimch": "did you mean eight_on_a_winch?",
-    "none.toml": "none.toml: cannot be read (No such file or directory)",
-    "parked --wind 8 0 0": "--wind is not for a scene: --set 'wind.velocity=[WX, WY, WZ]'",
-    "parked --start straight": "--start is not for a scene",
-    "parked --set wind.sped=3": "a scene has no wind.sped; did you mean wind.speed?",
-    "parked --set segments=0": "--set: segments is 0.0; it must be at least 1",
-    "parked --set end_velocities=1": "--set: end_velocities follows from the scene",
-    "parked --step 30": "the flight of 24 s is shorter than a communication step of 30 s",
-    "slewing_crane --tether straight": "the free end of slewing_crane is moved by TetherDynamicFree only",
-    "hoist --tether straight": "--tether is straight; the lines of a system are dynamic",
-    "hoist --wind 8 0 0 --set wind.speed=3": "--wind and --set wind are both given; give one of them",
-    "hoist --duration 1e6": "the flight of 1e+06 s has 50000000 communication steps; it may have 1000000 at most",
-    "hoist --length 3": "--length is not for a system: --set lines.NAME.initial_length=L",
-    "hoist --set lines.beam.diametre=3": "unknown key lines.beam.diametre; did you mean diameter?",
-    "hoist --set lines.rope_left.winch_control=force": "lines.rope_left.winch_control is force, and nothing gives that",
-    "logged --duration 30": "duration is 30.0; it must be at most 20 s",
-}
-
-
-@pytest.mark.parametrize("options", WRONG)
-def test_wrong_use_is_named_in_one_line(options, tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    assert status_of("fly", *options.split()) == 2
-    (line,) = capsys.readouterr().err.splitlines()
-    assert WRONG[options] in line
 
 
 def test_the_page_shows_a_plane_flight_to_scale():

@@ -158,32 +158,6 @@ def test_c_sources_and_header(tmp_path):
     assert '"initial_length"}' not in constants[: constants.index("};")]
 
 
-WRONG = {
-    "--outputs kite_fors": "outputs: this FMU has no 'kite_fors' among its outputs; did you mean kite_force?",
-    "--outputs kite_force[1]": "outputs: kite_force[1] is an element of kite_force; name the whole vector",
-    "--inputs none --outputs none --parameters none": "an FMU needs inputs, outputs or parameters",
-    "--inputs diameter": "inputs: this FMU has no 'diameter' among its inputs",
-    "--set diametr=4": "there is no input or parameter 'diametr' to set; did you mean diameter?",
-    "--set segments=2.5": "segments is 2.5; it must be a whole number",
-    "--set initial_length=-3": "initial_length is -3.0; it must be at least 0.01 m and at most 100000 m",
-    "--set wind_velocity=8": "wind_velocity is '8'; it must be 3 numbers",
-    "--set wind_profile=5": "wind_profile is 5; it must be one of 1 (uniform), ",
-    "--set wind_profile=3 --set surface_roughness=7": "the FMU would refuse its start values: ",
-    "--set winch_control=force --set winch_force=-500 --inputs motion": "the first step of 0.02 s with its start values",
-    "--set reel_out_speed=-1e5 --inputs wind": "none of its inputs changes that",
-}
-
-
-@pytest.mark.parametrize("options", WRONG)
-def test_wrong_choices(options, tmp_path, capsys):
-    """They end the command with status 2 and one line, and leave no file."""
-    assert command.main(["straight", *options.split(), "--out", str(tmp_path)]) == 2
-    told = capsys.readouterr().err
-    assert WRONG[options] in told
-    assert told.count("\n") == 1
-    assert not list(tmp_path.iterdir())
-
-
 @pytest.mark.parametrize("inputs", ["winch_force", "*"])
 def test_a_first_step_that_waits_for_an_input_is_a_doubt(inputs, tmp_path, capsys):
     """The catenary finds no length for a pull of 0 N; with the input that says how much the winch pulls it is built."""

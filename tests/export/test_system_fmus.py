@@ -1,163 +1,65 @@
-"""The FMU of a system of tethers: the numbers of `TetherSystem`, states, refusals with names, dependencies, wrong files."""
+"""The FMU of a system of tethers: refusals with names, dependencies, descriptions, wrong files."""
 
 import math
 import re
 import zipfile
-from dataclasses import replace
-from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
 from fmpy import read_model_description
 from fmpy.fmi1 import FMICallException
 
+from flavours import FLAVOURS, every_flavour
 from isolation import in_shared_process
-from runtime.host import STEP, Host, blob_of, extract_all, restore
+from runtime.host import STEP, Host, blob_of, restore
 from tetherfmu import Line, Point, TetherSystem
 from tetherfmu.check.__main__ import main as check
 from tetherfmu.commands.build import main
 from tetherfmu.export import systems
-from tetherfmu.files import system_files as files
 from tetherfmu.runtime import plausibility, status
 from tetherfmu.runtime.instance import OF_ALL_LINES, renamed
-from tetherfmu.runtime.limits import WORST_WORK
 from tetherfmu.runtime.outputs import COUNTERS
 from tetherfmu.wiring import system_variables
 from tetherfmu.wiring.fmu import lines_of
 from tetherfmu.wiring.system import System
-from tetherfmu.wiring.system_variables import ENDS, GIVEN
+from tetherfmu.wiring.system_variables import ENDS
+from tetherfmu.wiring.system_variables import GIVEN as GIVEN_INPUTS
 
-FILES = Path(__file__).parents[2] / "examples" / "systems"
-STEPS = 30
+from .test_system_flavours import CHAIN, GIVEN, LOADS, text_of
+from .test_system_flavours import EXAMPLES as FILES
+
+EQUILIBRIUM = 2
 ROUNDING = 1e-10  # a change below this part of a value, or this many m or N, is rounding
-OF_A_LINE = {own: name for name, own in system_variables.OF_A_LINE.items()}
-
-
-FLAVOURS = {"pythonfmu": None, "native": 2, "native_fmi3": 3}
-every_flavour = pytest.mark.parametrize("folder", FLAVOURS, indirect=True)
-
-
-@pytest.fixture(scope="session")
-def folders(built_once):
-    """Folders with the FMUs of two files, by flavour."""
-
-    def build(folder):
-        for flavour, native in FLAVOURS.items():
-            for name in ("y_bridle", "two_kites"):
-                systems.build(FILES / f"{name}.toml", folder / flavour, native=native)
-            extract_all(folder / flavour)
-
-    folder = built_once("system_fmus", build)
-    return {flavour: folder / flavour for flavour in FLAVOURS}
 
 
 @pytest.fixture
-def folder(folders, request):
-    """Folder with the FMUs of a flavour."""
-    return folders[getattr(request, "param", "pythonfmu")]
+def flavour():
+    """Of tests that are for one."""
+    return "pythonfmu"
 
 
-def given_at(k):
-    """What both systems are given before step k, as arguments of `TetherSystem.step` but for the file's points."""
-    time = STEP * k
-    y, speed = math.sin(time), math.cos(time)
-    return y, speed, (3.0 * time, 1.0, 0.0), (0.0, 20.0 * time, 5.0), 0.4 * time
+@pytest.fixture
+def bridle(built, flavour):
+    return built(text_of("y_bridle"), flavour, with_evidence=True)
 
 
-def step_of_fmu(host, k):
-    y, speed, wind, load, reeling = given_at(k)
-    host.step(
-        STEP,
-        **{"left.position[2]": host.left_at_start + y, "left.velocity[2]": speed, "wind_velocity": wind},
-        **{"knot.load": load, "main.reel_out_speed": reeling},
-    )
-    return host.outputs()
+@pytest.fixture
+def kites(built, flavour):
+    return built(text_of("two_kites"), flavour)
 
 
-def opened(path):
-    """An instance that is initialized; `left_at_start` : what the second component of `left.position` is there."""
-    host = Host(path)
-    host.left_at_start = host.get("left.position[2]")
-    return host.start()
-
-
-def step_of_python(system, k):
-    y, speed, wind, load, reeling = given_at(k)
-    x, at_start, z = next(point.position for point in system.points if point.name == "left")
-    moving = {"left": (x, at_start + y, z)}, {"left": (0.0, speed, 0.0)}, {"knot": load}
-    return system.step(STEP, *moving, reel_out_speeds={"main": reeling}, wind_velocity=wind)
-
-
-def as_fmu(system, outputs):
-    """Outputs of `TetherSystem` by the names of an FMU."""
-    found = {}
-    for point in system.points:
-        own = outputs.points[point.name]
-        names = ("force",) if point.is_driven else ("position", "velocity")
-        found |= {f"{point.name}.{name}": list(getattr(own, name)) for name in names}
-    for line in system.lines:
-        own = outputs.lines[line.name]
-        found |= {f"{line.name}.{name}": getattr(own, OF_A_LINE[name]) for name in OF_A_LINE}
-        found[f"{line.name}.shape"] = own.shape.ravel().tolist()
-    found["solver_iteration_limit"] = outputs.solver_iteration_limit
-    found["fallback_steps"] = next(iter(outputs.lines.values())).fallback_steps
-    return {**found, **{f"solver_{name}": count for name, count in system.counters.items()}}
-
-
-@every_flavour
-@pytest.mark.parametrize("name", ["y_bridle", "two_kites"])
-@in_shared_process
-def test_the_numbers_are_those_of_python(folder, name):
-    """Bit for bit, also where a free point starts in equilibrium (the knot of the bridle)."""
-    system = TetherSystem.from_file(FILES / f"{name}.toml")
-    host = opened(folder / f"{'YBridle' if name == 'y_bridle' else 'TwoKites'}.fmu")
-    assert host.outputs() == as_fmu(system, system.initialize())
-    for k in range(STEPS):
-        assert step_of_fmu(host, k) == as_fmu(system, step_of_python(system, k))
-    assert host.get("main.tether_length") > 0.05 + host.get("main.initial_length")
+@pytest.fixture
+def chain(built, flavour):
+    return built(CHAIN, flavour)
 
 
 @every_flavour
 @in_shared_process
-def test_fixed_steps_are_those_of_python(folder):
-    """Bit for bit, two of order 2 in each communication step."""
-    found = files.load(FILES / "two_kites.toml")
-    solver = replace(found.solver, fixed_step=0.01)
-    system = TetherSystem(found.points, found.lines, found.environment, solver, found.ground)
-    host = Host(folder / "TwoKites.fmu")
-    host.left_at_start = host.get("left.position[2]")
-    host.start(fixed_step=0.01)
-    system.initialize()
-    for k in range(STEPS):
-        assert step_of_fmu(host, k) == as_fmu(system, step_of_python(system, k))
-    assert system.counters["steps"] == 2 * STEPS
-    assert host.get("solver_iteration_limit") == 2 * system.most_factorizations == 2 * WORST_WORK
-
-
-@every_flavour
-@in_shared_process
-def test_a_state_continues_bit_for_bit_after_a_refused_step_and_a_reset(folder):
-    host = opened(folder / "YBridle.fmu")
-    for k in range(5):
-        step_of_fmu(host, k)
+def test_a_state_of_another_system_is_refused(bridle, kites, flavour):
+    host, other = Host(bridle).start(), Host(kites).start()
     blob = blob_of(host)
-    rows = [step_of_fmu(host, k) for k in range(5, 10)]
-    host.fmu.reset()
-    restore(host, blob)
-    host.time = 5 * STEP
-    assert "knot.load is [nan, " in refused(host, lambda: host.step(STEP, **{"knot.load[1]": math.nan}))
-    host.set(**{"knot.load[1]": 0.0})
+    host.refuses(lambda: restore(host, blob_of(other)), "belongs to another tether FMU")
     assert blob_of(host) == blob
-    assert [step_of_fmu(host, k) for k in range(5, 10)] == rows
-
-
-@every_flavour
-@in_shared_process
-def test_a_state_of_another_system_is_refused(folder):
-    bridle, kites = opened(folder / "YBridle.fmu"), opened(folder / "TwoKites.fmu")
-    blob = blob_of(bridle)
-    bridle.refuses(lambda: restore(bridle, blob_of(kites)), "belongs to another tether FMU")
-    assert blob_of(bridle) == blob
 
 
 def refused(host, action):
@@ -182,16 +84,18 @@ def refused(host, action):
     ],
 )
 @in_shared_process
-def test_a_start_is_refused_with_the_name_of_point_or_line(folder, name, value, says):
-    host = Host(folder / "YBridle.fmu")
+def test_a_start_is_refused_with_the_name_of_point_or_line(bridle, flavour, name, value, says):
+    host = Host(bridle)
     assert says in refused(host, lambda: host.start(**{name: value}))
 
 
 @every_flavour
 @in_shared_process
-def test_a_step_is_refused_with_the_name_of_point_or_line(folder):
-    host = opened(folder / "YBridle.fmu")
+def test_a_step_is_refused_with_the_name_of_point_or_line(bridle, flavour):
+    host = Host(bridle).start()
     before = host.outputs()
+    assert "knot.load is [nan, " in refused(host, lambda: host.step(STEP, **{"knot.load[1]": math.nan}))
+    host.set(**{"knot.load[1]": 0.0})
     assert "main.reel_out_speed is inf" in refused(host, lambda: host.step(STEP, **{"main.reel_out_speed": math.inf}))
     said = refused(host, lambda: host.step(STEP, **{"main.reel_out_speed": 0.0, "bridle_right.reel_out_speed": -1e3}))
     assert "the line bridle_right: the reel_out_speed -1000.0 m/s" in said
@@ -199,12 +103,12 @@ def test_a_step_is_refused_with_the_name_of_point_or_line(folder):
 
 
 @in_shared_process
-def test_the_first_outputs_depend_on_what_is_declared(folder):
+def test_the_first_outputs_depend_on_what_is_declared(bridle):
     """Each input and parameter is changed, one at a time: an output that changes must declare it, or say nothing.
 
     With a free point that may be sought, whatever belongs to a shape depends on all that is given.
     """
-    host = Host(folder / "YBridle.fmu")
+    host = Host(bridle)
     given = {"wind_velocity": (8.0, 1.0, 0.5), "main.reel_out_speed": 0.3, "wind_profile": 4, "surface_roughness": 0.1}
     names = {reference: name for name, reference in host.reference.items()}
     unknowns = host.description.initialUnknowns
@@ -244,54 +148,72 @@ def test_between_driven_points_the_first_outputs_depend_on_their_line():
     assert declared["a.force[1]"].isdisjoint({"bc.diameter", "c.position[2]"})
 
 
+@every_flavour
 @in_shared_process
-def test_a_state_goes_from_one_flavour_to_the_other(folders):
-    hosts = [opened(folders[flavour] / "YBridle.fmu") for flavour in ("pythonfmu", "native")]
-    for k in range(5):
-        step_of_fmu(hosts[0], k)
-    for giver, taker in (hosts, hosts[::-1]):
-        restore(taker, blob_of(giver))
-        taker.time = giver.time
-        rows = [[step_of_fmu(host, k) for k in range(5, 8)] for host in hosts]
-        assert rows[0] == rows[1]
+def test_points_start_where_they_are_in_balance_unless_they_are_given(chain, flavour):
+    """A point of the file without a position has that of calm air to begin with."""
+    host = Host(chain)
+    assert (host.get("top.start"), host.get("knot.start"), host.get("load.start")) == (GIVEN, EQUILIBRIUM, EQUILIBRIUM)
+    calm = TetherSystem.from_file(chain.with_name("system.toml")).initialize()
+    assert host.get("load.initial_position") == calm.points["load"].position.tolist()
 
 
-def test_points_are_terminals(folders):
-    with zipfile.ZipFile(folders["native_fmi3"] / "YBridle.fmu") as opened_file:
+REFUSED = {
+    "torn": ({"upper.axial_stiffness": 1.0, "lower.axial_stiffness": 1.0, "air_density": 50.0}, "for the free point"),
+    "nothing given": (
+        {"top.start": EQUILIBRIUM},
+        "no point of the system is driven or has a position: give one where it starts",
+    ),
+    "no number": ({"knot.load[2]": math.nan}, "the input knot.load is [30.0, nan, 0.0]"),
+    "no choice": ({"knot.start": 3}, "knot.start is 3; it must be one of 1 (given), 2 (equilibrium)"),
+}
+
+
+@every_flavour
+@pytest.mark.parametrize("refused", REFUSED.values(), ids=REFUSED)
+@in_shared_process
+def test_what_has_no_equilibrium_is_refused_in_words(chain, flavour, refused):
+    values, says = refused
+    Host(chain).refuses_to_start(says, wind_velocity=(9.0, 2.0, 0.0), **LOADS, **values)
+
+
+@pytest.mark.parametrize("flavour", ["native_fmi3"])
+def test_points_are_terminals(bridle, flavour):
+    with zipfile.ZipFile(bridle) as opened_file:
         root = ElementTree.fromstring(opened_file.read("terminalsAndIcons/terminalsAndIcons.xml"))
     found = {each.get("name"): [one.get("variableName") for one in each] for each in root.iter("Terminal")}
     winches = ["main", "bridle_left", "bridle_right"]
     assert list(found) == ["ground", "knot", "left", "right", *winches, "wind"]
     assert found["knot"] == ["knot.position", "knot.velocity", "knot.load"]
     assert found["left"] == ["left.position", "left.velocity", "left.force"]
-    assert found["main"] == [f"main.{name}" for name in (*GIVEN, "tether_length", "winch_speed")]
+    assert found["main"] == [f"main.{name}" for name in (*GIVEN_INPUTS, "tether_length", "winch_speed")]
     assert found["wind"] == ["wind_velocity"]
 
 
-def test_winches_are_groups_of_the_open_simulation_platform(folders):
-    root = ElementTree.parse(folders["native"] / "YBridle_OspModelDescription.xml").getroot()
+def test_winches_are_groups_of_the_open_simulation_platform(bridle):
+    root = ElementTree.parse(bridle.with_name("YBridle_OspModelDescription.xml")).getroot()
     groups = {each.get("name"): [one.get("ref") for one in each] for each in root.iter() if each.get("name")}
     found = [references for name, references in groups.items() if name.startswith("main_")]
-    assert found == [[f"main.{name}"] for name in (*GIVEN, "winch_speed", "tether_length")]
-
-
-def test_shapes_and_counters_are_local(folders):
-    for folder in folders.values():
-        variables = read_model_description(str(folder / "YBridle.fmu")).modelVariables
-        local = {each.name.partition("[")[0] for each in variables if each.causality == "local"}
-        assert local == {*(f"{line}.shape" for line in ("main", "bridle_left", "bridle_right")), *COUNTERS}
-
-
-def test_the_check_finds_no_problem(folders, capsys):
-    assert check([str(folders[flavour] / "YBridle.fmu") for flavour in ("pythonfmu", "native_fmi3")]) == 0
-    assert capsys.readouterr().out.count("evidence set: 100 steps") == 2  # of which none deviates too much
+    assert found == [[f"main.{name}"] for name in (*GIVEN_INPUTS, "winch_speed", "tether_length")]
 
 
 @every_flavour
-def test_equal_files_give_equal_bytes(folder, tmp_path):
-    native = FLAVOURS[folder.name]
-    made = systems.build(FILES / "y_bridle.toml", tmp_path, native=native)
-    assert made.read_bytes() == (folder / "YBridle.fmu").read_bytes()
+def test_shapes_and_counters_are_local(bridle, flavour):
+    variables = read_model_description(str(bridle)).modelVariables
+    local = {each.name.partition("[")[0] for each in variables if each.causality == "local"}
+    assert local == {*(f"{line}.shape" for line in ("main", "bridle_left", "bridle_right")), *COUNTERS}
+
+
+@every_flavour
+def test_the_check_finds_no_problem(bridle, flavour, capsys):
+    assert check([str(bridle)]) == 0
+    assert "evidence set: 100 steps" in capsys.readouterr().out  # of which none deviates too much
+
+
+@every_flavour
+def test_equal_files_give_equal_bytes(bridle, flavour, tmp_path):
+    made = systems.build(FILES / "y_bridle.toml", tmp_path, native=FLAVOURS[flavour])
+    assert made.read_bytes() == bridle.read_bytes()
 
 
 WRONG = {
@@ -349,8 +271,8 @@ def test_sentences_name_the_ends_and_the_winches_of_the_system():
 
 @every_flavour
 @in_shared_process
-def test_a_refused_step_and_its_warnings_name_variables_of_the_system(folder):
-    host = opened(folder / "YBridle.fmu")
+def test_a_refused_step_and_its_warnings_name_variables_of_the_system(bridle, flavour):
+    host = Host(bridle).start()
     far = {"left.position": (150.0, -3.0, 1e9)}
     said = refused(host, lambda: host.step(STEP, **far))
     assert "the motion of an end (POINT.position) or a load (POINT.load) jumps too far" in said

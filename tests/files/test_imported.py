@@ -315,110 +315,61 @@ def test_a_free_body_is_refused(tmp_path, capsys):
     assert "row 14: it is on body 1, which is Free in row 10: points only have a mass here" in capsys.readouterr().err
 
 
-WRONG = {  # what stands in an example, what is there instead, what is said
-    "law": (
-        SETTINGS,
-        "profile_law: 2",
-        "profile_law: 5",
-        "row 26: environment.profile_law is 5; it must be 0 (constant), 1",
-    ),
-    "number": (
-        SETTINGS,
-        "cd_tether: 1.0",
-        "cd_tether: abc",
-        "row 13: tether.cd_tether is 'abc'; it must be a finite",
-    ),
-    "range": (
-        SETTINGS,
-        "d_tether:  3.0",
-        "d_tether: -3.0",
-        "row 12: tether.d_tether: diameter is -0.003; it must be",
-    ),
-    "several": (
-        SETTINGS,
-        "l_tether: 200.0",
-        "l_tethers: [200, 0, 199]",
-        "row 6: initial.l_tethers: initial_length is 0.0; it must be at least",
-    ),
-    "two names": (
-        SETTINGS,
-        "c_spring: 350000.0",
-        "c_spring: 350000.0\n    axial_stiffness: 700000.0",
-        "row 15: tether.c_spring is 350000.0, and tether.axial_stiffness in row 16 is 700000.0; they are names of one",
-    ),
-    "twice": (
-        SETTINGS,
-        "cd_tether: 1.0",
-        "cd_tether: 1.0\n    cd_tether: 1.1",
-        "row 14: tether.cd_tether is in row 13, too",
-    ),
-    "flag": (
-        SETTINGS,
-        "v_wind: 9.0",
-        "use_wind_vec: maybe",
-        "row 18: environment.use_wind_vec is 'maybe'; it must be true or",
-    ),
-    "margin": (SETTINGS, "    cd_tether: 1.0", "  cd_tether: 1.0", "row 13: it is no YAML: expected <block end>"),
-    "bracket": (SETTINGS, "l_tether: 200.0", "l_tethers: [200, 0", "it is no YAML: "),
-    "tab": (SETTINGS, "    cd_tether: 1.0", "\tcd_tether: 1.0", "row 13: it is no YAML: found character '\\t'"),
-    "control": (SETTINGS, "cd_tether: 1.0", "cd_tether: \x01", "row 13: it is no YAML: special characters are not"),
-    "nested": (SETTINGS, "cd_tether: 1.0", "cd_tether: [[1.0], 2]", "row 13: tether.cd_tether is '[1.0]'; it must be"),
-    "pairs": (SETTINGS, "cd_tether: 1.0", "cd_tether: {a: 1.0}", "row 13: tether.cd_tether is '{a: 1.0}'; it must be"),
-    "deep": (SETTINGS, "cd_tether: 1.0", f"cd_tether: {3000 * '['}", "its lists are nested too deeply"),
-    "length": (SETTINGS, "l_tether:", "no_length:", "initial.l_tethers (l_tether), the length of the tether, is missing"),
-    "program": (SETTINGS, "\ntether:", "\nrope:", "is neither a file of settings of KiteUtils.jl"),
-    "body": (MOORED, "4    Coupled", "4    Body1  ", "row 14: it is on body 1, which is not in this file"),
-    "turbine": (
-        MOORED,
-        "4    Coupled",
-        "4    Turbine1",
-        "row 14: Attachment is 'Turbine1'; it must be Fixed, Coupled, Free or",
-    ),
-    "rod": (
-        MOORED,
-        "2    rope      2  ",
-        "2    rope      R2b  ",
-        "row 19: it is attached to rod 2, which is not in this file",
-    ),
-    "curve": (MOORED, "614600   473", "curve.dat 473", "row 6: EA is 'curve.dat'; it must be a number: a tether has one"),
-    "place": (MOORED, "4    Coupled     0 ", "4    Coupled     x ", "row 14: X is 'x'; it must be a finite number"),
-    "end": (
-        MOORED,
-        "2    rope      2  ",
-        "2    rope      9  ",
-        "row 19: it is attached to 9, which is not a point of this",
-    ),
-    "type": (MOORED, "2    rope ", "2    cord ", "row 19: LineType is 'cord'; there are rope, wire"),
-    "diameter": (MOORED, "wire       0.001", "wire       thin ", "row 7: Diam is 'thin'; it must be a finite number"),
-    "infinite": (MOORED, "wire       0.001", "wire       inf  ", "row 7: Diam is 'inf'; it must be a finite number"),
-    "segments": (
-        MOORED,
-        "30.6      6 ",
-        "30.6    400 ",
-        "row 20: lines.line3.segments is 400; it must be at least 1",
-    ),
-    "half": (MOORED, "30.6      6 ", "30.6    6.5 ", "row 20: NumSegs is 6.5; it must be a whole number"),
-    "mass": (MOORED, "0.14      80000", "99 80000", "row 20: lines.line3.mass_per_length is 99.0; it must be at least"),
-    "short": (
-        MOORED,
-        "3    wire      3        4        30.6",
-        "3 wire 3 #",
-        "row 20: it has 3 columns; it must have at",
-    ),
-    "version": (
-        MOORED,
-        "473       0        0.96  0    0     0",
-        "473       1.0   0.0    0.96     0",
-        "row 6: it has 9 columns; it must have at least 10: Name Diam Mass/m EA BA/-zeta EI Cd Ca CdAx CaAx; MoorDyn v1 has",
-    ),
-    "option": (MOORED, "9.81    g", "low     g", "row 23: g is 'low'; it must be a finite number"),
-    "no lines": (MOORED, "--- LINES ---", "--- ROPES ---", "it has no lines (v2: sections LINE TYPES, POINTS and LINES)"),
+WRONG = {  # of an example: what stands there, what is there instead, what is said
+    SETTINGS: {
+        "law": ("profile_law: 2", "profile_law: 5", "row 26: environment.profile_law is 5; it must be 0 (constant), 1"),
+        "number": ("cd_tether: 1.0", "cd_tether: abc", "row 13: tether.cd_tether is 'abc'; it must be a finite"),
+        "range": ("d_tether:  3.0", "d_tether: -3.0", "row 12: tether.d_tether: diameter is -0.003; it must be"),
+        "several": (
+            "l_tether: 200.0",
+            "l_tethers: [200, 0, 199]",
+            "row 6: initial.l_tethers: initial_length is 0.0; it must be at least",
+        ),
+        "two names": (
+            "c_spring: 350000.0",
+            "c_spring: 350000.0\n    axial_stiffness: 700000.0",
+            "row 15: tether.c_spring is 350000.0, and tether.axial_stiffness in row 16 is 700000.0; they are names of one",
+        ),
+        "twice": ("cd_tether: 1.0", "cd_tether: 1.0\n    cd_tether: 1.1", "row 14: tether.cd_tether is in row 13, too"),
+        "flag": ("v_wind: 9.0", "use_wind_vec: maybe", "row 18: environment.use_wind_vec is 'maybe'; it must be true or"),
+        "length": ("l_tether:", "no_length:", "initial.l_tethers (l_tether), the length of the tether, is missing"),
+        "program": ("\ntether:", "\nrope:", "is neither a file of settings of KiteUtils.jl"),
+        "margin": ("    cd_tether: 1.0", "  cd_tether: 1.0", "row 13: it is not YAML: expected <block end>"),
+        "bracket": ("l_tether: 200.0", "l_tethers: [200, 0", "it is not YAML: "),
+        "tab": ("    cd_tether: 1.0", "\tcd_tether: 1.0", "row 13: it is not YAML: found character '\\t'"),
+        "control": ("cd_tether: 1.0", "cd_tether: \x01", "row 13: it is not YAML: special characters are not"),
+        "nested": ("cd_tether: 1.0", "cd_tether: [[1.0], 2]", "row 13: tether.cd_tether is '[1.0]'; it must be"),
+        "pairs": ("cd_tether: 1.0", "cd_tether: {a: 1.0}", "row 13: tether.cd_tether is '{a: 1.0}'; it must be"),
+        "deep": ("cd_tether: 1.0", f"cd_tether: {3000 * '['}", "its lists are nested too deeply"),
+    },
+    MOORED: {
+        "body": ("4    Coupled", "4    Body1  ", "row 14: it is on body 1, which is not in this file"),
+        "turbine": ("4    Coupled", "4    Turbine1", "row 14: Attachment is 'Turbine1'; it must be Fixed, Coupled, Free or"),
+        "rod": ("2    rope      2  ", "2    rope      R2b  ", "row 19: it is attached to rod 2, which is not in this file"),
+        "curve": ("614600   473", "curve.dat 473", "row 6: EA is 'curve.dat'; it must be a number: a tether has one"),
+        "place": ("4    Coupled     0 ", "4    Coupled     x ", "row 14: X is 'x'; it must be a finite number"),
+        "end": ("2    rope      2  ", "2    rope      9  ", "row 19: it is attached to 9, which is not a point of this"),
+        "type": ("2    rope ", "2    cord ", "row 19: LineType is 'cord'; there are rope, wire"),
+        "diameter": ("wire       0.001", "wire       thin ", "row 7: Diam is 'thin'; it must be a finite number"),
+        "infinite": ("wire       0.001", "wire       inf  ", "row 7: Diam is 'inf'; it must be a finite number"),
+        "segments": ("30.6      6 ", "30.6    400 ", "row 20: lines.line3.segments is 400; it must be at least 1"),
+        "half": ("30.6      6 ", "30.6    6.5 ", "row 20: NumSegs is 6.5; it must be a whole number"),
+        "mass": ("0.14      80000", "99 80000", "row 20: lines.line3.mass_per_length is 99.0; it must be at least"),
+        "short": ("3    wire      3        4        30.6", "3 wire 3 #", "row 20: it has 3 columns; it must have at"),
+        "version": (
+            "473       0        0.96  0    0     0",
+            "473       1.0   0.0    0.96     0",
+            "row 6: it has 9 columns; it must have at least 10: Name Diam Mass/m EA BA/-zeta EI Cd Ca CdAx CaAx; MoorDyn",
+        ),
+        "option": ("9.81    g", "low     g", "row 23: g is 'low'; it must be a finite number"),
+        "no lines": ("--- LINES ---", "--- ROPES ---", "it has no lines (v2: sections LINE TYPES, POINTS and LINES)"),
+    },
 }
 
 
-@pytest.mark.parametrize("name", WRONG)
-def test_a_wrong_file_is_told_with_its_row(name, tmp_path, capsys):
-    path, old, new, said = WRONG[name]
+@pytest.mark.parametrize(("path", "name"), [(path, name) for path, each in WRONG.items() for name in each])
+def test_a_wrong_file_is_told_with_its_row(path, name, tmp_path, capsys):
+    old, new, said = WRONG[path][name]
     out, status = imported(path, tmp_path, change=(old, new))
     assert status == 2
     assert not out.exists()

@@ -3,7 +3,7 @@
 import numpy as np
 
 from kernels.packed import packed
-from tetherfmu.kernels.arrays import nodes_end
+from tetherfmu.kernels.arrays import nodes_end, shared_size
 from tetherfmu.kernels.equations import end_motion, winch
 from tetherfmu.kernels.equations.boundary import BoundaryConditions, chain_during
 from tetherfmu.kernels.equations.lines import ONE_LINE_ROOM, OneLine, System, store_conditions
@@ -47,7 +47,7 @@ class ChainProblem:
         self.v[:] = np.linspace([1.0, 0.0, 0.5], [6.0, 4.0, -3.0], n + 1).ravel()
         self.memory = np.zeros(work_size(n))
         self.of_rosenbrock = rosenbrock.workspace(n, self.memory)
-        self.of_euler = backward_euler.workspace(n, self.memory)
+        self.of_euler = backward_euler.workspace(n, self.memory, self.memory[shared_size(n) :])
         still = (0.0, 0.0, 0.0)
         kite_is_free = load_rate is not None
         self.conditions = BoundaryConditions(

@@ -32,7 +32,7 @@ def run(command, folder):
 def compiled(path, folder, options=()):
     """The library that gcc makes of the sources of an FMU, all warnings being errors."""
     library = folder / f"{path.stem}.so"
-    command = ["gcc", "-std=c99", *options, *WARNINGS, "-fPIC", "-shared", "fmu.c", "-o", library, "-lm"]
+    command = ["gcc", "-std=c99", *WARNINGS, *options, "-fPIC", "-shared", "fmu.c", "-o", library, "-lm"]
     run(command, unpacked(path, folder))
     return library
 

@@ -5,37 +5,10 @@ from contextlib import suppress
 import numpy as np
 from fmpy.fmi1 import FMICallException
 
-from runtime.host import Host, blob_of, fly, restore, started
+from runtime.host import Host
 from scenes import kite_at_start
 
-STEP, GAIN, HOME = 0.02, 40.0, (300.0, 0.0, 420.0)  # [s], [N/m], [m]
-
-
-def closed_loop(path, steps):
-    """A free kite that a load pulls home, as the kite's position says: all outputs after each step."""
-    host = Host(path).start()
-    rows = []
-    for _ in range(steps):
-        host.step(STEP, kite_load=[GAIN * (home - here) for home, here in zip(HOME, host.get("kite_position"), strict=True)])
-        rows.append(host.all_outputs())
-    return rows
-
-
-def first_half(path):
-    """A flight up to its half: the state there, and the outputs of the second half."""
-    host = started(path)
-    fly(host, 0, 20)
-    blob = blob_of(host)
-    return blob, fly(host, 20, 40)
-
-
-def second_half(path, blob):
-    """The second half from a state that another FMU has saved; the state before it, and its outputs."""
-    host = Host(path)
-    restore(host, blob)
-    return blob_of(host), fly(host, 20, 40)
-
-
+STEP = 0.02  # [s]
 MISUSES = (  # start values, values of a step, its size
     ({"segments": 0}, {}, STEP),
     ({"segments": 301}, {}, STEP),

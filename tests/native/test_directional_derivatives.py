@@ -8,6 +8,7 @@ from fmpy.fmi1 import FMICallException
 
 from isolation import in_shared_process
 from mechanics import drags, line_density, node_masses
+from native.steps_again import assert_columns_agree, differences
 from runtime.host import Host, blob_of, fly, names_of, restore, started
 from tetherfmu.export.archive import SLAVES
 from tetherfmu.runtime import layout as at
@@ -36,28 +37,6 @@ def jacobian(host, outputs, inputs):
     return np.stack([derivative(host, outputs, [name], [1.0]) for name in inputs], axis=1)
 
 
-def extrapolated(host, before, step, position, change):
-    """Derivative of the forces by the position [m] with which the last step was done, array (6, 3).
-
-    The step [s] is done again from the state `before` it, with two central differences over `change` [m] and half of it.
-    """
-    start = host.time - step
-
-    def forces(x):
-        restore(host, before)
-        host.time = start
-        host.step(step, kite_position=x)
-        return np.array(host.fmu.getReal([host.reference[each] for each in FORCES]))
-
-    columns = []
-    for e in np.eye(3):
-        wide, narrow = (
-            (forces(position + c * change * e) - forces(position - c * change * e)) / (2.0 * c * change) for c in (1.0, 0.5)
-        )
-        columns.append((4.0 * narrow - wide) / 3.0)
-    return np.stack(columns, axis=1)
-
-
 def flown(path, steps=30):
     """An instance on the circle that has done some steps; the state before the last one."""
     host = started(path, initial_shape=1)  # from a jolt, so that no segment is at its kink
@@ -75,25 +54,9 @@ def test_differences_of_steps_that_are_done_again(native_folder, name):
     Observed 1e-5 at most. The changes are small beside the stretch of a segment, 2 mm at 50 N: there is a kink.
     """
     host, before = flown(native_folder / f"{name}.fmu")
-    inputs = inputs_of(name)
-    found, used, time = (
-        jacobian(host, FORCES, inputs),
-        host.fmu.getReal([host.reference[each] for each in inputs]),
-        host.time,
-    )
-
-    def forces(values):
-        restore(host, before)
-        host.fmu.setReal([host.reference[each] for each in inputs], list(values))
-        host.fmu.doStep(time - STEP, STEP)
-        return np.array(host.fmu.getReal([host.reference[each] for each in FORCES]))
-
-    for k, each in enumerate(inputs):
-        change = np.zeros(len(inputs))
-        change[k] = CHANGES.get(each.partition("[")[0], 1e-3)
-        wide, narrow = ((forces(used + c * change) - forces(used - c * change)) / (2.0 * c * change[k]) for c in (1.0, 0.5))
-        expected = (4.0 * narrow - wide) / 3.0
-        np.testing.assert_allclose(found[:, k], expected, rtol=0.0, atol=1e-4 * np.abs(expected).max(), err_msg=each)
+    changes = {each: CHANGES.get(each.partition("[")[0], 1e-3) for each in inputs_of(name)}
+    found, given = jacobian(host, FORCES, changes), {each: host.get(each) for each in changes}
+    assert_columns_agree(found, differences(host, before, STEP, given, FORCES, changes), 1e-4)
 
 
 @pytest.mark.parametrize("mass", [0.0, 50.0], ids=["no drum", "drum"])
@@ -107,19 +70,11 @@ def test_by_the_force_of_a_winch(native_folder, name, mass):
     """
     host = Host(native_folder / f"{name}.fmu").start(winch_control=2, winch_mass=mass, initial_length=500.0)
     for k in range(6):
-        before, used = blob_of(host), 400.0 + 20.0 * k
-        host.step(STEP, winch_force=used)
-    outputs, time = ["ground_tension", "kite_tension", "tether_length", "winch_speed"], host.time - STEP
+        before = blob_of(host)
+        host.step(STEP, winch_force=400.0 + 20.0 * k)
+    outputs = ["ground_tension", "kite_tension", "tether_length", "winch_speed"]
     found = derivative(host, outputs, ["winch_force"], [1.0])
-
-    def values(force):
-        restore(host, before)
-        host.time = time
-        host.step(STEP, winch_force=force)
-        return np.array([host.get(each) for each in outputs])
-
-    wide, narrow = ((values(used + c) - values(used - c)) / (2.0 * c) for c in (1.0, 0.5))
-    expected = (4.0 * narrow - wide) / 3.0
+    expected = differences(host, before, STEP, {}, outputs, {"winch_force": 1.0})[:, 0]
     np.testing.assert_allclose(found, expected, rtol=1e-3, atol=1e-7)
     if mass == 0.0:
         assert found[0] == pytest.approx(2.0, rel=1e-6)
@@ -159,13 +114,13 @@ def test_by_positions_from_which_velocities_are_derived(native_folder, name, ste
     start = np.array([300.0, 0.0, 400.0])
     host.start(initial_length=499.0, end_velocities=2, kite_position=start, wind_velocity=[0.0, 8.0, 0.0])
     for _ in range(40):
-        before, used = blob_of(host), start
-        host.step(step, kite_position=used)
+        before = blob_of(host)
+        host.step(step, kite_position=start)
     found = jacobian(host, FORCES, MOTION[:3])
 
     # the spring of a segment bends sooner than the drag: there is a kink, 2 mm of stretch away
     change = min(1e-5, 1e-3 * step) if name == "TetherDynamic" else min(1e-3, 0.02 * step)
-    expected = extrapolated(host, before, step, used, change)
+    expected = differences(host, before, step, {"kite_position": start}, FORCES, dict.fromkeys(MOTION[:3], change))
     np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-5 * np.abs(expected).max())
 
 
@@ -203,8 +158,7 @@ def test_a_stiff_catenary_that_becomes_taut(native_folder, length):
     host.step(STEP, kite_position=kite)
     found = jacobian(host, FORCES, MOTION[:3])
 
-    change = 1e-4
-    expected = extrapolated(host, before, STEP, kite, change)
+    expected = differences(host, before, STEP, {"kite_position": kite}, FORCES, dict.fromkeys(MOTION[:3], 1e-4))
     # where all of the bend is on one side, the central difference has half of the 0.1 % by which both sides may differ
     np.testing.assert_allclose(found, expected, rtol=0.0, atol=5e-4 * np.abs(expected).max())
 

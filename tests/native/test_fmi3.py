@@ -1,4 +1,4 @@
-"""FMI 3: a valid description with arrays and terminals, the numbers and states of FMI 2, answers as the standard asks."""
+"""FMI 3: a valid description with arrays and terminals, answers as the standard asks. Numbers: `runtime/test_flavours.py`"""
 
 import math
 import re
@@ -17,8 +17,7 @@ from fmpy.validation import validate_fmu
 from lxml import etree
 
 from isolation import in_shared_process
-from runtime.host import Host, blob_of, restore
-from scenes import circle, kite_at_start, kite_inputs
+from runtime.host import Host, blob_of
 from tetherfmu.export.archive import SLAVES
 from tetherfmu.export.build_options import BuildOptions
 from tetherfmu.export.native import fmus as native
@@ -32,17 +31,6 @@ every_fmu = pytest.mark.parametrize("name", list(SLAVES))
 def read(path, file):
     with zipfile.ZipFile(path) as archive:
         return etree.fromstring(archive.read(file))
-
-
-def started(path):
-    kite = {key: list(value) for key, value in kite_at_start(path.stem, *circle(0.0)).items()}
-    return Host(path).start(initial_length=525.0, wind_velocity=[5.0, 1.0, 0.0], **kite)
-
-
-def fly(host, name, begin, end):
-    for k in range(begin, end):
-        host.time = k * STEP
-        host.step(STEP, **kite_inputs(name, *circle(k * STEP)), reel_out_speed=0.5 * math.sin(k))
 
 
 @every_fmu
@@ -100,26 +88,6 @@ def test_the_wind_at_points_is_the_terminal_of_the_wind(tmp_path):
     path = native.build("TetherStraight", tmp_path, BuildOptions(wind_points=3), fmi=3)
     (wind,) = read(path, "terminalsAndIcons/terminalsAndIcons.xml").findall("Terminals/Terminal[@name='wind']")
     assert [member.get("variableName") for member in wind] == ["wind_at", "shape"]
-
-
-@every_fmu
-@in_shared_process
-def test_numbers_and_states_of_fmi2(native_folder, fmi3_folder, name):
-    """To the last bit, and a state of one goes on in the other."""
-    two, three = (started(folder / f"{name}.fmu") for folder in (native_folder, fmi3_folder))
-    assert (two.version, three.version) == (2, 3)
-    fly(two, name, 0, 30)
-    fly(three, name, 0, 30)
-    blob = blob_of(two)
-    assert blob_of(three) == blob
-    other = Host(three.folder, "other")
-    restore(other, blob)
-    fly(two, name, 30, 50)
-    fly(other, name, 30, 50)
-    assert other.outputs() == two.outputs()
-    assert other.all_outputs() == two.all_outputs()
-    for element in ("kite_force[2]", "shape[20,3]"):
-        assert other.get(element) == two.get(element)
 
 
 @in_shared_process

@@ -5,6 +5,7 @@ compared with steps that are done again with other inputs.
 """
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,12 +13,14 @@ from fmpy.fmi1 import FMICallException
 
 from isolation import in_shared_process
 from native.flights import give, scene
+from native.steps_again import assert_columns_agree, differences
 from runtime.host import Host, blob_of, restore
 from tetherfmu.commands.build import main
 from tetherfmu.export import systems
 from y_of_lines import y_of_lines
 
 STEP = 0.02
+STEERED_KITE = Path(__file__).parents[2] / "examples" / "systems" / "steered_kite.toml"
 SINGLE = {"kite_position": "kite.position", "kite_velocity": "kite.velocity", "kite_load": "kite.load",
           "ground_position": "ground.position", "reel_out_speed": "line.reel_out_speed", "wind_velocity": "wind_velocity",
           "ground_force": "ground.force", "kite_force": "kite.force"}  # fmt: skip
@@ -150,6 +153,37 @@ def test_given_before_the_initialization_ends(folder):
     host.refuses(lambda: host.fmu.setRealInputDerivatives(mass, [1], [1.0]), "not a continuous input")
 
 
+@in_shared_process
+def test_they_count_with_the_ratio_of_a_shared_winch(tmp_path):
+    """Of inputs bit for bit, as the ratio is a power of 2; of outputs as differences are."""
+    hosts = {}
+    for name, winch in {"Alone": "", "Held": "[winches.drum]\nlines = {line = -2}"}.items():
+        (tmp_path / f"{name}.toml").write_text(LINE.format(mass="") + winch, encoding="utf-8")
+        hosts[name] = Host(systems.build(tmp_path / f"{name}.toml", tmp_path, native=2)).start()
+    inputs = {"Alone": ("line.reel_out_speed", 1.0), "Held": ("drum.reel_out_speed", -0.5)}
+    for k in range(4):
+        for name, host in hosts.items():
+            own, factor = inputs[name]
+            host.fmu.setRealInputDerivatives([host.reference[own]], [1], [factor * 3.0])
+            host.step(STEP, **{own: factor * 0.4 * k})
+    found = {}
+    for name, host in hosts.items():
+        own, factor = inputs[name]
+        forces = [host.reference[f"kite.force[{i}]"] for i in (1, 3)]
+        found[name] = factor * np.array(host.fmu.getDirectionalDerivative(forces, [host.reference[own]], [1.0]))
+    assert hosts["Alone"].get("line.tension_to") == hosts["Held"].get("line.tension_to")
+    np.testing.assert_allclose(found["Held"], found["Alone"], rtol=1e-5)
+    steered = tmp_path / "steered.toml"
+    steered.write_text(STEERED_KITE.read_text(encoding="utf-8").replace('"length"', '"speed"'), encoding="utf-8")
+    weights = {"left.load": (-900.0, 0.0, 1500.0), "right.load": (900.0, 0.0, 1500.0)}
+    steered = Host(systems.build(steered, tmp_path, native=2)).start(**weights)
+    place = steered.reference["steering.reel_out_speed"]
+    steered.refuses(
+        lambda: steered.fmu.setRealInputDerivatives([place], [1], [1.0]),
+        "the derivative of steering.reel_out_speed cannot be used: it turns a line that another winch turns, too",
+    )
+
+
 # --- of outputs by inputs
 
 
@@ -180,32 +214,15 @@ def test_differences_of_steps_of_a_y_that_are_done_again(folder, fixed_step):
     for k in range(20):
         before = blob_of(host)
         host.step(STEP, **motion_of_y(k))
-    given, time = motion_of_y(19), host.time - STEP
     vectors = ("winch.force", "right.force", "knot.position", "knot.velocity")
     outputs = [f"{name}[{i}]" for name in vectors for i in (1, 2, 3)]
     outputs += ["main.tension_to", "a.tension_from", "b.max_tension", "main.tether_length"]
     changes = {"left.position[2]": 1e-5, "left.velocity[1]": 1e-3, "right.position[3]": 1e-5, "knot.load[2]": 1e-2,
                "main.reel_out_speed": 1e-3, "wind_velocity[2]": 1e-2}  # fmt: skip
     found = jacobian(host, outputs, list(changes))
-    restore(host, before)
-    host.time = time
-    host.step(STEP, **given)
-    used = {name: host.get(name) for name in changes}
-
-    def values(name, value):
-        restore(host, before)
-        host.time = time
-        host.step(STEP, **{**given, name: value})
-        return np.array([host.get(each) for each in outputs])
-
-    for k, (name, change) in enumerate(changes.items()):
-        wide, narrow = (
-            (values(name, used[name] + c * change) - values(name, used[name] - c * change)) / (2.0 * c * change)
-            for c in (1.0, 0.5)
-        )
-        expected = (4.0 * narrow - wide) / 3.0
-        np.testing.assert_allclose(found[:, k], expected, rtol=0.0, atol=1e-3 * np.abs(expected).max(), err_msg=name)
-        assert np.abs(expected).max() > 0.0
+    expected = differences(host, before, STEP, motion_of_y(19), outputs, changes)
+    assert_columns_agree(found, expected, 1e-3)
+    assert np.abs(expected).max(axis=0).min() > 0.0
 
 
 @in_shared_process

@@ -206,40 +206,6 @@ def test_a_tether_that_cannot_let_go_says_so():
         straight.step(0.02, release=True)
 
 
-# --- states
-
-
-@pytest.mark.parametrize("event", ["break", "release"])
-@pytest.mark.parametrize("solver", [{}, {"fixed_step": 0.002}])
-def test_states_before_and_after_the_event_are_restored_bit_for_bit(event, solver):
-    tether = TetherDynamic(segments=7, initial_length=200.0, breaking_force=1500.0 if event == "break" else 0.0, **solver)
-    tether.initialize((120.0, 0.0, 159.0))
-
-    def fly(first, count):
-        found = []
-        for k in range(first, first + count):
-            given = {"kite_position": (120.0, 0.0, 159.0 + 0.08 * k), "kite_velocity": (0.0, 0.0, 4.0)}
-            outputs = tether.step(0.02, release=event == "release" and k == 12, **given)
-            found.append(
-                np.concatenate((outputs.kite_force, outputs.ground_force, tether.positions.ravel(), [outputs.broken]))
-            )
-        return np.array(found)
-
-    fly(0, 5)
-    before = tether.get_state()
-    first = fly(5, 30)
-    assert not first[0, -1]
-    assert first[-1, -1]
-    after = tether.get_state()
-    more = fly(35, 20)
-    tether.set_state(before)
-    assert not tether.outputs().broken
-    assert np.array_equal(fly(5, 30), first)
-    assert np.array_equal(tether.get_state(), after)
-    tether.set_state(after)
-    assert np.array_equal(fly(35, 20), more)
-
-
 @pytest.mark.parametrize("control", ["speed", "force"])
 def test_a_step_that_is_given_up_after_a_break_begins_with_the_whole_line(control):
     """It has the numbers of those fixed steps that do it anew; the recoil needs more internal steps than there may be."""

@@ -161,16 +161,3 @@ def test_order_of_the_motion_under_a_load(continuation, order):
     fine = way(0.0025)
     errors = [np.sqrt(np.mean((way(step) - fine) ** 2)) for step in (0.08, 0.04, 0.02)]
     assert -np.diff(np.log2(errors)) == pytest.approx(order, abs=0.3)
-
-
-@pytest.mark.parametrize("variant", VARIANTS)
-def test_restored_it_goes_on_bit_for_bit(variant):
-    model = started(variant)
-    speeds = [0.0, 0.4, -0.3, 0.8, 0.1]
-    for speed in speeds[:3]:
-        model.step(0.02, reel_out_speed=speed)
-    kept = model.get_state()
-    first = [model.step(0.02, reel_out_speed=speed).kite_force for speed in speeds[3:]]
-    model.set_state(kept)
-    again = [model.step(0.02, reel_out_speed=speed).kite_force for speed in speeds[3:]]
-    np.testing.assert_array_equal(first, again)

@@ -16,7 +16,6 @@ from tetherfmu import (
     Solver,
     Tether,
     TetherCatenary,
-    TetherDynamic,
     TetherDynamicFree,
     TetherQuasiSteady,
     TetherStraight,
@@ -88,13 +87,3 @@ def test_without_waves(model):
     outputs = [drum.step(period, winch_force=1000.0) for _ in range(3)]
     assert all(each.max_tension < 0.7 * start.max_tension for each in outputs)
     assert all(each.peak_tension == pytest.approx(start.max_tension, rel=0.02) for each in outputs)
-
-
-def test_rollback_and_states():
-    model = TetherDynamic(initial_length=499.0)
-    model.initialize()
-    model.step(0.05, kite_velocity=(3.0, 0.0, 4.0))
-    state, out = model.get_state(), model.outputs()
-    model.step(0.05)
-    model.set_state(state)
-    assert model.outputs().peak_tension == out.peak_tension > out.max_tension

@@ -136,17 +136,6 @@ def test_too_short_a_length_is_refused_and_the_state_kept(model, length):
     assert tether.step(0.1, winch_length=MEAN).tether_length == MEAN
 
 
-@pytest.mark.parametrize("model", DRIVEN)
-def test_fly_equals_a_loop_of_steps(model):
-    from tetherfmu import inputs_along
-
-    flown, stepped = started(model), started(model)
-    rows = inputs_along(40, 0.05, wind_velocity=(8.0, 0.0, 0.0), winch_length=told)
-    found = flown.fly(rows, 0.05)
-    for k in range(40):
-        assert stepped.step(0.05, winch_length=told(k * 0.05)).kite_tension == found.of("kite_tension")[k]
-
-
 @pytest.mark.parametrize("model", EVERY)
 def test_an_input_that_does_not_control_the_winch(model):
     """Refused by name; in the rows of a flight told once, and nothing else."""

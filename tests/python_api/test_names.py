@@ -36,14 +36,8 @@ WRONG = {
     "Solver(rtol=)": (lambda: Solver(rtol=1e-5), "Solver has no argument 'rtol'; did you mean relative_tolerance?"),
     "Point(pos=)": (lambda: Point("a", pos=(0.0, 0.0, 0.0)), "Point has no argument 'pos'; did you mean position?"),
     "Line(speed=)": (lambda: Line("a", "b", "c", speed=1.0), "Line has no argument 'speed'; did you mean reel_out_speed?"),
-    "MovingEnd(speed=)": (
-        lambda: MovingEnd(abs, speed=abs),
-        "MovingEnd has no argument 'speed'; there are position",
-    ),
-    "TetherDynamic(l0=)": (
-        lambda: TetherDynamic(l0=505.0),
-        "no argument 'l0'; did you mean initial_length?",
-    ),
+    "MovingEnd(speed=)": (lambda: MovingEnd(abs, speed=abs), "MovingEnd has no argument 'speed'; there are position"),
+    "TetherDynamic(l0=)": (lambda: TetherDynamic(l0=505.0), "no argument 'l0'; did you mean initial_length?"),
     "TetherDynamic(wind=)": (
         lambda: TetherDynamic(wind=8.0),
         "no argument 'wind'; did you mean wind_profile, wind_reference_height or wind_exponent?",
@@ -111,10 +105,7 @@ def test_a_wire_of_that_mass_hangs_with_its_weight():
 
 REFUSED = {
     "both": ({"mass_per_length": 0.1, "density": 700.0}, "mass_per_length and density are both given; give one of them"),
-    "nothing": (
-        {"mass_per_length": 0.0},
-        "mass_per_length is 0.0; it must be at least 1.25664e-08 kg/m and at most 125",
-    ),
+    "nothing": ({"mass_per_length": 0.0}, "mass_per_length is 0.0; it must be at least 1.25664e-08 kg/m and at most 125"),
     "text": ({"mass_per_length": "heavy"}, "mass_per_length is 'heavy'; it must be at least"),
     "with a diameter": ({"mass_per_length": 9.0, "diameter": 0.001}, "at most 7.85398 kg/m with a diameter of 0.001 m"),
     "wrong diameter": ({"mass_per_length": 9.0, "diameter": -1.0}, "diameter is -1.0; it must be at least 1e-06 m"),

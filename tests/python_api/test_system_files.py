@@ -82,16 +82,8 @@ WRONG = {
     "wrong unit": ("20 m", "20 kg", "lines.rope.initial_length is '20 kg'; it must be a number with one of the units m, mm"),
     "not a number": ("initial_length = 22", "initial_length = nan", "lines.tag.initial_length is nan; it must be at least"),
     "half a segment": ("segments = 4", "segments = 4.5", "lines.rope.segments is 4.5; it must be a whole number"),
-    "two numbers": (
-        r"\[5, 1000, 30\]",
-        "[5, 30]",
-        "points.drone.position is [5, 30]; it must be three numbers [x, y, z]",
-    ),
-    "NaN in a vector": (
-        r"\[5, 1000",
-        "[nan, 1000",
-        "points.drone.position is [nan, 1000, 30]; each must be a finite",
-    ),
+    "two numbers": (r"\[5, 1000, 30\]", "[5, 30]", "points.drone.position is [5, 30]; it must be three numbers [x, y, z]"),
+    "NaN in a vector": (r"\[5, 1000", "[nan, 1000", "points.drone.position is [nan, 1000, 30]; each must be a finite"),
     "negative mass": ("500 kg", "-5 kg", "points.load.mass is '-5 kg'; it must be at least 0 kg"),
     "no position": (r'mass = "500 kg"', "", "the key points.load.position is missing"),
     "no length": ("initial_length = 22", "", "the key lines.tag.initial_length is missing"),

@@ -30,14 +30,8 @@ WRONG = {
         lambda: TetherSystem(POINTS, LINES, ground={"contact": "flat"}),
         "ground is {'contact': 'flat'}; it must be a Ground, as in TetherSystem(..., ground=Ground())",
     ),
-    "a speed for speeds": (
-        lambda: running().step(0.02, reel_out_speeds=1.0),
-        "reel_out_speeds is 1.0; it must be a dict",
-    ),
-    "a list of releases": (
-        lambda: running().step(0.02, releases=["a"]),
-        "releases is ['a']; it must be a dict",
-    ),
+    "a speed for speeds": (lambda: running().step(0.02, reel_out_speeds=1.0), "reel_out_speeds is 1.0; it must be a dict"),
+    "a list of releases": (lambda: running().step(0.02, releases=["a"]), "releases is ['a']; it must be a dict"),
     "positions at the start": (lambda: running().initialize(positions=[(0.0, 0.0, 1.0)]), "positions is [(0.0, 0.0, 1.0)]"),
     "forces at the start": (lambda: running().initialize(winch_forces=3.0), "winch_forces is 3.0; it must be a dict"),
     "half a release": (lambda: running().step(0.02, releases={"a": 0.5}), "a.release is 0.5; it must be true or false"),

@@ -10,7 +10,6 @@ from functools import lru_cache
 from pathlib import Path
 from zipfile import is_zipfile
 
-import numpy as np
 import pytest
 from fmpy import extract, read_model_description
 from fmpy.fmi1 import FMICallException
@@ -22,6 +21,7 @@ from tetherfmu.export.archive import SLAVES
 
 STEP = 0.02  # [s]
 every_flavour = pytest.mark.parametrize("fmu_folder", ["pythonfmu", "native"], indirect=True)
+every_flavour_and_version = pytest.mark.parametrize("fmu_folder", ["pythonfmu", "native", "native_fmi3"], indirect=True)
 SHELLS = ("TetherCatenary", "TetherDynamicFree")  # native FMUs share their shell, but for nodes and a free kite
 
 
@@ -288,12 +288,6 @@ class Fmi3(Host):
         names = {reference: name for name, reference in self.reference.items()}
         count = sum(math.prod(self.sizes[names[reference]]) for reference in references)
         return list(self.fmu.getFloat64(references, count))
-
-
-def flown_in_python(tether, steps, inputs_at):
-    """Outputs of a tether of the Python API after each of some steps, dicts of flat lists; inputs_at : of the step."""
-    outputs = (tether.step(STEP, **inputs_at(k)) for k in range(steps))
-    return [{name: np.asarray(value).ravel().tolist() for name, value in each._asdict().items()} for each in outputs]
 
 
 def blob_of(host):

@@ -69,6 +69,8 @@ def test_every_input(fmu_folder, fmu):
             if not abs(value) <= 1e9:
                 assert name in said, (name, value, said)
                 assert str(value) in said
+            if not math.isfinite(value):
+                assert f"the step from {host.time} s is refused: the input {name} is {value}; it must be a finite" in said
 
 
 @of_every_flavour("fmu")

@@ -125,18 +125,6 @@ def test_a_diameter_in_millimetres_is_named(fmu_folder, fmu):
     assert not any("diameter is" in message for message in host.messages)
 
 
-@every_driven_fmu
-@in_shared_process
-def test_a_refused_step_names_its_time(fmu_folder, fmu):
-    host = started(fmu_folder / f"{fmu}.fmu")
-    fly(host, 0, 10, 1.0)
-    host.time, place = 10 * STEP, circle(0.0)[0].tolist()
-    for wrong in (float("nan"), float("inf")):
-        with pytest.raises(Exception, match="fmi2"):
-            host.step(STEP, kite_position=[wrong, *place[1:]])
-        assert f"the step from {10 * STEP} s is refused: the input kite_position[1] is {wrong}; it must" in host.messages[-1]
-
-
 @of_every_flavour("fmu", ["TetherDynamic", "TetherQuasiSteady"], ["TetherCatenary"])
 @in_shared_process
 def test_what_cannot_break_says_so(fmu_folder, fmu):

@@ -1,17 +1,15 @@
-"""One FMU through its life: equals the Python API, state, reset, variable steps, several instances."""
+"""One FMU through its life: tolerances, variable steps, several instances, options of the solver."""
 
 import numpy as np
 import pytest
 
 from isolation import in_shared_process
-from runtime.host import Host, every_flavour, of_every_flavour
-from scenes import REVOLUTION, circle, kite_at_start, kite_inputs
-from tetherfmu.python import models
+from runtime.host import Host, every_flavour, every_flavour_and_version
+from scenes import circle, kite_at_start, kite_inputs
 from tetherfmu.python.models import TetherDynamic
 from tetherfmu.runtime.parameters import Solver, Tether
 
 WIND = (0.1, 0.0, 0.0)
-every_shell = pytest.mark.parametrize("fmu_folder", ["pythonfmu", "native", "native_fmi3"], indirect=True)
 
 
 def fly(host, steps, step=0.02, begin=0):
@@ -26,34 +24,7 @@ def started(path, **values):
     return host.start(**{**start, **values})
 
 
-@of_every_flavour("name")
-@in_shared_process
-def test_fmu_equals_the_python_api_bit_for_bit(fmu_folder, name):
-    """Both call the same library; `libraries/test_same_bits.py` compares it with kernels compiled in another way."""
-    host = started(fmu_folder / f"{name}.fmu")
-    tether = getattr(models, name)(Tether(initial_length=525.0))
-    position, velocity = circle(0.0)
-    outputs = tether.initialize(position, velocity, wind_velocity=WIND)
-    assert host.get("kite_force") == list(outputs.kite_force)
-    for k in range(round(REVOLUTION / 0.02)):
-        inputs = kite_inputs(name, *circle(0.02 * k))
-        host.step(0.02, **inputs)
-        outputs = tether.step(0.02, **inputs, wind_velocity=WIND)
-        assert host.get("kite_force") == list(outputs.kite_force)
-    moving = ("kite_position", "kite_velocity") if name == "TetherDynamicFree" else ()
-    for field in ("ground_force", "kite_force", *moving):
-        assert host.get(field) == list(getattr(outputs, field))
-    for field in ("ground_tension", "kite_tension", "max_tension", "tether_length", "ground_elevation", "ground_azimuth"):
-        assert host.get(field) == getattr(outputs, field)
-    for field in ("slack_segments", "kite_end_mass", "kite_stiffness", "kite_damping", "wave_time", "sag"):
-        assert host.get(field) == getattr(outputs, field)
-    for name, count in tether.counters.items():
-        assert host.get(f"solver_{name}") == getattr(outputs, f"solver_{name}") == count
-    assert [host.get(f"shape[{k + 1},3]") for k in range(21)] == list(outputs.shape[:, 2])
-    host.close()
-
-
-@every_shell
+@every_flavour_and_version
 @in_shared_process
 def test_importers_tolerance_and_own_tolerance(fmu_folder):
     """A tolerance of 0 takes the importer's where that is tighter than the default; another one wins."""
@@ -73,7 +44,7 @@ def test_importers_tolerance_and_own_tolerance(fmu_folder):
     assert results[2] != results[5]
 
 
-@every_shell
+@every_flavour_and_version
 @in_shared_process
 def test_a_tolerance_that_is_none_is_said(fmu_folder):
     """A warning, with which the run goes on as without a tolerance."""
@@ -83,36 +54,6 @@ def test_a_tolerance_that_is_none_is_said(fmu_folder):
         host = started(path, tolerance=tolerance)
         assert any("is not used; it must be greater than 0" in text for text in host.messages), tolerance
         assert fly(host, 20) == expected
-
-
-@of_every_flavour("name")
-@in_shared_process
-def test_state_is_restored_bit_for_bit(fmu_folder, name):
-    host = started(fmu_folder / f"{name}.fmu")
-    fly(host, 50)
-    state = host.fmu.getFMUState()
-    blob = host.fmu.serializeFMUstate(state)
-    time = host.time
-    expected = fly(host, 50, begin=50)
-    host.fmu.setFMUState(state)
-    host.time = time
-    assert fly(host, 50, begin=50) == expected
-    other = Host(fmu_folder / f"{name}.fmu", "other").start()
-    other.fmu.setFMUState(other.fmu.deSerializeFMUstate(blob))
-    other.time = time
-    assert fly(other, 50, begin=50) == expected
-    host.fmu.freeFMUState(state)
-
-
-@of_every_flavour("name")
-@in_shared_process
-def test_reset_equals_a_fresh_instance(fmu_folder, name):
-    host = started(fmu_folder / f"{name}.fmu")
-    fresh = fly(host, 30)
-    host.fmu.reset()
-    host.time = 0.0
-    host.start(initial_length=525.0, **kite_at_start(name, *circle(0.0)), wind_velocity=WIND)
-    assert fly(host, 30) == fresh
 
 
 @every_flavour

@@ -8,6 +8,8 @@ import pytest
 from fmpy import read_model_description
 from fmpy.validation import validate_fmu
 
+from isolation import in_shared_process
+from runtime.host import Host, description_of, every_flavour_and_version
 from tetherfmu.export import archive
 from tetherfmu.export.archive import SLAVES
 from tetherfmu.export.build_options import BuildOptions
@@ -231,3 +233,15 @@ def test_builder_refuses_wrong_options(tmp_path, options):
     assert done.returncode == 2
     assert options[-1] in done.stderr
     assert not list(tmp_path.iterdir())
+
+
+@every_flavour_and_version
+@in_shared_process
+def test_booleans_in_the_description(fmu_folder):
+    variables = {each.name: each for each in description_of(fmu_folder / "TetherDynamic.fmu").modelVariables}
+    for name, causality in (("release", "input"), ("broken", "output")):
+        assert variables[name].type == "Boolean"
+        assert (variables[name].causality, variables[name].variability) == (causality, "discrete")
+    assert variables["release"].start == "false"
+    host = Host(fmu_folder / "TetherDynamic.fmu")
+    host.refuses(lambda: host.fmu.setBoolean([host.reference["broken"]], [True]), "broken")

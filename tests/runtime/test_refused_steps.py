@@ -18,9 +18,8 @@ from fmpy.fmi1 import FMICallException
 
 from isolation import in_own_process, in_shared_process, own_process
 from runtime import clients
-from runtime.host import STEP, Host, blob_of, restore
+from runtime.host import STEP, Host, blob_of, every_flavour_and_version, restore
 
-every_flavour = pytest.mark.parametrize("fmu_folder", ["pythonfmu", "native", "native_fmi3"], indirect=True)
 FORCE, STOP = 2, 1.0  # control of the winch; end of the simulations [s]
 REFUSED = {  # name of a case: parameters, inputs of the step, what is said of it
     "pushes": ({"winch_control": FORCE}, {"winch_force": -100.0}, "winch_force is -100.0 N; it must be at least"),
@@ -71,7 +70,7 @@ def simulated(path, case):
     return ended, said[0]
 
 
-@every_flavour
+@every_flavour_and_version
 @cases
 def test_simulate_fmu_ends_with_the_sentence(fmu_folder, case):
     """Native FMUs raise; PythonFMU's library knows one answer, with which FMPy ends early."""
@@ -85,7 +84,7 @@ def test_simulate_fmu_ends_with_the_sentence(fmu_folder, case):
         assert ended == pytest.approx(0.1, abs=STEP)
 
 
-@every_flavour
+@every_flavour_and_version
 @cases
 @in_shared_process
 def test_repeated_and_restored(fmu_folder, case):
@@ -132,7 +131,7 @@ def test_statuses_of_native_fmus(fmu_folder):
     assert calls[-1].endswith("-> DISCARD" if host.version == 3 else "-> ERROR")
 
 
-@every_flavour
+@every_flavour_and_version
 @in_shared_process
 def test_values_that_cannot_be_read(fmu_folder):
     """NaN, and the smallest integer: importers that do not look at statuses have shown zeros."""
@@ -213,7 +212,7 @@ def stepped_by_libcosim(path, case):
 
 
 @pytest.mark.skipif(find_spec("ecospy") is None, reason="ecospy is for 64-bit Linux")
-@every_flavour
+@every_flavour_and_version
 def test_ecos_goes_on(fmu_folder):
     """It does not look at statuses; the sentence is on the screen, and it goes on from where the last step ended."""
     lengths, said = own_process(stepped_by_ecos, path=fmu_folder / "TetherDynamic.fmu")

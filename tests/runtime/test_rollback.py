@@ -1,4 +1,7 @@
-"""A saved state continues bit for bit: anywhere, in any order, in another process, after a reset, after a refused step."""
+"""A saved state continues bit for bit in any order and in another process; damaged and forged ones are refused.
+
+After a reset, a refused step and the end, and in another flavour: `test_flavours.py`.
+"""
 
 import math
 import multiprocessing
@@ -44,37 +47,6 @@ def test_in_another_process(fmu_folder, fmu):
     with multiprocessing.get_context("spawn").Pool(1) as pool:
         elsewhere = pool.apply(continue_from, (path, blob, 20, 40))
     assert fly(host, 20, 40) == elsewhere
-
-
-@of_every_flavour("fmu")
-@in_shared_process
-def test_after_reset_and_after_the_end(fmu_folder, fmu):
-    host = started(fmu_folder / f"{fmu}.fmu")
-    fly(host, 0, 10)
-    blob = blob_of(host)
-    rows = fly(host, 10, 20)
-    host.fmu.reset()
-    restore(host, blob)
-    assert fly(host, 10, 20) == rows
-    host.fmu.terminate()
-    restore(host, blob)
-    assert fly(host, 10, 20) == rows
-
-
-@of_every_flavour("fmu")
-@in_shared_process
-def test_a_refused_step_changes_nothing(fmu_folder, fmu):
-    """The state before and after a refusal are the same bytes, but for the input that was refused."""
-    host, twin = started(fmu_folder / f"{fmu}.fmu"), started(fmu_folder / f"{fmu}.fmu")
-    fly(host, 0, 10)
-    name = "kite_load[1]" if fmu == "TetherDynamicFree" else "kite_position[1]"
-    good = host.get(name)
-    before = blob_of(host)
-    with pytest.raises(FMICallException):
-        host.step(STEP, **{name: math.nan})
-    host.set(**{name: good})
-    assert blob_of(host) == before
-    assert fly(host, 10, 20) == fly(twin, 0, 20)[10:]
 
 
 @of_every_flavour("fmu")

@@ -5,6 +5,7 @@ import pytest
 
 from kernels.packed import packed
 from tetherfmu import Environment, Solver, Tether
+from tetherfmu.kernels.arrays import shared_size
 from tetherfmu.kernels.equations.boundary import chain_during, conditions_of_chain, inputs_of_step
 from tetherfmu.kernels.line import backward_euler, incremental_potential
 from tetherfmu.runtime import layout as at
@@ -19,7 +20,7 @@ def attempt_of(reel_out_speed, law, slack):
     tether = Tether(segments=N, initial_length=LENGTH, axial_stiffness=5e4, damping_law=law)
     solver = Solver(fixed_step=STEP)
     parameters = packed(tether, Environment(), solver, (False, True))
-    state, work = np.zeros(at.state_size(N)), np.zeros(backward_euler.workspace_size(N))
+    state, work = np.zeros(at.state_size(N)), np.zeros(shared_size(N) + backward_euler.workspace_size(N))
     inputs = np.zeros(at.INPUTS)
     inputs[at.KITE_POSITION : at.KITE_POSITION + 6] = *KITE, *KITE_VELOCITY
     inputs[at.REEL_OUT_SPEED], inputs[at.WIND_VELOCITY] = reel_out_speed, 8.0
@@ -32,7 +33,7 @@ def attempt_of(reel_out_speed, law, slack):
     state[at.STATE_HEADER : at.STATE_HEADER + 3 * (N + 1)] = x
     given = inputs_of_step(N, parameters, inputs, STEP, state)
     conditions = conditions_of_chain(N, parameters, parameters[at.INITIAL_SHAPE], given, state, x, v)
-    w = backward_euler.workspace(N, work)
+    w = backward_euler.workspace(N, work, work[shared_size(N) :])
     attempt = incremental_potential.Attempt(conditions, chain_during(conditions, STEP), STEP, v)
     backward_euler.start(attempt, chain_during(conditions, 0.0), 0.0, False, x, w)
     backward_euler.add_drag(attempt, x, w)

@@ -55,11 +55,7 @@ def bobbed(mass, periods=10.25):
     """Relative error of the axial frequency of a mass on one segment, from its phase; and energy from nowhere."""
     tether = Tether(segments=1, initial_length=LENGTH, axial_damping=0.0)
     model = TetherDynamic(
-        tether,
-        VOID,
-        Solver(relative_tolerance=1e-8, initial_shape=3),
-        free_ends=(False, True),
-        point_masses={1: mass},
+        tether, VOID, Solver(relative_tolerance=1e-8, initial_shape=3), free_ends=(False, True), point_masses={1: mass}
     )
     away, offset = LENGTH * 1.002, 0.05
     model.initialize((away + offset, 0.0, 0.0))

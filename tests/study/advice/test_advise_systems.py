@@ -97,24 +97,6 @@ def test_a_load_holds_a_free_point(place):
     assert flown.points["low"].force[-1] == pytest.approx([0.0, 0.0, 5000.0 - weight], abs=1e-6)
 
 
-WRONG = {
-    "hoist --set wanted.allowed_eror=0.1": "unknown key wanted.allowed_eror; did you mean allowed_error?",
-    "hoist --set wanted.fixed=true": "unknown key wanted.fixed",
-    "hoist --set duration=0": "duration is 0; it must be at least 0.5 s",
-    "hoist --set lines.rope_left.winch_control=force": "lines.rope_left.winch_control is force, and nothing gives that",
-    "hoist --set loads.winch_left=[0,0,1]": "loads.winch_left is given, and winch_left is not a free point",
-    "hoist --set loads.left=3": "loads.left is 3; it must be three numbers [x, y, z] in N",
-    "hoyst": "there is no file and no scene 'hoyst'; did you mean hoist?",
-}
-
-
-@pytest.mark.parametrize("options", WRONG)
-def test_wrong_use_is_named_in_one_line(options, capsys):
-    assert main(["advise", *options.split()]) == 2
-    (line,) = capsys.readouterr().err.splitlines()
-    assert WRONG[options] in line
-
-
 def test_the_command_names_segments_and_errors(capsys):
     assert main(["advise", "hoist", "--fast", "--set", "wanted.allowed_error=0.05", "--set", "duration=1"]) == 0
     said = capsys.readouterr().out

@@ -123,11 +123,7 @@ def test_the_command_names_the_fmu_and_why_no_other(tmp_path, capsys):
 
 
 @pytest.mark.parametrize(
-    ("text", "wrong"),
-    [
-        ('kite_mass = "500 kg"', 'kite_mass = "-1 kg"'),
-        ('radius = "30 m"', 'distance = "30 m"'),
-    ],
+    ("text", "wrong"), [('kite_mass = "500 kg"', 'kite_mass = "-1 kg"'), ('radius = "30 m"', 'distance = "30 m"')]
 )
 def test_a_wrong_key_is_told(tmp_path, capsys, text, wrong):
     assert main(["advise", str(written(tmp_path, SCENES["crane"].replace(text, wrong), "crane"))]) == 2

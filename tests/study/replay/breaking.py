@@ -29,6 +29,11 @@ def changed(table, **columns):
     return table.assign(**{name: function(table[name]) for name, function in columns.items()})
 
 
+def on(names, function):
+    """Function of a table: the same one with these columns changed."""
+    return lambda table: changed(table, **dict.fromkeys(names.split(), function))
+
+
 def lines_of(table):
     """Lines of the log."""
     return table.to_csv(index=False).splitlines()

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tests.study.replay.breaking import changed, put
+from tests.study.replay.breaking import changed, on, put
 from tests.study.replay.known_flight import AREA, KGF, WIND, enu, flown, full, motions, path, written
 from tests.study.replay.test_log_formats import FORMATS
 from tests.study.replay.test_mended_logs import MENDED
@@ -19,37 +19,28 @@ pytestmark = pytest.mark.filterwarnings("error::RuntimeWarning")  # a user would
 
 # of the known flight: what is done, and the doubt
 DOUBTED = {
-    "tension in N": (
-        lambda t: changed(t, force=lambda c: KGF * c),
-        "ground_tension is 4.9 times .*; N was probably meant: check its unit",
-    ),
+    "tension in N": (on("force", lambda c: KGF * c), "ground_tension is 4.9 times .*; N was probably meant: check its unit"),
     "tension in kN": (
-        lambda t: changed(t, force=lambda c: KGF / 1000.0 * c),
+        on("force", lambda c: KGF / 1000.0 * c),
         "ground_tension is 0.0049 times .*; kN was probably meant: check its unit",
     ),
-    "tension in pounds": (
-        lambda t: changed(t, force=lambda c: c / 0.45359237),
-        "ground_tension is 1.1 times .*; lbf was probably meant",
-    ),
-    "airspeed in km/h": (lambda t: changed(t, airspeed=lambda c: 3.6 * c), "airspeed is 3.6 times"),
-    "wind in km/h": (lambda t: changed(t, wind=lambda c: 3.6 * c), "wind_velocity fits .* best times 0.3"),
-    "wind in ft/s": (lambda t: changed(t, wind=lambda c: c / 0.3048), "wind_velocity fits .* best times 0.3"),
-    "wind from the wrong side": (
-        lambda t: changed(t, wind_from=lambda c: c - 180.0),
-        "wind_velocity blows from kite_position",
-    ),
-    "wind direction in radians": (lambda t: changed(t, wind_from=np.radians), "wind_from.* is it in radians"),
-    "altitude 19 m too high": (lambda t: changed(t, alt=lambda c: c + 19.0), "kite_position is up to 1.0.* altitude"),
+    "tension in pounds": (on("force", lambda c: c / 0.45359237), "ground_tension is 1.1 times .*; lbf was probably meant"),
+    "airspeed in km/h": (on("airspeed", lambda c: 3.6 * c), "airspeed is 3.6 times"),
+    "wind in km/h": (on("wind", lambda c: 3.6 * c), "wind_velocity fits .* best times 0.3"),
+    "wind in ft/s": (on("wind", lambda c: c / 0.3048), "wind_velocity fits .* best times 0.3"),
+    "wind from the wrong side": (on("wind_from", lambda c: c - 180.0), "wind_velocity blows from kite_position"),
+    "wind direction in radians": (on("wind_from", np.radians), "wind_from.* is it in radians"),
+    "altitude 19 m too high": (on("alt", lambda c: c + 19.0), "kite_position is up to 1.0.* altitude"),
     "altitude 19 m too low": (
-        lambda t: changed(t, alt=lambda c: c - 19.0),
+        on("alt", lambda c: c - 19.0),
         "kite_position is, while the tether is taut, only 0.9.* altitude",
     ),
     "tension frozen": (
-        lambda t: changed(t, force=lambda c: c.where((c.index < 500) | (c.index > 600), c[500])),
+        on("force", lambda c: c.where((c.index < 500) | (c.index > 600), c[500])),
         "ground_tension reads .* from 50.0 to 60.0 s",
     ),
     "length frozen": (
-        lambda t: changed(t, length=lambda c: c.where((c.index < 600) | (c.index > 660), c[600])),
+        on("length", lambda c: c.where((c.index < 600) | (c.index > 660), c[600])),
         "tether_length reads .* from 60.0 to 66.0 s",
     ),
     "position frozen": (
@@ -59,29 +50,29 @@ DOUBTED = {
         "kite_position reads .* from 50.0 to 56.0 s",
     ),
     "a small jump that stays": (
-        lambda t: changed(t, alt=lambda c: c.where(c.index < 500, c + 8.0)),
+        on("alt", lambda c: c.where(c.index < 500, c + 8.0)),
         "kite_position jumps 1 times, first by [78].* m at 49.9 s, which kite_velocity does not explain",
     ),
     "a jump of the length": (
-        lambda t: changed(t, length=lambda c: c.where(c.index < 500, c - 4.0)),
+        on("length", lambda c: c.where(c.index < 500, c - 4.0)),
         "tether_length jumps 1 times, first by 4.* m at 49.9 s, which reel_out_speed does not explain",
     ),
     "a jump that stays": (
-        lambda t: changed(t, alt=lambda c: c.where((c.index < 500) | (c.index > 540), c - 60.0)),
+        on("alt", lambda c: c.where((c.index < 500) | (c.index > 540), c - 60.0)),
         "kite_position jumps 2 times, first by .* m at 49.[89] s",
     ),
 }
 DOUBTED_ENU = {
-    "tension in kgf": (lambda t: changed(t, ground_tension=lambda c: c / KGF), "not checked.* ground_tension"),
+    "tension in kgf": (on("ground_tension", lambda c: c / KGF), "not checked.* ground_tension"),
     "tension in kN": (
-        lambda t: changed(t, ground_tension=lambda c: c / 1e3),
+        on("ground_tension", lambda c: c / 1e3),
         "the median of ground_tension is .* N, and the tether weighs 22.* N; kN was probably meant: check its unit",
     ),
     "tension in kN, without length": (
         lambda t: changed(t, ground_tension=lambda c: c / 1e3).drop(columns="tether_length"),
         "kN was probably meant",
     ),
-    "tension in mN": (lambda t: changed(t, ground_tension=lambda c: c * 1e3), "ground_tension would stretch the tether by"),
+    "tension in mN": (on("ground_tension", lambda c: c * 1e3), "ground_tension would stretch the tether by"),
     "length in feet, without speed": (
         lambda t: changed(t, tether_length=lambda c: c / 0.3048).drop(columns="reel_out_speed"),
         "kite_position is never more than 0.3",

@@ -1,54 +1,50 @@
 """The flight of a mended log is that of the unbroken one, and the report says what was done."""
 
 import re
+from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 import pytest
 
-from tests.study.replay.breaking import FEW, RATHER, ROUNDED, assert_same, changed, held, put, spread_over, texts
+from tests.study.replay.breaking import FEW, RATHER, ROUNDED, assert_same, held, on, put, spread_over, texts
 from tests.study.replay.known_flight import FULL, flown, full, map_of, motions
 
 pytestmark = pytest.mark.filterwarnings("error::RuntimeWarning")  # a user would see them
 
 
-# of the known flight: what is done, line of the report, allowed change of position [m], velocity [m/s] and tension [%]
+class Mended(NamedTuple):
+    """Of the known flight: what is done, line of the report, allowed change of position [m], velocity [m/s] and tension."""
+
+    done: Callable
+    line: str
+    motion: float = FEW
+    tension: float = RATHER  # [%]
+
+
 MENDED = {
-    "a tenth of the positions empty": (lambda t: put(t, "lat", spread_over(10), ""), "left out of lat: 107 of", FEW, RATHER),
+    "a tenth of the positions empty": (lambda t: put(t, "lat", spread_over(10), ""), "left out of lat: 107 of"),
     "a tenth of all cells empty": (
         lambda t: texts(t).where(np.random.default_rng(2).random(t.shape) > 0.1 * (t.columns != "time"), ""),
         "left out of force: 1",
         FEW,
         5.0,  # two or three readings in a row are missing now and then
     ),
-    "minus signs for none": (lambda t: put(t, "force", spread_over(20), "-"), "left out of force: 53 of", ROUNDED, RATHER),
-    "null for none": (lambda t: put(t, "alt", spread_over(20), "null"), "left out of alt: 53 of", FEW, RATHER),
-    "NaN for none": (lambda t: put(t, "vn", spread_over(20), "NaN"), "left out of vn: 53 of", FEW, RATHER),
-    "infinities": (lambda t: put(t, "ve", spread_over(20), "-inf"), "left out of ve: 53 of", FEW, RATHER),
-    "9999 for none": (
-        lambda t: put(t, "force", spread_over(20), "9999"),
-        "left out of force: 53 of .*9999",
-        ROUNDED,
-        RATHER,
-    ),
-    "9999 for none, for 1 s": (
-        lambda t: put(t, "alt", range(500, 510), "9999"),
-        "left out of alt: 10 of .*9999",
-        FEW,
-        RATHER,
-    ),
-    "-999 for none, for 1 s": (lambda t: put(t, "length", range(500, 510), "-999"), "length: 10 of .*999", ROUNDED, RATHER),
-    "coordinates of 1e42": (lambda t: put(t, "lon", spread_over(50), "1e42"), r"kite_position\[1\]: 21 of", FEW, RATHER),
+    "minus signs for none": (lambda t: put(t, "force", spread_over(20), "-"), "left out of force: 53 of", ROUNDED),
+    "null for none": (lambda t: put(t, "alt", spread_over(20), "null"), "left out of alt: 53 of"),
+    "NaN for none": (lambda t: put(t, "vn", spread_over(20), "NaN"), "left out of vn: 53 of"),
+    "infinities": (lambda t: put(t, "ve", spread_over(20), "-inf"), "left out of ve: 53 of"),
+    "9999 for none": (lambda t: put(t, "force", spread_over(20), "9999"), "left out of force: 53 of .*9999", ROUNDED),
+    "9999 for none, for 1 s": (lambda t: put(t, "alt", range(500, 510), "9999"), "left out of alt: 10 of .*9999"),
+    "-999 for none, for 1 s": (lambda t: put(t, "length", range(500, 510), "-999"), "length: 10 of .*999", ROUNDED),
+    "coordinates of 1e42": (lambda t: put(t, "lon", spread_over(50), "1e42"), r"kite_position\[1\]: 21 of"),
     "no fix for 1 s": (
         lambda t: t.assign(lat=t["lat"].where(t.index // 10 != 50, 0.0), lon=t["lon"].where(t.index // 10 != 50, 0.0)),
         r"kite_position\[3\]: 10 of",
-        FEW,
-        RATHER,
     ),
     "positions every fifth row": (
         lambda t: put(t, ["lat", "lon", "alt"], t.index[t.index % 5 != 0], ""),
         "left out of lat: 960 of",
-        FEW,
-        RATHER,
     ),
     "tension every tenth row": (
         lambda t: put(t, "force", t.index[t.index % 10 != 0], ""),
@@ -57,69 +53,40 @@ MENDED = {
         6.0,
     ),
     "a gap of 1 s": (lambda t: t.drop(range(500, 510)), "bridged: 1 of", FEW, 6.0),
-    "a tension of a million": (
-        lambda t: put(t, "force", 600, "1000000"),
-        "ground_tension: 1 of .*spikes",
-        ROUNDED,
-        RATHER,
-    ),
+    "a tension of a million": (lambda t: put(t, "force", 600, "1000000"), "ground_tension: 1 of .*spikes", ROUNDED),
     "spikes of the tension": (
-        lambda t: changed(t, force=lambda c: c.where(c.index % 100 != 50, 8.0 * c)),
+        on("force", lambda c: c.where(c.index % 100 != 50, 8.0 * c)),
         "ground_tension: 12 of",
         ROUNDED,
-        RATHER,
     ),
     "a spike of the length": (
-        lambda t: changed(t, length=lambda c: c.where(c.index != 600, c + 40.0)),
+        on("length", lambda c: c.where(c.index != 600, c + 40.0)),
         "tether_length: 1 of .*spikes",
         ROUNDED,
-        RATHER,
     ),
-    "a length of 0": (lambda t: put(t, "length", 600, "0"), "tether_length: 1 of .*impossible", ROUNDED, RATHER),
-    "a spike of the altitude": (
-        lambda t: changed(t, alt=lambda c: c.where(c.index != 600, c + 40.0)),
-        r"kite_position\[3\]: 1 of",
-        FEW,
-        RATHER,
-    ),
-    "a jump to and fro": (
-        lambda t: changed(t, lat=lambda c: c.where(c.index // 3 != 200, c + 3e-4)),
-        r"kite_position\[2\]: 3 of",
-        FEW,
-        RATHER,
-    ),
-    "a spike of the velocity": (
-        lambda t: changed(t, vn=lambda c: c.where(c.index != 600, c + 100.0)),
-        r"kite_velocity\[2\]: 1 of",
-        FEW,
-        RATHER,
-    ),
-    "times in ms": (lambda t: changed(t, time=lambda c: 1000.0 * c), "time from 0", ROUNDED, RATHER),
-    "times in us": (lambda t: changed(t, time=lambda c: 1e6 * c + 1.57e15), "time from 0", ROUNDED, RATHER),
-    "jitter": (
-        lambda t: motions((t["time"] + 0.03 * np.sin(37.0 * t["time"]) ** 2).to_numpy()),
-        "time from 0",
-        ROUNDED,
-        RATHER,
-    ),
+    "a length of 0": (lambda t: put(t, "length", 600, "0"), "tether_length: 1 of .*impossible", ROUNDED),
+    "a spike of the altitude": (on("alt", lambda c: c.where(c.index != 600, c + 40.0)), r"kite_position\[3\]: 1 of"),
+    "a jump to and fro": (on("lat", lambda c: c.where(c.index // 3 != 200, c + 3e-4)), r"kite_position\[2\]: 3 of"),
+    "a spike of the velocity": (on("vn", lambda c: c.where(c.index != 600, c + 100.0)), r"kite_velocity\[2\]: 1 of"),
+    "times in ms": (on("time", lambda c: 1000.0 * c), "time from 0", ROUNDED),
+    "times in us": (on("time", lambda c: 1e6 * c + 1.57e15), "time from 0", ROUNDED),
+    "jitter": (lambda t: motions((t["time"] + 0.03 * np.sin(37.0 * t["time"]) ** 2).to_numpy()), "time from 0", ROUNDED),
     "coordinates as whole numbers": (
         lambda t: t.assign(lat=(t["lat"] * 1e7).round(), lon=(t["lon"] * 1e7).round()),
         "time from 0",
         0.05,
-        RATHER,
     ),
     "once a second": (lambda t: full(every=1.0), "time from 0", 0.6, 6.0),  # the figure is flown in 20 s, sides in 10 s
     "100 times a second": (
         lambda t: full(every=0.01),
         "time from 0",
         0.05,
-        RATHER,
     ),  # ends of the log with 10 Hz are known less well
-    "positions held for 1 s": (lambda t: held(t, ["lat", "lon", "alt"], 10), "kite_position: 1080 of .*repeat", FEW, RATHER),
-    "velocities held for 0.5 s": (lambda t: held(t, ["vn", "ve", "vd"], 5), "kite_velocity: 960 of .*repeat", FEW, RATHER),
+    "positions held for 1 s": (lambda t: held(t, ["lat", "lon", "alt"], 10), "kite_position: 1080 of .*repeat"),
+    "velocities held for 0.5 s": (lambda t: held(t, ["vn", "ve", "vd"], 5), "kite_velocity: 960 of .*repeat"),
     "tension held for 0.5 s": (lambda t: held(t, ["force"], 5), "ground_tension: 960 of .*repeat", ROUNDED, 3.0),
-    "length held for 1 s": (lambda t: held(t, ["length"], 10), "tether_length: 1080 of .*repeat", ROUNDED, RATHER),
-    "drift of 1 m": (lambda t: changed(t, alt=lambda c: c + np.linspace(0.0, 1.0, len(c))), "noise 1 m", 1.05, RATHER),
+    "length held for 1 s": (lambda t: held(t, ["length"], 10), "tether_length: 1080 of .*repeat", ROUNDED),
+    "drift of 1 m": (on("alt", lambda c: c + np.linspace(0.0, 1.0, len(c))), "noise 1 m", 1.05, RATHER),
 }
 MAPS_OF_MENDED = {
     "times in ms": FULL.replace('time = "time"', 'time = {column = "time", unit = "ms"}'),
@@ -130,7 +97,7 @@ MAPS_OF_MENDED = {
 
 @pytest.mark.parametrize("kind", MENDED)
 def test_a_broken_log_is_mended_and_says_so(kind, folder, own, unbroken):
-    done, line, motion, tension = MENDED[kind]
+    done, line, motion, tension = Mended(*MENDED[kind])
     found = flown(folder, done(full()), map_of(MAPS_OF_MENDED[kind], folder, "other") if kind in MAPS_OF_MENDED else own)
     assert_same(found, unbroken, motion, tension)
     assert re.search(line, " ".join(found.log.report.lines))

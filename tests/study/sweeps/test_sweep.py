@@ -13,7 +13,6 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from ended import status_of
 from tetherfmu.__main__ import main
 from tetherfmu.console.ending import WorkersLost
 from tetherfmu.files.scene_files import load
@@ -164,29 +163,6 @@ def test_the_example_of_the_manual_runs(capsys):
     exec(code, found := {})
     assert len(found["table"]) == 16
     assert "peak_tension" in capsys.readouterr().out
-
-
-WRONG = {
-    "--outputs kite_tensio": "there is no output 'kite_tensio'; did you mean kite_tension?",
-    "--from 30": "start is 30 s; it must be at least 0 s and less than the duration, 20 s",
-    "--percentiles 101": "--percentiles: '101' is not possible",
-    "--tether strait": "--tether: 'strait' is not possible; did you mean straight?",
-    "--vary gravity=1,2 --vary gravity=3": "gravity is given twice",
-    "--vary tether.diameter=1,2 --vary diameter=3": "tether.diameter and diameter are the same value, given twice",
-    "--set gravity=9 --vary environment.gravity=8": "gravity and environment.gravity are the same value, given twice",
-    "--set wind.velocity[1]=4": "wind.velocity[1] and wind.speed are the same value, given twice",
-    "--set gravity=9 --set gravity=8": "gravity is given twice; give one of them",
-    "--set gravity=9 --set environment.gravity=8": "gravity and environment.gravity are the same value, given twice",
-    "--set tether.diametre=3": "unknown key tether.diametre; did you mean diameter?",
-}
-
-
-@pytest.mark.parametrize("options", WRONG)
-def test_wrong_use_is_named_in_one_line(options, tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    assert status_of("sweep", "circle", "--vary", "wind.speed=5,6", *options.split()) == 2
-    (line,) = capsys.readouterr().err.splitlines()
-    assert WRONG[options] in line
 
 
 def test_what_is_hardly_meant_is_said_of_the_extremes(capsys, tmp_path):

@@ -51,7 +51,7 @@ DRUM = ("inertia_total", "gear_ratio", "drum_radius")
 class Settings:
     """The pairs of a file, as "section.key" -> (row, text, list of texts), and which of them have been used.
 
-    ValueError names the row of what is no YAML, and of a key that is there twice.
+    ValueError names the row that is not YAML, and that of a repeated key.
     """
 
     def __init__(self, text):
@@ -135,7 +135,7 @@ def composed(text):
         count, problem = text.count("\n", 0, error.position) + 1, error.reason
     except RecursionError:
         raise ValueError("is no file of settings: its lists are nested too deeply") from None
-    raise ValueError(f"row {count}: it is no YAML: {problem}")
+    raise ValueError(f"row {count}: it is not YAML: {problem}")
 
 
 def pairs_in(node):

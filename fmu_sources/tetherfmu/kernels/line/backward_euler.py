@@ -16,7 +16,7 @@ from math import ceil, sqrt
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.limits import FINEST, LEAST_REMAINDER, PARTS, STIFF
 
-from ..arrays import behind, clear, copy, node_arrays, shared_arrays, shared_size
+from ..arrays import behind, clear, copy, node_arrays, shared_arrays
 from ..compilation import kernel, view
 from ..equations import node_loads, segment
 from ..equations.assembly import node_masses
@@ -51,14 +51,14 @@ pressed : n + 1, a_n of the friction on the ground [m/s2].
 
 @kernel
 def workspace_size(n):
-    """Length of the work array that `workspace` needs."""
-    return shared_size(n) + 8 * 3 * (n + 1) + 10 * (n + 1) + 2 * n
+    """Length of the room that `workspace` needs, beside `arrays.shared_arrays`."""
+    return 8 * 3 * (n + 1) + 10 * (n + 1) + 2 * n
 
 
 @view
-def workspace(n, work):
-    """Cut the work array into the arrays of `Workspace`."""
-    blocks, _, mass, room = shared_arrays(n, work)
+def workspace(n, shared, room):
+    """Cut a room into the arrays of `Workspace`; shared : an array that begins with `arrays.shared_arrays`."""
+    blocks, _, mass, _ = shared_arrays(n, shared)
     x, trial, old, free, drag, move, room = node_arrays(n, room)
     flow, room = part(room, 0, 3 * (n + 1)), behind(3 * (n + 1), room)
     acceleration, slope, room = part(room, 0, 3 * (n + 1)), part(room, 3 * (n + 1), 9 * (n + 1)), behind(12 * (n + 1), room)

@@ -59,17 +59,17 @@ stage but for the result of the second one.  before : accelerations in the last 
 
 @kernel
 def workspace_size(n):
-    """Length of the work array that `workspace` needs."""
+    """Length of the room that `workspace` needs, beside `arrays.shared_arrays`."""
     return backward_euler.workspace_size(n) + 5 * 3 * (n + 1)
 
 
 @view
-def workspace(n, work):
-    """Cut the work array into the arrays of `Workspace`."""
-    flat = 3 * (n + 1)
-    x, v, before, room = split(flat, behind(backward_euler.workspace_size(n), work))
+def workspace(n, shared, room):
+    """Cut a room into the arrays of `Workspace`; shared : as for `backward_euler.workspace`."""
+    flat, chain = 3 * (n + 1), backward_euler.workspace(n, shared, room)
+    x, v, before, room = split(flat, behind(backward_euler.workspace_size(n), room))
     x_onward, v_onward = part(room, 0, flat), part(room, flat, flat)
-    return Workspace(backward_euler.workspace(n, work), x, v, x_onward, v_onward, before)
+    return Workspace(chain, x, v, x_onward, v_onward, before)
 
 
 @kernel

@@ -140,13 +140,16 @@ matrix : `Profile`. The numbers of all coordinates stand behind the header, see 
 
 @kernel
 def own_size(n):
-    """Length of the room of both methods: a Rosenbrock step, whose arrays hold rows and columns of both, and a fixed one."""
+    """Length of the room of both methods: a Rosenbrock step, whose arrays hold rows and columns of both, and a fixed one.
+
+    They share `arrays.shared_arrays`, at its start.
+    """
     return fixed_at(n) + second_order.workspace_size(n)
 
 
 @kernel
 def fixed_at(n):
-    """Place of the arrays of a fixed step in it, an even number."""
+    """Place of the other arrays of a fixed step in it, an even number."""
     size = rosenbrock.workspace_size(n)
     return size + size % 2
 
@@ -235,8 +238,8 @@ def integrator_of(system, k):
 @view
 def stages_of(system, k):
     """`second_order.Workspace` of line k."""
-    n = segments_of(system, k)
-    return second_order.workspace(n, behind(fixed_at(n), room_in_step(system, k).own))
+    n, own = segments_of(system, k), room_in_step(system, k).own
+    return second_order.workspace(n, own, behind(fixed_at(n), own))
 
 
 @view

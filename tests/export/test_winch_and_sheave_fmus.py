@@ -1,0 +1,139 @@
+"""FMUs of systems with winches and sheaves, in all flavours: their variables, their evidence, and what is refused by name.
+
+Their numbers are those of `test_system_flavours.py`.
+"""
+
+import pytest
+from fmpy import read_model_description
+
+from flavours import every_flavour
+from isolation import in_shared_process
+from runtime.host import STEP, Host
+from shared_drums import SHARED, TEXT
+from tetherfmu import PlausibilityWarning, TetherSystem
+from tetherfmu.check.__main__ import main as check
+
+from .test_system_flavours import DRUMS, OF_WINCHES, WEIGHTS, WINDY, steered, text_of
+
+FORCE, INFINITE, NO_NUMBER = 2, float("inf"), float("nan")
+FILES = {
+    "by length": steered("length").file,
+    "by speed": steered("speed").file,
+    "drums": TEXT,
+    "drum starts": DRUMS,
+    "two winches": OF_WINCHES,
+    "atwood": text_of("atwood"),
+}
+
+
+@pytest.fixture
+def fmu(built, name, flavour):
+    """Path of the FMU of a file, by the name of the file, in a flavour."""
+    return built(FILES[name], flavour)
+
+
+VARIABLES = {  # those that an FMU has, and lines with what they have not
+    "by length": (
+        {"steering.winch_length", "depower.winch_length", "steering.winch_speed", "depower.payout", "main.reel_out_speed"},
+        {f"tape_left.{what}" for what in ("reel_out_speed", "winch_length", "winch_control", "winch_mass")},
+    ),
+    "drums": (
+        {"steering.winch_force", "power.winch_mass", "power.winch_damping", "steering.winch_friction"}
+        | {"steering.winch_speed", "power.payout", "c.winch_force", "c.winch_mass", "a.release", "a.broken", "c.release"}
+        | {"steering.winch_start", "steering.reel_out_speed"},  # parameters of its start
+        {"a.winch_force", "a.winch_mass", "a.winch_start", "a.reel_out_speed"},
+    ),
+}
+
+
+@every_flavour
+@pytest.mark.parametrize("name", VARIABLES)
+def test_lines_in_winches_have_no_variables_of_a_winch(fmu, name):
+    names = {each.name for each in read_model_description(fmu).modelVariables}
+    has, has_not = VARIABLES[name]
+    assert has <= names
+    assert not names & has_not
+
+
+STEPS = [  # of a file: inputs that are refused, with the name of winches
+    (
+        "by speed",
+        {"steering.reel_out_speed": NO_NUMBER},
+        "the input steering.reel_out_speed and depower.reel_out_speed is nan",
+    ),
+    ("drums", {"steering.winch_force": NO_NUMBER}, "the input steering.winch_force is nan"),
+]
+
+
+@every_flavour
+@pytest.mark.parametrize(("name", "inputs", "says"), STEPS)
+@in_shared_process
+def test_a_refused_step_names_the_winches(fmu, name, inputs, says):
+    host = Host(fmu).start(**(WEIGHTS if name == "by speed" else {}))
+    with pytest.raises(Exception, match=r"fmi|Discard"):
+        host.step(STEP, **inputs)
+    assert says in str(host.messages)
+
+
+ENDS = "shortest_length or longest_length is given for a line over sheaves"
+NOT_IN_BALANCE = "lift.winch_force, 1.0 N, with trim.winch_start and lift.winch_start 2 (equilibrium)"
+STARTS = [
+    ("drums", {"c.winch_control": FORCE, "c.longest_length": 50.0}, f"the line c: {ENDS}"),
+    ("drum starts", {"lift.winch_force": 1.0}, NOT_IN_BALANCE),
+    ("drum starts", {"trim.winch_start": 3}, "winch_start is 3; it must be one of 1 (given), 2 (equilibrium)"),
+    ("drum starts", {"trim.reel_out_speed": NO_NUMBER}, "trim.reel_out_speed"),
+    ("two winches", {"main.shortest_length": 50.0, "main.longest_length": 40.0}, "the line main: shortest_length is 50"),
+    ("atwood", {"rope.sheave_efficiency[1]": 2.0}, "rope.sheave_efficiency"),
+    ("atwood", {"rope.breaking_force": 1e5}, "breaking_force is given for a line over sheaves"),
+    ("atwood", {"rope.shortest_length": 5.0, "rope.winch_control": FORCE}, ENDS),
+    ("atwood", {"rope.longest_length": 90.0, "rope.winch_control": FORCE}, ENDS),
+]
+
+
+@every_flavour
+@pytest.mark.parametrize(("name", "values", "says"), STARTS)
+@in_shared_process
+def test_a_refused_start_names_winches_and_lines(fmu, name, values, says):
+    Host(fmu).refuses_to_start(says, **values)
+
+
+WITH_EVIDENCE = {name: FILES[name] for name in ("by length", "by speed", "two winches", "atwood")}
+WITH_EVIDENCE |= {"drums beside a sheave": SHARED, "hoist": text_of("two_fall_hoist")}
+
+
+@pytest.mark.parametrize(("name", "wind_points"), [*((name, 0) for name in WITH_EVIDENCE), ("hoist", WINDY)])
+def test_their_evidence_is_met(built, name, wind_points, capsys):
+    """Of the native FMU; the others give the same numbers."""
+    assert check([str(built(WITH_EVIDENCE[name], "native", wind_points, with_evidence=True))]) == 0
+    assert "evidence set: 100 steps" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("name", ["atwood"])
+@every_flavour
+@in_shared_process
+def test_the_parameters_of_sheaves_count(fmu, name):
+    """A sheave that friction holds."""
+    portions = {"rope.initial_portions[1]": 8.0, "rope.initial_portions[2]": 12.0}
+    places = {"light.initial_position[3]": -8.0, "heavy.initial_position[3]": -12.0}
+    host = Host(fmu).start(**{"rope.sheave_friction[1]": 1.0}, **portions, **places)
+    host.step(STEP)
+    assert host.get("rope.portion_length[1]") == 8.0
+    assert host.get("rope.sheave_payout[1]") == 0.0
+
+
+@pytest.mark.parametrize("name", ["atwood"])
+@every_flavour
+@in_shared_process
+def test_what_is_implausible_is_said_once_of_a_line(fmu, name):
+    """Of the portion where it is worst; not again of another one."""
+    loads = {"light": (0.0, 0.0, -2e5), "heavy": (0.0, 0.0, -3e5)}
+    system = TetherSystem.from_file(fmu.with_name("system.toml"))
+    system.initialize(loads=loads)
+    with pytest.warns(PlausibilityWarning, match=r"the line rope\[2\]: a segment is stretched by"):
+        system.step(STEP)
+    host = Host(fmu).start(**{f"{name}.load": load for name, load in loads.items()})
+    host.step(STEP)
+    host.step(STEP, **{"light.load": (0.0, 0.0, -9e5)})
+    assert sum("is stretched by" in each for each in host.messages) == 1
+    assert sum("is stretched by" in each for each in system.implausible) == 1
+    assert any("the line rope[2]: a segment is stretched by" in each for each in host.messages)
