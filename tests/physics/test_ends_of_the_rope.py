@@ -1,0 +1,47 @@
+"""Fixed steps where the rope ends: a load that runs into its sheave, and a winch without mass that lets go, make no energy.
+
+sheave   one load pulls the other one up to the sheave, where the portion is as short as it may be: the energy of all never
+         exceeds that of the start, up to 1e-3 of what the heavier load can lose
+free     a load falls freely once the force of the winch is 0: after 1 s it has 9.81 m/s, and the winch has paid out 4.9 m
+"""
+
+import numpy as np
+import pytest
+
+from tetherfmu import Line, Point, Solver, Tether, TetherDynamicFree, TetherSystem, Winch
+
+G, FALL = 9.81, 4.9  # m/s2; of 1 s from rest [m]
+# where a load stops at once, and where a winch without mass runs alone
+pytestmark = pytest.mark.filterwarnings("ignore::tetherfmu.PlausibilityWarning")
+
+
+@pytest.mark.parametrize("method", ["second_order", "backward_euler"])
+@pytest.mark.parametrize("size", [0.001, 0.005, 0.01])
+@pytest.mark.parametrize("segments", [1, 4])
+def test_a_load_runs_into_its_sheave(segments, size, method):
+    light = {"density": 724.0, "axial_stiffness": 6.9e5, "axial_damping": 473.0, "slack_stiffness_ratio": 0.0}
+    rope = Tether(segments=segments, initial_length=14.0, diameter=0.004, **light)
+    points = [Point("block", (10.0, 0.0, 0.0), mass=1.0), Point("top", (0.0, 0.0, 0.0))]
+    points += [Point("weight", (0.001, 0.0, -4.0), mass=1.0)]
+    line = Line("rope", "block", "weight", rope, through=["top"], initial_portions=[10.0, 4.0])
+    system = TetherSystem(points, [line], solver=Solver(fixed_step=size, fixed_step_method=method))
+    system.initialize()
+    start, gained = system.energy().total, 0.0
+    for _ in range(200):
+        system.step(0.01)
+        gained = max(gained, system.energy().total - start)
+    assert gained < 1e-3 * 1.0 * G * 10.0
+
+
+@pytest.mark.parametrize("size", [0.001, 0.005, 0.01])
+@pytest.mark.parametrize("mass", [0.0, 0.1])
+def test_a_winch_that_lets_go(mass, size):
+    """Drag and the rope that is carried along slow it down by less than 1 %."""
+    rope = Tether(segments=10, initial_length=10.0, slack_stiffness_ratio=0.01)
+    winch = Winch(winch_control="force", winch_mass=mass)
+    tether = TetherDynamicFree(rope, kite_mass=30.0, winch=winch, solver=Solver(fixed_step=size))
+    tether.initialize(kite_position=(0.0, 0.0, -10.0), winch_force=30.0 * G)
+    for _ in range(100):
+        outputs = tether.step(0.01, winch_force=0.0)
+    assert np.linalg.norm(outputs.kite_velocity) == pytest.approx(G, rel=0.01)
+    assert outputs.tether_length - 10.0 == pytest.approx(FALL, abs=0.05)
