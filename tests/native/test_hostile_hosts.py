@@ -281,14 +281,14 @@ def test_states_do_not_leak(dynamic):
 @LINUX
 @in_own_process
 def test_10_000_instances(dynamic):
-    """Each less than 48 kB, started; all memory is given back."""
+    """Each less than 64 kB, started, of which 46 kB are the scratch space of both methods; all memory is given back."""
     fmu = Library(dynamic)
     fmu.FreeInstance(fmu.started())
     gc.disable()
     memory = resident()
     tethers = [fmu.started() for _ in range(10_000)]
     each = (resident() - memory) / len(tethers)
-    assert each < 48e3
+    assert each < 64e3
     for tether in tethers:
         fmu.FreeInstance(tether)
     del tethers
