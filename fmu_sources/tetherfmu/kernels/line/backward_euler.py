@@ -36,7 +36,8 @@ WHOLE, STAGE, EXPECTED = 0, 1, 2  # steps, stages of `second_order.py`, those of
 
 FixedSteps = namedtuple("FixedSteps", "size method")
 FixedSteps.__doc__ = "Fixed steps: their size [s], 0 for adaptive ones, and `fixed_step_method`, as an enumeration."
-Workspace = namedtuple("Workspace", "x trial old free drag slope move acceleration flow matrix mass modes held pressed")
+VECTORS = "x trial old free drag slope move acceleration flow along"
+Workspace = namedtuple("Workspace", f"{VECTORS} matrix mass modes held pressed")
 Workspace.__doc__ = """Scratch arrays of a step; 3 (n + 1) numbers where nothing else is said.
 
 x : positions of the iteration [m].  trial : positions to try [m].  old : positions before the step [m].
@@ -44,7 +45,8 @@ free : y, where the nodes would fly freely [m].  drag : half drags F of the segm
 9 (n + 1).  move : minus the gradient of Phi [N], then the move of the nodes [m].  matrix, mass : see
 `arrays.shared_arrays`; masses at the end of the step.  modes : n, which damping each segment has, see `segment.TAUT`.
 held : n, l - l0 where the matrix was made [m]: its sign is the mode of the spring there.  acceleration : of the nodes in a
-stage [m/s2], before it what is expected.  flow : forces of the rope that flows in the iteration [N].
+stage [m/s2], before it what is expected.  flow : forces of the rope that flows in the iteration [N].  along : directions of
+the segments in the iteration, with which dampers pull in a stage.
 pressed : n + 1, a_n of the friction on the ground [m/s2].
 """
 
@@ -52,7 +54,7 @@ pressed : n + 1, a_n of the friction on the ground [m/s2].
 @kernel
 def workspace_size(n):
     """Length of the room that `workspace` needs, beside `arrays.shared_arrays`."""
-    return 8 * 3 * (n + 1) + 10 * (n + 1) + 2 * n
+    return 9 * 3 * (n + 1) + 10 * (n + 1) + 2 * n
 
 
 @view
@@ -60,10 +62,10 @@ def workspace(n, shared, room):
     """Cut a room into the arrays of `Workspace`; shared : an array that begins with `arrays.shared_arrays`."""
     blocks, _, mass, _ = shared_arrays(n, shared)
     x, trial, old, free, drag, move, room = node_arrays(n, room)
-    flow, room = part(room, 0, 3 * (n + 1)), behind(3 * (n + 1), room)
+    flow, along, room = part(room, 0, 3 * (n + 1)), part(room, 3 * (n + 1), 3 * (n + 1)), behind(6 * (n + 1), room)
     acceleration, slope, room = part(room, 0, 3 * (n + 1)), part(room, 3 * (n + 1), 9 * (n + 1)), behind(12 * (n + 1), room)
     modes, held, pressed = part(room, 0, n), part(room, n, n), part(room, 2 * n, n + 1)
-    vectors = x, trial, old, free, drag, slope, move, acceleration, flow
+    vectors = x, trial, old, free, drag, slope, move, acceleration, flow, along
     return Workspace(*vectors, Matrix(*blocks), mass, modes, held, pressed)
 
 
@@ -74,6 +76,14 @@ def flight(x, v, h, acceleration):
 
 
 @kernel
+def take_directions(n, x, w):
+    """Directions of all segments at x [m] into w.along (modified), for the dampers in a stage."""
+    for s in range(n):
+        _, e = segment.geometry(sub(get(x, s + 1), get(x, s)))
+        put(w.along, s, e)
+
+
+@kernel
 def start(attempt, before, time, kind, x, w):
     """Fill masses, old positions, free flight and modes of the dampers into w for a step from x [m] at a time [s].
 
@@ -81,7 +91,7 @@ def start(attempt, before, time, kind, x, w):
     kind : WHOLE, where driven ends go to where their curves are; STAGE or EXPECTED, where they go from x with their velocity
     after the step, see `second_order.py`.
     """
-    conditions, chain, h, v = attempt
+    conditions, chain, h, v, _ = attempt
     n = chain.n
     node_masses(chain, w.mass)
     falling = node_loads.free_acceleration(chain)
@@ -95,6 +105,8 @@ def start(attempt, before, time, kind, x, w):
             put(w.old, i, add_scaled(end, -h, get(w.free, i)))
             put(w.free, i, end)
     clear(w.pressed)
+    if kind == STAGE:
+        take_directions(n, x, w)
     if kind != EXPECTED:
         clear(w.flow)
     for s in range(n):
@@ -130,7 +142,7 @@ def carry_by(attempt, ground, kite, x, w):
 @kernel
 def fly_as_expected(attempt, x, w):
     """Positions [m] into w.x (modified) to which nodes at x [m] come with the accelerations that are expected."""
-    conditions, _, h, v = attempt
+    conditions, _, h, v, _ = attempt
     copy(w.free, w.x)
     for i in range(conditions.first, conditions.last + 1):
         put(w.x, i, flight(get(x, i), get(v, i), h, get(w.acceleration, i)))

@@ -9,6 +9,9 @@
 Its gradient is zero where the equations of motion hold with the forces of the new positions and velocities: backward
 Euler. Its matrix is made positive definite: it leaves out negative tension across a segment.
 
+The gradient of s pulls along e - (r0 across e)/(b l), which differs from e by a term of order h: that makes Phi a potential
+and keeps a whole step bounded. In a stage of `second_order.py` s = e . (b r - r0)/h, and e is that of the iteration.
+
 k, c, T, F and A are those of `segment.py`. Half drag F and its slope A are those of the old velocities and of the directions
 at the start of the iteration; N is the a_n of the iteration, held until the next one. A driven end is where its curve is;
 its old position counts as x - h v, so that the damper sees its exact velocity.
@@ -43,28 +46,33 @@ PRESSED = 1e-3  # of the weight and the pressure, by which this may be another o
 SLID = 0.03  # of the way that a node slides in a step; the error after it is its square
 SHORTEST_PART = 0.1  # of its old length, to which a segment counts as shortened where it turns
 
-Attempt = namedtuple("Attempt", "conditions chain h v")
+Attempt = namedtuple("Attempt", "conditions chain h v is_stage")
 Attempt.__doc__ = """A step that is attempted.
 
 conditions : `BoundaryConditions`.  chain : `Chain` at the end of the step.  h : length of the step [s].
-v : velocities before it [m/s].
+v : velocities before it [m/s].  is_stage : whether of `second_order.py`.
 """
 
 
 @kernel
-def segment_at(attempt, s, x, w):
-    """Length l [m], direction, l0 [m], spring k [N/m], damper c [N s/m], rate that it sees [m/s], old vector r0 [m].
+def segment_at(attempt, s, x, is_new, w):
+    """Length l [m], direction, l0 [m], spring k [N/m], damper c [N s/m], rate s that it sees [m/s], h/b ds/dr.
 
-    Of segment s; the mode of k is that of the positions x [m], that of c stands in w.modes.
+    Of segment s; the mode of k is that of the positions x [m], that of c stands in w.modes.  is_new : whether an iteration
+    begins with these positions, whose directions go into w.along (modified).
     """
-    chain = attempt.chain
+    chain, b = attempt.chain, shrinkage(attempt)
     r0 = sub(get(w.old, s + 1), get(w.old, s))
     length, e = segment.geometry(sub(get(x, s + 1), get(x, s)))
     rest = rest_length(chain, s)
     k, _ = segment.stiffness(chain, s, length - rest, rest)
     _, c = segment.stiffness(chain, s, w.modes[s], rest)
+    if attempt.is_stage:
+        along = e if is_new else get(w.along, s)
+        put(w.along, s, along)
+        return length, e, rest, k, c, (b * length * dot(along, e) - dot(along, r0)) / attempt.h, along
     rate = segment.seen_rate(chain, length, (length - dot(e, r0)) / attempt.h)
-    return length, e, rest, k, c, rate, r0
+    return length, e, rest, k, c, rate, slant_of(b, length, e, r0)
 
 
 @kernel
@@ -168,7 +176,7 @@ def potential(attempt, x, w):
         away = sub(get(x, i), get(w.free, i))
         total += 0.5 * w.mass[i] / (h * h) * dot(away, away)
     for s in range(attempt.chain.n):
-        length, _, rest, k, c, rate, _ = segment_at(attempt, s, x, w)
+        length, _, rest, k, c, rate, _ = segment_at(attempt, s, x, False, w)
         total += segment.elastic_energy(k, length - rest) + 0.5 * h * c / b * rate * rate
         size += (k * abs(length - rest) + c * abs(rate)) * (norm(get(x, s)) + length)
         u = velocity_change(attempt, s, x, w)
@@ -203,9 +211,8 @@ def linearize(attempt, x, is_held, w):
     diagonal, lower, upper = w.matrix
     block, force = inertia(attempt, 0, x, w)
     for s in range(n):
-        length, e, rest, k, c, rate, r0 = segment_at(attempt, s, x, w)
+        length, e, rest, k, c, rate, slant = segment_at(attempt, s, x, True, w)
         w.held[s] = length - rest
-        slant = slant_of(b, length, e, r0)
         spring = k * (length - rest)
         across = max(spring + c * rate, 0.0) / length
         air = sub(get(w.drag, s), apply(get_matrix(w.slope, 9 * s), velocity_change(attempt, s, x, w)))

@@ -21,7 +21,7 @@ from ..equations.ground import has_ground
 from ..equations.lines import lines_of, parameters_of, segments_of
 from ..equations.properties import rest_length
 from ..line import incremental_potential
-from ..line.backward_euler import MOST_HALVINGS
+from ..line.backward_euler import MOST_HALVINGS, WHOLE
 from ..line.strand_room import GOAL
 from ..linear_algebra import condensed
 from ..linear_algebra.vectors import dot, get, sub
@@ -131,6 +131,7 @@ def descend(system, step, before, phase):
     if (
         (step.turns and fixed.has_changed(system))
         or before == inf
+        or step.kind != WHOLE
         or has_ground(parameters_of(system, 0))
         or does_any_flow(system, step)
     ):

@@ -35,6 +35,7 @@ from ..equations.rope import feels_rope
 from ..equations.ropes import comes_from, goes_on, has_coordinates, has_sheaves, is_freed, is_turned
 from ..flat_arrays import part
 from ..line import rosenbrock, second_order
+from ..line.backward_euler import WHOLE
 from ..line.incremental_potential import Attempt
 from ..line.rodas4p import STAGES
 from ..line.strand_room import (
@@ -683,4 +684,5 @@ turns : whether the speeds of coordinates are found in it; else rope runs as fas
 def attempt_of(system, k, step):
     """`incremental_potential.Attempt` of line k."""
     _, v = motion_of(system, k)
-    return Attempt(conditions_of(system, k), chain_now(system, k, step.time + step.h), step.h, v)
+    chain = chain_now(system, k, step.time + step.h)
+    return Attempt(conditions_of(system, k), chain, step.h, v, step.kind != WHOLE)
