@@ -11,8 +11,7 @@ import pytest
 from tetherfmu import Line, Point, Solver, Tether, TetherDynamicFree, TetherSystem, Winch
 
 G, FALL = 9.81, 4.9  # m/s2; of 1 s from rest [m]
-# where a load stops at once, and where a winch without mass runs alone
-pytestmark = pytest.mark.filterwarnings("ignore::tetherfmu.PlausibilityWarning")
+pytestmark = pytest.mark.filterwarnings("ignore::tetherfmu.PlausibilityWarning")  # a load stops at once, a winch runs alone
 
 
 @pytest.mark.parametrize("method", ["second_order", "backward_euler"])

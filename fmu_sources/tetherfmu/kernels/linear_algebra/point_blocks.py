@@ -4,7 +4,7 @@
 
 as within a line (`block_tridiagonal.py`), whose inner nodes these could be. Points in a row, whose neighbours are the next
 ones only, are solved there. The blocks of a diagonal stand one after the other, from the lowest of 2 w + 1 diagonals to the
-highest; the points p - w .. p + w may be neighbours of p (`records/ordering.py`). Where the symmetric part of a matrix is
+highest; the points p - w .. p + w may be neighbours of p (`wiring/ordering.py`). Where the symmetric part of a matrix is
 positive definite, that of each D_p is, too, and no pivots are needed; a symmetric matrix is definite if all D_p are.
 Source: Golub and Van Loan, Matrix Computations, 4th ed., sections 3.2.10 (block elimination), 4.2 (positive definite
 matrices) and 4.3 (bands).

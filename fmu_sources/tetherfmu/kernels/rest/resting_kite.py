@@ -15,7 +15,7 @@ from .resting_line import line_work_size
 
 PLAN = places.plan_size(1)
 INPUTS = at.INPUTS + 3
-BAND = 0  # of the matrix of one point, see `records/ordering.py`
+BAND = 0  # of the matrix of one point, see `wiring/ordering.py`
 ROOM_AT = PLAN + INPUTS + (PLAN + INPUTS) % 2  # place of the scratch space of the system, behind its plan and its inputs
 
 
