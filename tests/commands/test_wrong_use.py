@@ -225,7 +225,7 @@ WRONG = {  # what is typed, what must be said
     "fly hoist --set lines.beam.diametre=3": "unknown key lines.beam.diametre; did you mean diameter?",
     "fly hoist --set lines.rope_left.winch_control=force": "lines.rope_left.winch_control is force, and nothing gives that",
     "fly logged --duration 30": "duration is 30.0; it must be at most 20 s",
-    "fly hoist --duration 0.6 --csv none/table.csv": "there is not a folder none",
+    "fly hoist --duration 0.6 --csv none/table.csv": "there is no folder none",
     "fly hoist --duration 0.6 --outputs power": "--outputs chooses columns of --csv; it requires --csv",
     "fly hoist --duration 0.6 --csv t.csv --outputs tension_form": "has no tension_form; did you mean tension_from?",
     "fly hoist --duration 0.6 --from 3": "--from is 3 s; it must be at most the end of the flight, 0.6 s",

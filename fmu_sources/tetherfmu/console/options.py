@@ -139,7 +139,7 @@ def new_file(text):
     if path.is_dir() or not text:
         raise argparse.ArgumentTypeError(f"{text!r} is a folder; it must be a file")
     if not path.parent.is_dir():
-        raise argparse.ArgumentTypeError(f"{text!r} cannot be written: there is not a folder {path.parent}")
+        raise argparse.ArgumentTypeError(f"{text!r} cannot be written: there is no folder {path.parent}")
     if not os.access(path if path.exists() else path.parent, os.W_OK):
         raise argparse.ArgumentTypeError(f"{text!r} cannot be written: it is write-protected")
     return path
