@@ -83,10 +83,10 @@ def test_orders():
 
 
 def test_energy():
-    """What is lost falls at least with the step, as a damped rope that turns has it, and no energy comes from nowhere."""
+    """The energy that no power explains falls with the square of the step, also of a damped rope that turns."""
     (coarse, size), (fine, _) = (energy_from_nowhere(h, 5.0, 0.5, fixed(h, "second_order")) for h in (0.01, 0.005))
-    assert 1.9 < coarse / fine < 4.2
-    assert -0.005 * size < fine < 0.0
+    assert 3.3 < coarse / fine < 4.2
+    assert abs(fine) < 1e-4 * size
 
 
 # --- events
@@ -124,15 +124,18 @@ def flown(network, solver, step, count):
 
 @pytest.mark.parametrize("method", METHODS)
 def test_random_ropes_agree_with_adaptive_steps(method):
-    """Median over 24 scenes of 0.5 s, of payouts of some dm: 0.3 and 7 mm at 5 ms, a half or less at 2.5 ms."""
+    """Median over 24 scenes of 0.5 s, of payouts of some dm: 0.13 and 7 mm at 5 ms, 0.09 mm and a half at 2.5 ms.
+
+    With order 2 what friction that begins to hold within a step leaves is about the same in both.
+    """
     errors = []
     for seed in range(24):
         network = random_ropes(np.random.default_rng((10, seed)), is_wild=False)
         exact, _ = flown(network, Solver(relative_tolerance=1e-7), 0.01, 50)
         errors.append([np.abs(flown(network, fixed(h, method), 0.01, 50)[0] - exact).max() for h in (0.005, 0.0025)])
     coarse, fine = np.median(errors, axis=0)
-    assert coarse < (1e-3 if method == "second_order" else 0.015)
-    assert fine < 0.6 * coarse
+    assert coarse < (2e-4 if method == "second_order" else 0.015)
+    assert fine < (1.2e-4 if method == "second_order" else 0.6 * coarse)
 
 
 @pytest.mark.parametrize("seeds", [range(50), range(50, 100)])
