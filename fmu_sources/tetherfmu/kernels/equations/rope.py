@@ -120,7 +120,7 @@ def column(piece, flow, slope, e, r, u, side, loads):
 
 @kernel
 def row(piece, flow, side, r, u, z_p, z_q):
-    """Slopes of the contribution to R_e: by r [N/m], by u [N s/m], by l0 [N/m]; `column` returns the slopes by z (by a_e')."""
+    """Slopes of the contribution to R_e: by r [N/m], by u [N s/m], by l0 [N/m]; `column` has the slopes by z, its a_e'."""
     share, per, square, both, growth = side.share, piece.per, dot(r, r), dot(r, u), piece.growth
     of_flow, damper = piece.half * per, share * per * piece.c
     product, gain = side.at_p * flow.c_p + side.at_q * flow.c_q, side.at_p * flow.gain_p + side.at_q * flow.gain_q

@@ -1,9 +1,8 @@
 """A line with rope coordinates at its ends: residual of a stage, derivatives, right-hand sides.
 
-The equations are 0 = r(q, v, z, t) with q' = v and v' = z. The nodes obey M(q) z = F(q, v, z, t), where F contains the
-inertia of accelerating rope; each end has a tension T(R) that acts on its coordinates. Condensed to its ends
-(`linear_algebra.condensed`), the line is a substructure in `points/net.py`. Under the stretch_rate law rope carries no
-momentum, and T is the tension of the first segment.
+The equations are 0 = r(q, v, z, t) with q' = v and v' = z: M(q) z = F(q, v, z, t) for the nodes, where F contains the
+inertia of accelerating rope, and a tension T(R) at each end. Condensed to its ends (`linear_algebra.condensed`), the line is
+a substructure in `points/net.py`. Under the stretch_rate law rope carries no momentum; T belongs to the first segment.
 """
 
 from ..arrays import clear, copy
@@ -116,7 +115,7 @@ def first_tension(chain, mode, x, v):
 
 @kernel
 def sum_forces(strand, chain):
-    """Loop of `take_pulls` from both ends inwards; in both halves p is the outer node of a segment and `own` the outer end."""
+    """Loop of `take_pulls` from both ends inwards; in each half p is the outer node of a segment and `own` the line end."""
     n, w, numbers, weights = chain.n, strand.w, strand.numbers, strand.weights
     from_outside = pair(ZERO_VECTOR, ZERO_VECTOR)
     x_p, v_p, z_p = get_interleaved(w.stage_x, 0), get_interleaved(w.stage_v, 0), get_interleaved(strand.stage_z, 0)
@@ -349,7 +348,7 @@ def linearize_end(strand, chain, end, time, d):
 
 @kernel
 def loop_of_end(strand, chain, end, d, own):
-    """Loop of `linearize_end`, two segments at a time. Rows lack the 1/d gain terms and the columns' gain terms."""
+    """Loop of `linearize_end` over pairs of segments: row and column of an end, slopes of R by lengths and rates (modified)."""
     n, numbers, other_end, nothing = chain.n, strand.numbers, 1 - end, pair(0.0, 0.0)
     by_own, by_other, of_own, of_other, heights = nothing, nothing, nothing, nothing, nothing
     length_p = rate_p = x_row = v_row = pair(ZERO_VECTOR, ZERO_VECTOR)
