@@ -348,7 +348,7 @@ def linearize_end(strand, chain, end, time, d):
 
 @kernel
 def loop_of_end(strand, chain, end, d, own):
-    """Loop of `linearize_end` over pairs of segments: row and column of an end, slopes of R by lengths and rates (modified)."""
+    """Loop of `linearize_end` over pairs of segments: row, column and slopes of R by lengths and rates (all modified)."""
     n, numbers, other_end, nothing = chain.n, strand.numbers, 1 - end, pair(0.0, 0.0)
     by_own, by_other, of_own, of_other, heights = nothing, nothing, nothing, nothing, nothing
     length_p = rate_p = x_row = v_row = pair(ZERO_VECTOR, ZERO_VECTOR)

@@ -365,7 +365,7 @@ def solve(system):
 
 @kernel
 def sum_masses(system, at_stage):
-    """Masses of the free points [kg] from their line ends (modified), at a stage or (at_stage False) at the start of the step."""
+    """Masses of the free points [kg] from their line ends (modified), at a stage or else at the start of the step."""
     points = points_of(system)
     clear(points.mass)
     for k in range(lines_of(system)):
@@ -422,7 +422,7 @@ def take_inner_response(own, rows):
 
 @kernel
 def begin_accelerations(system, time):
-    """First accelerations of all global unknowns (modified): points without coordinates; coordinates keep their last value."""
+    """Initial accelerations of all global unknowns (modified): points without coordinates, coordinates unchanged."""
     whole, points = globals_of(system), points_of(system)
     for point in range(free_points(system)):
         load = load_at(system, point, time)
