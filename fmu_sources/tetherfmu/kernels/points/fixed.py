@@ -138,7 +138,7 @@ def room_left(longer, shorter):
 
 @kernel
 def limits_by(system, k, growth, speed, h):
-    """Lowest and highest speed [m/s] of a coordinate that lengthens line k by `growth` per metre; speed : the present one."""
+    """Lowest and highest speed [m/s] of a coordinate that lengthens line k by `growth` per metre; speed : present one."""
     length = numbers_of(system, k)[LENGTH] - growth * (h * speed)
     inwards = room_left(length, shortest_of(system, k)) / (abs(growth) * h)
     outwards = room_left(longest_of(system, k), length) / (abs(growth) * h) if has_longest(system, k) else inf
@@ -236,7 +236,7 @@ def take_rope(system, k, step):
 
 @kernel
 def seek(system, h, is_given):
-    """Set the assumed state of all coordinates (modified) from their motion in a step of h [s], or prescribe their speeds."""
+    """Set the assumed state of all coordinates (modified) from their motion in a step of h [s], or prescribe speeds."""
     for j in range(count_of(system)):
         take_limits(system, j, h)
         own = coordinate_at(system, j)
@@ -413,7 +413,7 @@ def next_way(system, j, time, h, change):
 
 @kernel
 def seek_next(system, step, one_at_a_time):
-    """Update the state of all coordinates (modified) that contradict their assumed state, or of only one; returns how many."""
+    """Update the coordinates (modified) that contradict their assumed state, or only one of them; returns how many."""
     others, solution, points = 0, globals_of(system).solution, 3 * free_points(system)
     for j in range(count_of(system)):
         if not (one_at_a_time and others > 0):

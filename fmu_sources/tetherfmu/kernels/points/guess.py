@@ -62,7 +62,7 @@ def move_of_driven(system, k, end):
 
 @kernel
 def add_weight(system, k, whole):
-    """Add line k to the equations of the mean point displacements (modified); returns whether one of its points is driven."""
+    """Add line k to the equations of mean point displacements (modified); returns whether one of its points is driven."""
     weight = 1.0 / conditions_of(system, k).reeling[0]
     for end in range(2):
         if is_at_point(system, k, end):

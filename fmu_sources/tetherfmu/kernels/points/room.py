@@ -313,7 +313,7 @@ def count_free(system):
 
 @kernel
 def is_held(system, k, end):
-    """Whether a coordinate lets rope into line k over an end, in a piece of time in which any of the line's coordinates moves."""
+    """Whether a coordinate lets rope into line k over an end, in a piece of time in which such a coordinate moves."""
     return holders_of(system, k, end) > 0 and numbers_of(system, k)[RUNS] != 0.0
 
 
