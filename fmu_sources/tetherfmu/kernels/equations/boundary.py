@@ -148,7 +148,7 @@ def place_at_start(n, parameters, inputs, state):
 
 @kernel
 def move_ends(n, given, state):
-    """Move both ends of a state (modified) to their prescribed positions at the end of the step; for variants without waves."""
+    """Move both ends of a state (modified) to their prescribed motion at the end of the step; for variants without waves."""
     put_ends(n, state, target(*given.ground, given.step), target(*given.kite, given.step))
 
 

@@ -196,7 +196,7 @@ def energy_of_flow(chain, x, v, counted):
 
 @kernel
 def add_rates(chain, acceleration, jerk, x, v, force_rate):
-    """Add df/dt [N/s] at constant x [m], v [m/s] to `force_rate` (modified), all flat; other arguments as for `slope_rates`."""
+    """Add df/dt [N/s] at constant x [m], v [m/s] to `force_rate` (modified), all flat; others as for `slope_rates`."""
     part = 1.0
     for s in range(chain.n):
         of_p, of_q, by_rate = slope_rates(chain, s, part, acceleration, jerk)
@@ -208,7 +208,7 @@ def add_rates(chain, acceleration, jerk, x, v, force_rate):
 
 @kernel
 def add_change(chain, s, part, dr, du, force):
-    """Add to the flat array `force` (modified) the change of the forces [N] for changes of r [m] and u [m/s] of segment s."""
+    """Add to `force` (flat, modified) the change of the forces [N] due to changes of r [m] and u [m/s] of segment s."""
     of_p, of_q, by_rate = slopes(chain, s, part)
     along = scale(by_rate, du)
     put(force, s, add(get(force, s), add_scaled(along, of_p, dr)))

@@ -84,7 +84,7 @@ def places_of_load(end):
 
 @kernel
 def take_loads(system, k, step, before):
-    """Loads on the free points of line k in a step [s] from the states `before`: extrapolation, and storage for the next step.
+    """Extrapolate the loads on the free points of line k in a step [s] from the states `before`, and store the next ones.
 
     Their rates [N/s], as for a load on a kite end (`boundary.inputs_of_step`), go into `Points.load_rate`, loads and
     recent rates into the state of the line (both modified).
