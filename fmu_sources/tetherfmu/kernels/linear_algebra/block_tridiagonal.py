@@ -61,7 +61,7 @@ def minus_product(a, m, b):
 def factorize_halves(rows, up, down, matrix):
     """Factorize `count` rows from row `up` upwards and from row `down` downwards, both at once (matrix modified).
 
-    Returns the amount to subtract from the next two rows of blocks, as a matrix of pairs, and False if a pivot block is singular.
+    Returns the subtrahend for the next two rows of blocks, as a matrix of pairs, and False if a pivot block is singular.
     """
     diagonal, lower, upper = matrix
     block = get_blocks(diagonal, up, diagonal, down)

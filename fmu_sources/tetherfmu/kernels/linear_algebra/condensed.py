@@ -29,7 +29,7 @@ from .vectors import add, get, put, scale, sub
 Rows = namedtuple("Rows", "n first last start_is_shared end_is_shared")
 Rows.__doc__ = """The rows 0 .. n: inner rows, which are solved for, are `first` .. `last`; none if first > last.
 
-start_is_shared, end_is_shared : whether row 0, and row n, is shared with other systems. Then the inner rows are 1 .. n - 1."""
+start_is_shared, end_is_shared : whether row 0, and row n, is shared with other systems; inner rows are then 1 .. n - 1."""
 
 
 @kernel
@@ -46,7 +46,7 @@ def columns_of(n, end, columns):
 
 @kernel
 def condense(rows, matrix, columns):
-    """Factorize the inner rows of a `Matrix` and compute the columns of its shared ends (both modified); False if singular."""
+    """Factorize the inner rows of a `Matrix` and compute columns of its shared ends (both modified); False if singular."""
     if rows.first > rows.last:
         return True
     if not factorize(rows.first, rows.last, matrix):
@@ -67,7 +67,7 @@ def find_all_columns(rows, matrix, columns):
 
 @kernel
 def pass_inwards(n, right, matrix, blocks):
-    """Right-hand side of the two middle rows, or the middle row twice, from the rows beside both ends; see `find_columns`."""
+    """Right-hand side of the two middle rows, or the middle row twice, from the rows beside the ends; see `find_columns`."""
     _, lower, upper = matrix
     middle = n // 2
     if middle == 1:
