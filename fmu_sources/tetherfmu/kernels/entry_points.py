@@ -82,7 +82,7 @@ def entry_points(lines):
         return packing.count_segments(tethers, flat(quantities, packing.count_of_quantities(tethers, 0)), has_nodes)
 
     def pack(tethers, kites, quantities, tolerance, parameters):
-        """Parameters (modified) for the number of segments that `segments` returned; a status; unchanged on any status except OK."""
+        """Parameters (modified) for the number of segments that `segments` returned; a status; unchanged except on OK."""
         given = flat(quantities, packing.count_of_quantities(tethers, kites))
         p = flat(parameters, parameters_size(packing.count_segments(tethers, given, has_nodes)))
         return packing.pack(tethers, kites, given, tolerance, has_nodes, has_waves, p)
@@ -153,7 +153,7 @@ def entry_points(lines):
         return steps
 
     def energy(plan, parameters, inputs, line, state, energies, work):
-        """Energies, powers, tensions and velocities (modified) of a line with wind, reel-out speed and load from `inputs`."""
+        """Energies, powers, tensions and velocities (modified) of a line with wind, reel-out speed and load of `inputs`."""
         system = system_at(plan, parameters, inputs, state, work)
         return lines.energy(system, line, flat(energies, power_balance.size(segments_of(system, line) + 1)))
 

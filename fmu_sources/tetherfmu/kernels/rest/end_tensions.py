@@ -92,7 +92,7 @@ def forget(state):
 
 @kernel
 def store(body, state, w):
-    """Store the end tension vectors of the body in equilibrium in the state (modified) if positions do not determine them."""
+    """Store the end tension vectors of the body at rest in the state (modified) if positions do not determine them."""
     forget(state)
     if body.chain.n == 1 or are_held(body, w):
         return

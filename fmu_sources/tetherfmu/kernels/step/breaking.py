@@ -120,7 +120,7 @@ def begin(system, before):
 
 @kernel
 def end(system):
-    """`unfit` at the end of a step (modified). Removes the additional node of a line released in a step that was rolled back."""
+    """`unfit` at the end of a step (modified). If a release was rolled back, its additional node is removed."""
     for k in range(lines_of(system)):
         if is_freed(system, k) and not torn.has_let_go(state_of(system, k)):
             torn.remove_node(segments_of(system, k) - 1, state_of(system, k))

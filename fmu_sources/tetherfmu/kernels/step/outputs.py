@@ -173,7 +173,7 @@ def outputs_of_chain(chain, state, x, v, shape_points, outputs, mass):
 
 @kernel
 def parting(state):
-    """1 if the line has broken or was released, else 0; and the time of the first such event [s] since the start, -1 before."""
+    """1 if the line has broken or was released, else 0; and the time of the first such event [s] since the start, or -1."""
     has_broken, has_let_go = state[at.TORN_SEGMENT] >= 1.0, state[at.LET_GO] >= 1.0
     if has_broken and has_let_go:
         return 1.0, min(state[at.TORN_AT], state[at.LET_GO_AT])

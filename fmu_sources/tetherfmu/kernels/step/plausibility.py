@@ -110,7 +110,7 @@ def note_length(n, parameters, state):
 
 @kernel
 def note_slack_winch(n, parameters, state):
-    """Note the force [N] of a winch with mass that reels in a slack tether against little resistance, in the state (modified)."""
+    """Note the force [N] of a winch with mass that reels in a slack tether with little force, in the state (modified)."""
     if winch.follows_force(parameters) and parameters[at.WINCH_MASS] > 0.0 and state[at.REELING] < 0.0:
         force = state[at.LAST_WINCH_FORCE]
         drive = force - parameters[at.WINCH_FRICTION]
@@ -164,7 +164,7 @@ def note_acceleration(position, velocity, reached, step, time, kind, state):
 
 @kernel
 def unexplained(way, last_velocity, velocity, step):
-    """The part r [m] of a displacement d [m] in a step [s] that no velocity between the last and the present one [m/s] explains."""
+    """Part r [m] of a displacement d [m] in a step [s] that no velocity between the last and the present one explains."""
     first = scale(step, last_velocity)
     change = sub(scale(step, velocity), first)
     square = dot(change, change)

@@ -77,7 +77,7 @@ def load_of(line, state):
 
 @kernel
 def note_depth(parameters, state):
-    """Note in the state (modified) how far a tether without ground contact hangs below the ground [m], with both ends above it."""
+    """Note in the state (modified) the depth [m] of a tether below a ground without contact, both ends being above it."""
     plane = parameters[at.GROUND_HEIGHT]
     if not has_ground(parameters) and state[at.WARNED_VALUES + limits.GROUND_IGNORED] == 0.0:
         line, ground, chord, _ = chord_of(parameters, state)

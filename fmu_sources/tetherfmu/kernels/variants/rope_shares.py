@@ -314,8 +314,8 @@ def search_from_given(system, sheaves, drums):
 def find_shares(system):
     """Solve all sought points and portion lengths for equilibrium (modified); a status.
 
-    If drums are sought, start from straight ropes if `initial_length` fails, and for drums of several lines from the solution
-    without them. If portions of stiff rope do not fit together during the search, start with softer rope.
+    If drums are sought, start from straight ropes if `initial_length` fails, and for drums of several lines from the
+    solution without them. If stiff portions do not fit together during the search, start with softer rope.
     Portions that become too short during the search are NO_SHARES.
     """
     sought, (sheaves, drums) = share_ropes(system, False), count_unknowns(system)

@@ -33,7 +33,7 @@ def forget_notes(state):
 def winch_start(settle, tension):
     """Return the kernels `find` and `note_imbalance` of a variant.
 
-    settle : kernel (n, parameters, inputs, state, work) that puts a new state (modified) into its shape and returns a status.
+    settle : kernel (n, parameters, inputs, state, work) that solves the shape of a new state (modified); returns a status.
     tension : kernel (n, parameters, state) of the ground tension [N] of such a state.
     """
 
