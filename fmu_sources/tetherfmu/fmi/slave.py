@@ -53,7 +53,7 @@ class TetherSlave(BaseSlave):
         return options_in(self.resources)
 
     def _make_arrays(self, options):
-        """Make the instance, the array of all values, and of a system what leads from one to the other."""
+        """Make the instance, the array of all values, and for a system the maps between them."""
         wiring = self._wiring
         self._outputs_at, self._parameters_at, count = wiring.ends
         self._kite_is_free = wiring.is_direct and wiring.record.kite_is_free
@@ -132,12 +132,12 @@ class TetherSlave(BaseSlave):
         return problem
 
     def advance(self, step):
-        """One communication step [s] of a system. Returns what is wrong, or None."""
+        """One communication step [s] of a system. Returns the problem, or None."""
         self._give()
         return self._shown(self._instance.advance(step))
 
     def warnings(self):
-        """Sentences on what is implausible, each once since the start."""
+        """Sentences on implausible behaviour, each once since the start."""
         doubts, self._doubts = self._doubts, ()
         if self._watch:
             doubts = (*doubts, *self._about_positions())
@@ -180,7 +180,7 @@ class TetherSlave(BaseSlave):
             given[place] += factor * values[reference]
 
     def _shown(self, problem):
-        """Put the outputs of a system into the values, if nothing is wrong; returns what is."""
+        """Copy the outputs of a system to the values, if there is no problem; returns the problem."""
         if problem:
             return problem
         values, found, state = self.values, self._instance.values, self._instance.state
@@ -211,7 +211,7 @@ class TetherSlave(BaseSlave):
         return saved_state.to_bytes(SavedState(*facts, self.values, state))
 
     def state_from_bytes(self, blob):
-        """Go back to a state; ValueError, with nothing changed, if it is none of this tether."""
+        """Restore a state; ValueError, with no change, if it belongs to another tether."""
         before, values = self.state_to_bytes(), self.values[:]
         try:
             self._take(self._saved(blob))
@@ -221,13 +221,13 @@ class TetherSlave(BaseSlave):
             raise
 
     def _saved(self, blob):
-        """The `SavedState` in bytes; ValueError says what is wrong with them."""
+        """The `SavedState` in bytes; ValueError describes a problem with them."""
         return saved_state.from_bytes(blob, self._wiring.name, len(self.values), self._instance.state_size)
 
     def _take(self, saved):
-        """Be as in a `SavedState`; ValueError, half done, if its numbers cannot be used.
+        """Restore a `SavedState`; ValueError, half done, if its numbers are invalid.
 
-        Its outputs are not taken but computed: they follow from the state array.
+        Its outputs are not used but computed: they follow from the state array.
         """
         for name, reference, expected in self.constants:
             value = saved.values[reference]

@@ -9,7 +9,7 @@ from pathlib import Path
 
 
 def hold(*objects):
-    """Take a reference of each object for good: PythonFMU's library gives away one that it does not own.
+    """Increment the reference count of each object permanently: PythonFMU's library releases one that it does not own.
 
     One of the globals of the launcher script per instance; one of the slave, its class and its log when it refuses to start.
     """

@@ -47,7 +47,7 @@ class Input:
 
     @property
     def group(self):
-        """Group of variables, see `wiring/selection.py`: that of its terminal, of both ends "motion"."""
+        """Group of variables, see `wiring/selection.py`: the group of its terminal, of both ends "motion"."""
         terminal = self.terminal.partition(".")[0]
         return self.own_group or ("motion" if terminal in ("kite", "ground") else terminal)
 
@@ -92,7 +92,7 @@ INPUT_TABLE = (
         own_group="breaking",
     ),
 )
-# with the build option --wind-points: at each point its wind; behind the inputs of the table in the array
+# with the build option --wind-points: the wind at each point, after the inputs of the table
 _OF_POINTS = "points on the tether at equal unstretched spacing, ground first: wind, linear in between"
 WIND_AT = Input("wind_at", "m/s", _OF_POINTS, "wind.at", ZERO)
 # inputs and parameters that then have no effect
@@ -113,7 +113,7 @@ def wind_at_names(wind_points):
 
 
 def inputs_of(kite_is_free):
-    """The inputs of a tether with a free or a driven kite end in the order of its FMI variables: those of the kite first."""
+    """The inputs of a tether with a free or a driven kite end in the order of its FMI variables: kite inputs first."""
     wanted = (EVERY_TETHER, FREE_KITE if kite_is_free else DRIVEN_KITE)
     listed = [each for each in INPUT_TABLE if each.of in wanted]
     return sorted(listed, key=lambda each: each.of == EVERY_TETHER)

@@ -1,13 +1,13 @@
-"""Where each number lives in the flat arrays that travel between the shells and the kernels.
+"""Place of each number in the flat arrays that shells and kernels exchange.
 
-All arrays hold 64-bit floats. Three-vectors take three consecutive places (x, y, z).
+All arrays contain 64-bit floats. Three-vectors occupy three consecutive places (x, y, z).
 
 =============  ======================================================================
 `parameters`   scalars of the whole chain, then one array per segment property
-`inputs`       what the importer sets before a communication step
+`inputs`       values that the importer sets before a communication step
 `state`        everything needed to continue: saving a tether is saving this array
-`outputs`      what the importer reads after a communication step, then the shape
-`work`         scratch space of the kernels; its content has no meaning between calls
+`outputs`      values that the importer reads after a communication step, then the shape
+`work`         scratch space of the kernels; its content is undefined between calls
 =============  ======================================================================
 
 The kernels freeze these numbers.
@@ -44,21 +44,21 @@ KITE_IS_FREE = GROUND_IS_FREE + 1
 CALM_LAYER = GROUND_IS_FREE + 2  # thickness [m] of a layer above z = 0, 0 but in `kernels/rest/homotopy.py`
 WIND_POINTS = GROUND_IS_FREE + 3  # at which the wind is an input, 0 for none
 # what a line that is torn or has let go has instead of its own while a kernel runs, see `kernels/equations/torn.py`
-TORN_NOW = GROUND_IS_FREE + 4  # number of the segment that holds nothing, from 1 on; 0 for none
-WHOLE_STIFFNESS, WHOLE_DAMPING, WHOLE_DRAG_WIDTH = TORN_NOW + 1, TORN_NOW + 2, TORN_NOW + 3  # what it had before
+TORN_NOW = GROUND_IS_FREE + 4  # number of the segment without load, from 1 on; 0 for none
+WHOLE_STIFFNESS, WHOLE_DAMPING, WHOLE_DRAG_WIDTH = TORN_NOW + 1, TORN_NOW + 2, TORN_NOW + 3  # its earlier values
 WHOLE_CONTROL = TORN_NOW + 4  # `winch_control` before the winch was braked
 CAN_BREAK = TORN_NOW + 5  # 1 if any segment has a breaking force
-# of a portion of a line that runs over sheaves, see `kernels/points/room.py`; the sheave is that at its end
-IS_PORTION = TORN_NOW + 6  # 1 of the first portion, 2 of those behind a sheave, else 0
+# of a portion of a line over sheaves, see `kernels/points/room.py`; the sheave is at its end
+IS_PORTION = TORN_NOW + 6  # 1 for the first portion, 2 for later ones, else 0
 BEHIND_SHEAVE = 2.0
 ROUNDED_STOP = 1e-6  # of its length: how far below the shortest one it may have stopped
 GIVEN_PORTION = IS_PORTION + 1  # its unstretched length at the start [m]; 0: as the tensions at rest share the line
 SHEAVE_MASS = IS_PORTION + 2  # J/r2 [kg]
 SHEAVE_FRICTION = IS_PORTION + 3  # Coulomb friction of the rope on the sheave [-]
-SHEAVE_EFFICIENCY = IS_PORTION + 4  # tension on the side that the rope comes from over that of the other side [-]
-# of a line whose winch is controlled by force beside sheaves or shared winches, see `kernels/points/coordinates.py`
-MOST_HOLDERS = 3  # winches that may hold a line
-HELD_BY = IS_PORTION + 5  # numbers of the lines that carry the drums which hold it, from 1 on; 0 for none
+SHEAVE_EFFICIENCY = IS_PORTION + 4  # tension on the incoming side over tension on the other side [-]
+# of a line with a force-controlled winch and sheaves or shared winches, see `kernels/points/coordinates.py`
+MOST_HOLDERS = 3  # largest number of winches that drive a line
+HELD_BY = IS_PORTION + 5  # numbers of the lines with the drums that drive it, from 1 on; 0 for none
 HELD_RATIO = HELD_BY + MOST_HOLDERS  # rope of it for each metre that those drums pay out [-]
 PULLS_BACK = HELD_RATIO + MOST_HOLDERS  # 1 if the drum that it carries may need a force below 0, as a ratio of it is
 PARAMETER_SCALARS = PULLS_BACK + 1
@@ -68,7 +68,7 @@ STIFFNESS = 1  # E A [N]
 DAMPING = 2  # damping constant times length [N s]
 LINE_DENSITY = 3  # mass per unstretched length [kg/m]
 DRAG_WIDTH = 4  # drag coefficient times diameter [m]
-STRENGTH = 5  # breaking force [N], 0 of what never breaks
+STRENGTH = 5  # breaking force [N]; 0: unbreakable
 SEGMENT_PROPERTIES = 6
 # ... then the n + 1 extra point masses of the nodes [kg] ...
 # ... and last the wind at the nodes [m/s]: n + 1 numbers along x, along y, along z, read if WIND_PROFILE is AT_NODES
@@ -95,7 +95,7 @@ LENGTH = 0  # unstretched [m]
 REELING = 1  # rate of the unstretched length at the end of the last step [m/s]
 WIND = 2  # wind of the last step [m/s]
 SOLVER_STEP = 5  # internal step that the solver would try next [s], 0 before the first
-SOLVER_ERROR = 6  # error estimate of the last accepted step, for the PI rule; `step_control.UNRESOLVED` if there was none
+SOLVER_ERROR = 6  # error estimate of the last accepted step, for the PI rule; else `step_control.UNRESOLVED`
 LAST_STEP = 7  # last communication step [s], 0 before the first
 # the inputs whose rates are estimated, as they were at the start of the last communication step: velocities of the kite end
 # and of the ground end, of a free one see `places_of_load`; load; reel-out speed, winch force, nothing
@@ -121,7 +121,7 @@ LAST_WINCH_LENGTH = WARNED_VALUES + WARNING_KINDS  # input at the start of the l
 LONGEST_SO_FAR = LAST_WINCH_LENGTH + 1  # longest communication step since the start [s]
 # times in which the ground end, the kite end and the length still come to their given motion [s], see `end_motion.py`
 CORRECTIONS_LEFT = LONGEST_SO_FAR + 1
-FALLBACKS = CORRECTIONS_LEFT + 3  # fixed steps of lower order than asked for since the start
+FALLBACKS = CORRECTIONS_LEFT + 3  # fixed steps of lower order than requested, since the start
 RECENT_FALLBACKS = FALLBACKS + 1  # part of about the last 1000 fixed steps that they are [-]
 PEAK_SO_FAR = FALLBACKS + 2  # largest tension [N] after the internal steps but the last of the last communication step
 ACCELERATION = FALLBACKS + 3  # rate of REELING at the end of the last step [m/s2]
@@ -166,19 +166,19 @@ def node_winds_at(segments):
 
 
 def inputs_size(wind_points):
-    """Length of the `inputs` array [-] with so many points at which the wind is given."""
+    """Length of the `inputs` array [-] for this number of wind points."""
     return INPUTS + 3 * wind_points
 
 
 def nodes_end(segments):
-    """Place behind the nodes in the `state` array of a tether that has not let go."""
+    """Place after the nodes in the `state` array of a tether that has not been released."""
     return STATE_HEADER + 6 * (segments + 1)
 
 
 def state_size(segments, wind_points=0):
-    """Length of the `state` array [-] of a tether with so many segments and points at which the wind is given.
+    """Length of the `state` array [-] for these numbers of segments and wind points.
 
-    With room for one node more.
+    With room for one more node.
     """
     return STATE_HEADER + 6 * (segments + 2) + 6 * wind_points
 

@@ -1,4 +1,4 @@
-"""Status codes of the kernels, and the sentence that each of them says.
+"""Status codes of the kernels, and the sentence for each of them.
 
 A kernel returns one 32-bit number: the code in the low byte, above it an index (of an input or of a parameter).
 """
