@@ -1,7 +1,7 @@
-"""The statements of C that a function of a WebAssembly file becomes.
+"""Translates a function of a WebAssembly file to C statements.
 
-The stack of the file becomes expressions: what stands on it is written where it is used, or given a name before something
-that it reads changes. Blocks become labels.
+The stack of the file becomes expressions: a value is written where it is used, or stored in a variable before an operand
+changes. Blocks become labels.
 """
 
 import re
@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from . import c_operations as wasm
 
-LONGEST = 140  # characters of an expression; a longer one is given a name
+LONGEST = 140  # characters of an expression; a longer one is stored in a variable
 
 
 class Value(NamedTuple):
@@ -22,7 +22,7 @@ class Value(NamedTuple):
 
 
 class Label(NamedTuple):
-    """Where a branch goes."""
+    """Target of a branch."""
 
     name: str
     code: int  # BLOCK, LOOP or IF
@@ -36,7 +36,7 @@ class Writer:
         self.file, self.function, self.needs, self.names_of_functions = file, function, needs, names
         self.kinds = (*function.signature.arguments, *function.variables)
         self.lines, self.stack, self.labels = [], [], []
-        self.names, self.used = 0, set()  # names given; labels and variables that occur
+        self.names, self.used = 0, set()  # names in use; labels and variables that occur
 
     def fresh(self, letter):
         """A name that nothing has yet."""
@@ -44,7 +44,7 @@ class Writer:
         return f"{letter}{self.names}"
 
     def push(self, text, kind, variables=frozenset(), reads_memory=False):
-        """Put a value on the stack; a long expression is given a name."""
+        """Push a value onto the stack; a long expression is stored in a variable."""
         self.stack.append(Value(text, kind, variables, reads_memory))
         if len(text) > LONGEST:
             self.name(len(self.stack) - 1)
@@ -96,7 +96,7 @@ class Writer:
 
     def write(self):
         """Lines of the body."""
-        dead = 0  # blocks that are open behind a branch that is always taken
+        dead = 0  # open blocks after an unconditional branch
         skipping = False
         for code, operand in self.function.body:
             if skipping:
@@ -188,7 +188,7 @@ class Writer:
         self.push(name, signature.results[0])
 
     def control(self, code, operand):
-        """As `instruction`, of those that lead elsewhere."""
+        """As `instruction`, for branches."""
         if code in (wasm.BLOCK, wasm.LOOP, wasm.IF):
             self.open(code, operand)
         elif code == wasm.ELSE:

@@ -111,9 +111,9 @@ def for_target(text, target, machine):
 
 
 def optimize(module, machine, level):
-    """Run LLVM's passes of a level, without those that make one instruction of two statements.
+    """Run LLVM's passes of a level, without those that merge two statements into one instruction.
 
-    The numbers that it brings together for them wait for each other: with them fixed steps take a sixth longer.
+    The numbers of a merged instruction wait for each other: it makes fixed steps a sixth slower.
     """
     import llvmlite.binding as llvm
 

@@ -30,9 +30,9 @@ def code_in(path):
 
 
 def imported(path):
-    """Files of the package that a file imports at its top; `__init__` files of its rooms hold no code.
+    """Files of the package that a file imports at its top; `__init__` files contain no code.
 
-    Other packages do not count, although numba's files lie beside this package in an environment with the wheel.
+    Other packages do not count, although numba's files are beside this package in an environment with the wheel.
     """
     for dots, module, *names in IMPORT.findall(code_in(path)):
         base = path.parents[len(dots) - 1] if dots else PACKAGE.parent

@@ -77,7 +77,7 @@ class System:
         return point.position or self.starts.get(point.name)
 
     def winch_of(self, line):
-        """The `Winch` of a line: its own, or one with the control of its shared winches, and their drum if it carries that."""
+        """The `Winch` of a line: its own, or one with the control of its shared winches, and the drum that it carries."""
         held = self.holding(line.name)
         carried = next((each for each in held if self.carriers.get(each.name) == line.name), None)
         return carried.drum if carried else Winch(winch_control=CONTROL[held[0].control]) if held else line.winch
