@@ -40,8 +40,8 @@ def build(path, folder, options=None, native=None, with_header=None, with_source
     """Build the FMU of a system and return its path; ValueError describes a problem of the file in one line.
 
     path : of the file, docs/use/systems.md has its keys.  folder : of the FMU, created if missing; the groups of
-    variables for the Open Simulation Platform are written beside it.  options : `BuildOptions`, part of which a table [build]
-    of the file may set; None for the file's and one point of the shape at each node.  native : version of FMI (2 or 3)
+    variables for the Open Simulation Platform are written beside it.  options : `BuildOptions`, of which a table [build]
+    of the file sets a part; None for the file's and one point of the shape at each node.  native : version of FMI (2 or 3)
     of an FMU without Python; None for PythonFMU's.  with_header, with_sources : of a native one, see `fmus.written`.
     now : receives a text on each slow part of the work.
     """

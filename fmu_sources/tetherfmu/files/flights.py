@@ -1,6 +1,6 @@
-"""Flights of a scene: where both ends of the tether are at any time, and how much of it has been paid out.
+"""Flights of a scene: the motion of both ends of the tether, and the payout.
 
-A flight declares its numbers as quantities and says its path as a formula; velocities are the derivatives of the formula.
+A flight declares its numbers as quantities and its path as a formula; velocities are the derivatives of the formula.
 Frame: z up, ground station at the origin at the start, azimuth from the x axis. SI units.
 """
 
@@ -66,7 +66,7 @@ class Flight:
     wind = initial_length = None  # a series may bring its own, ...
     duration, contents = np.inf, b""  # ... has an end [s] and a file, ...
     has_velocities, scatter, shaking = True, 0.0, 0.0  # ... may lack velocities of moving ends, have noise, ...
-    has_length = has_force = False  # ... and give the unstretched length or the force of the winch instead of the speed
+    has_length = has_force = False  # ... and return the unstretched length or the winch force instead of the speed
     has_release = False  # only a series lets go of the kite
     kite_is_free = False  # whether the kite end is a mass that the tether moves
     __post_init__ = check

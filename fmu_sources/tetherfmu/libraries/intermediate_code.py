@@ -36,7 +36,7 @@ def write_only():
 
 
 def keep_texts():
-    """Make numba in this process keep the texts of functions; returns the class of its libraries, which have no addresses."""
+    """Make numba in this process keep the texts of functions; returns its library class, without addresses."""
     from numba.core import cgutils, codegen, types
     from numba.core.types.functions import Function
 

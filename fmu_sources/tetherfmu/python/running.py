@@ -117,7 +117,7 @@ class Running:
             warn(sentence, PlausibilityWarning, stacklevel=3 + deeper)
 
     def _fly(self, inputs, step, every, when, on_refusal, flown_of, winds=None):
-        """Implementation of `fly`; flown_of : makes its result from the result of `compiled_flight.fly` and the times of rows."""
+        """Implementation of `fly`; flown_of : converts the result of `compiled_flight.fly` and the times of rows."""
         if on_refusal not in compiled_flight.ON_REFUSAL:
             names = ", ".join(map(repr, compiled_flight.ON_REFUSAL))
             raise ValueError(f"on_refusal is {on_refusal!r}; it must be one of {names}")

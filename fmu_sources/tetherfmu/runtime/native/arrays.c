@@ -1,5 +1,5 @@
 /* The arrays of the kernels (plan_layout.py), and the calls of the kernels. tables.h defines the place of each variable in
- * them; for a single tether its inputs and outputs are those arrays (DIRECT). */
+them; for a single tether its inputs and outputs are those arrays (DIRECT). */
 #include "arrays.h"
 
 #include <string.h>
@@ -173,7 +173,7 @@ static void put_holders(const Arrays *arrays)
 }
 
 /* Whether all parameters are allowed, alone and together, and passed to the kernels; otherwise `problem` (of LONGEST_TEXT
- * bytes) describes the problem. */
+bytes) describes the problem. */
 bool pack_parameters(const Arrays *arrays, double importer_tolerance, char *problem)
 {
     double *quantities = arrays->quantities;
@@ -197,8 +197,8 @@ bool pack_parameters(const Arrays *arrays, double importer_tolerance, char *prob
 }
 
 /* --- starts, steps and outputs
- *
- * Inputs and outputs of the kernels are among the values, or separate if their variables are elsewhere. */
+
+Inputs and outputs of the kernels are among the values, or separate if their variables are elsewhere. */
 static double *inputs_in(const Arrays *arrays, double *values)
 {
     return DIRECT ? values : arrays->given;
@@ -219,7 +219,7 @@ static void give(const Arrays *arrays, const double *values)
 }
 
 /* Copy the outputs of the kernels to the values if the status is 0, and return it; the force on a point is the sum over its
- * lines. */
+lines. */
 static int32_t show(const Arrays *arrays, double *values, int32_t result)
 {
     if (result || DIRECT) return result;
@@ -249,8 +249,8 @@ int32_t first_shape(Arrays *arrays, double *values)
         outputs_in(arrays, values), arrays->work));
 }
 
-/* One communication step [s] of the state with the inputs in `values`, which receive its outputs; `before` receives the earlier
- * state. Returns the kernel's status: if it is not 0, state and outputs are unchanged. */
+/* One communication step [s] of the state with the inputs in `values`, which receive its outputs; `before` receives the
+earlier state. Returns the kernel's status: if it is not 0, state and outputs are unchanged. */
 int32_t do_step(Arrays *arrays, double step, double *before, double *values)
 {
     give(arrays, values);

@@ -45,7 +45,7 @@ static void put_in_line(const Arrays *arrays, int line, int place, double value)
 }
 
 /* Store the derivative of a load component on a free point. All lines there store it, in the place of the acceleration of a
- * driven end, see `free_points.places_of_load`. */
+driven end, see `free_points.places_of_load`. */
 static void put_rate_of_load(const Arrays *arrays, int point, int component, double value)
 {
     for (int k = 0; k < LINES; k++) {
@@ -55,7 +55,7 @@ static void put_rate_of_load(const Arrays *arrays, int point, int component, dou
 }
 
 /* Store the derivative of an input in all its lines. The last numbers of the state of a line are derivatives of the wind at
- * its points, 0 if none is set. */
+its points, 0 if none is set. */
 static void put_in_lines(const Arrays *arrays, unsigned reference, double value)
 {
     for (int i = 0; i < INPUTS_FROM; i++) {
@@ -99,10 +99,10 @@ Status set_input_derivatives(
 }
 
 /* --- derivatives of outputs by inputs: differences of the last step, repeated with other inputs
- *
- * Inputs change by fractions of their scales. Internal steps must not change, so a tether with internal steps uses small
- * fractions; the others are in an equilibrium whose iteration ends at 1e-9. A smaller fraction is tried if the end forces
- * are not smooth over the first one. */
+
+Inputs change by fractions of their scales. Internal steps must not change, so a tether with internal steps uses small
+fractions; the others are in an equilibrium whose iteration ends at 1e-9. A smaller fraction is tried if the end forces are
+not smooth over the first one. */
 enum { PARTS = 3 };
 static const double PARTS_WITH_STEPS[PARTS] = {1e-7, 1e-8, 1e-9}, PARTS_WITHOUT_STEPS[PARTS] = {1e-5, 1e-6, 1e-7};
 static const double SAME_STEP = 1e-3; /* relative difference of the next internal step: larger after other ones */
@@ -111,7 +111,7 @@ static const double ONE_SIDED = 1.0;  /* error assigned to a one-sided differenc
 static const double SLOW = 1e-3;      /* [m/s], largest change of a velocity that is derived from a position */
 
 /* Scale of an input of a line, in its unit, as runtime/inputs.py declares it. step : [s], 0 for the start. part : the
- * largest factor on it: a position with a derived velocity changes this velocity by at most `SLOW`. */
+largest factor on it: a position with a derived velocity changes this velocity by at most `SLOW`. */
 static double scale_in_line(const Arrays *arrays, int line, unsigned place, double step, double part)
 {
     const double *state = state_of(arrays, line), *parameters = parameters_of(arrays, line);
@@ -159,7 +159,7 @@ static double scale_of(const Arrays *arrays, unsigned input, double step, double
 }
 
 /* Repeat the last step, or the start if `step` is 0, with the inputs in `values`, which receive the outputs; returns the
- * kernel's status. The tether does not change. */
+kernel's status. The tether does not change. */
 static int32_t repeat(const Arrays *arrays, double step, double *values)
 {
     Arrays trial = *arrays;
@@ -210,8 +210,8 @@ static double asymmetry(const double *before, const double *values, const double
     return larger > 0.0 ? difference / larger : 0.0;
 }
 
-/* Difference quotient of all values into `quotient`: two-sided, or one-sided if the other side is not comparable.
- * Returns its doubtfulness: `asymmetry`, `ONE_SIDED`, or infinity if neither side is. room : of VALUES. */
+/* Difference quotient of all values into `quotient`: two-sided, or one-sided if the other side is not comparable. Returns
+its doubtfulness: `asymmetry`, `ONE_SIDED`, or infinity if neither side is. room : of VALUES. */
 static double find_quotient(
     const Arrays *arrays, double step, const double *values, const double *direction, double by, double *quotient,
     double *room)
@@ -227,7 +227,7 @@ static double find_quotient(
 }
 
 /* Derivative of all values along a direction of the inputs into `derivative`, the least doubtful one; false if there is
- * none. room : of 2 VALUES. */
+none. room : of 2 VALUES. */
 static bool differentiate(
     const Arrays *arrays, double step, const double *values, const double *direction, double *derivative, double *room)
 {
@@ -271,8 +271,8 @@ static Status read_direction(
     return OK;
 }
 
-/* The arrays of the last step, or of a start with the present inputs, to be differentiated. NULL, and a message, if there are
- * none. */
+/* The arrays of the last step, or of a start with the present inputs, to be differentiated. NULL, and a message, if there
+are none. */
 static Arrays *differentiable(Instance *instance)
 {
     Arrays *arrays = instance->arrays;
@@ -287,8 +287,7 @@ static Arrays *differentiable(Instance *instance)
     return NULL;
 }
 
-/* Change of outputs along a direction of inputs: for the last step, by its inputs; in initialization mode
- * for the start. */
+/* Change of outputs along a direction of inputs: for the last step, by its inputs; in initialization mode for the start. */
 Status directional_derivative(
     Instance *instance, const unsigned *unknowns, size_t count, const unsigned *knowns, size_t known_count,
     const double *seed, size_t seeds, double *sensitivity, size_t room)

@@ -98,8 +98,8 @@ fmi2Status fmi2Reset(fmi2Component c)
     return fmi2OK;
 }
 
-/* A refused step is an error, after which another step is possible: with fmi2Discard an importer would continue from a partial
- * step. */
+/* A refused step is an error, after which another step is possible: with fmi2Discard an importer would continue from a
+partial step. */
 fmi2Status fmi2DoStep(
     fmi2Component c, fmi2Real currentCommunicationPoint, fmi2Real communicationStepSize,
     fmi2Boolean noSetFMUStatePriorToCurrentPoint)

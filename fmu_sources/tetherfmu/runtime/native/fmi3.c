@@ -30,7 +30,7 @@ fmi3Status fmi3SetDebugLogging(
 /* --- life cycle */
 
 /* A new instance; NULL, and a message, if `refusal` states a reason, or if the token is wrong. what : unsupported feature,
- * for the refusal. */
+for the refusal. */
 static fmi3Instance instantiated(
     const char *call, fmi3String name, fmi3String token, fmi3InstanceEnvironment environment, fmi3LogMessageCallback log,
     fmi3Boolean is_logging, const char *refusal, const char *what)

@@ -13,8 +13,8 @@ const char *const CATEGORY[] = {"logStatusOK", "logStatusWarning", "logStatusDis
 
 /* --- making and resetting */
 
-/* Clear the mark of an object before it is freed, so that a later call with it is refused if its memory is intact. The compiler
- * would omit a write that nobody reads. */
+/* Clear the mark of an object before it is freed, so that a later call with it is refused if its memory is intact. The
+compiler would omit a write that nobody reads. */
 void unmark(const void **identity)
 {
     *(const void *volatile *)identity = NULL;
@@ -321,8 +321,8 @@ static Status check_readable(Instance *instance, unsigned kinds, const unsigned 
     return outputs && instance->phase == INITIALIZING ? start(instance, ERROR) : OK;
 }
 
-/* The status of a call that reads. On failure, invalid values are written, for importers that ignore the status: NaN,
- * the smallest integer, false, or bytes that are 0, as a string NULL. */
+/* The status of a call that reads. On failure, invalid values are written, for importers that ignore the status: NaN, the
+smallest integer, false, or bytes that are 0, as a string NULL. */
 Status filled(Status status, Type type, void *values, size_t room)
 {
     if (status == OK || !values) return status;

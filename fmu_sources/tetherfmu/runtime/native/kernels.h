@@ -24,7 +24,7 @@ int32_t KERNEL(outputs)(
 #endif
 
 /* A kernel returns 0 on success, else a code and the index of an input or a parameter, decoded by `status.code` and
- * `status.index` of status.py. */
+`status.index` of status.py. */
 static inline int code_of(int32_t result)
 {
     return result & 0xFF;

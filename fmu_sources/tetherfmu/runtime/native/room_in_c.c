@@ -1,5 +1,5 @@
-/* Room for an instance whose kernels are C: the memory of the kernels, with the instance and two places for its arrays in it.
- * An address of the kernels is a place in this memory. After instantiation only saved states use the heap. */
+/* Room for an instance whose kernels are C: the memory of the kernels, with the instance and two places for its arrays in
+it. An address of the kernels is a place in this memory. After instantiation only saved states use the heap. */
 #include "room.h"
 
 #include <stdlib.h>
