@@ -208,7 +208,7 @@ class Scene:
     def start_speed(self, motion):
         """Start speed [m/s] of a winch without speed control; motion : of the flight, from its start on.
 
-        A force-controlled drum starts at the rate at which the ends separate, unless the flight specifies it, to avoid a jerk.
+        A force-controlled drum starts at the rate at which the ends separate, unless the flight specifies it: no jerk.
         """
         if not self.has_force or self.kite_is_free or np.any(motion.reel_out_speed):
             return motion.reel_out_speed[0]

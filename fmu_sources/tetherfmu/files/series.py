@@ -125,8 +125,8 @@ class Series:
 
     Positions are splines with continuous acceleration, or cubic Hermite curves if the file contains the velocity. Reel-out
     speed (or the unstretched length, from which the rate then follows) and wind are monotone cubic curves. `wind` and
-    `initial_length` [m] are None if the file has none; `has_velocities` is whether the file has velocities of all ends that it
-    moves, `has_length` whether it has the unstretched length, `has_force` whether the winch force (`force`), which leaves
+    `initial_length` [m] are None if the file has none; `has_velocities` is whether the file has velocities of all moving
+    ends, `has_length` whether it has the unstretched length, `has_force` whether the winch force (`force`), which leaves
     the length unknown. `has_release` is whether it has the release of the kite, `release_time` [s],
     infinity if never. `scatter` [m] and `shaking` [m/s2] are the results of `noise` at the kite. `columns` are the names of
     the columns, those of a position for angles, `contents` the bytes of the file.

@@ -1,4 +1,4 @@
-"""A Dask cluster as an executor of concurrent.futures, which says in one line that it is lost."""
+"""A Dask cluster as an executor of concurrent.futures, with a one-line error if it is lost."""
 
 import asyncio
 import logging
@@ -32,9 +32,9 @@ def look_after(client, executor, closed):
 
 @contextmanager
 def cluster(address):
-    """The executor of the Dask scheduler at an address; `WorkersLost` when nobody is left to do its tasks.
+    """The executor of the Dask scheduler at an address; `WorkersLost` when no worker is left.
 
-    While it is in use, nothing is logged: what counts is raised.
+    It suppresses logging: relevant errors are raised.
     """
     before, closed = logging.root.manager.disable, threading.Event()
     logging.disable(logging.CRITICAL)
