@@ -131,7 +131,7 @@ def judging(scene, measure, names, target):
 
 
 def even_part(every, longest):
-    """Communication step [s] of approximately the longest at most, an even divisor of the time between outputs [s]."""
+    """Communication step [s] of approximately the longest at most, an even number of which fills the output interval [s]."""
     return every / (2 * ceil(every / (2.0 * longest) - 1e-6))
 
 

@@ -21,7 +21,7 @@ def residuals(flight, flown):
     """Results of the tethers minus the log, a DataFrame with a row for each tether and time, with the labels of the log.
 
     flown : dict from the name of a tether to its `runs.Flown`.  Columns: `length`, of the unstretched lengths [m];
-    `tension`, of the means over `MEAN` at the ground [N]; `measured`, the measured mean [N]; `band` [N], change of the tension
+    `tension`, of the means over `MEAN` at the ground [N]; `measured`, the measured mean [N]; `band` [N], tension change
     of the taut tether by the noise of a position (`stiffness` [N/m] times noise), NaN while the tether is slack.
     """
     length, measured = flight.length(flight.times), averaged(flight.measured("ground_tension", flight.times))

@@ -54,7 +54,7 @@ class Report:
 class Log:
     """A log in SI units, with its map and its report.
 
-    `table` : DataFrame with the column `time` [s], increasing, from 0 at the first row; the components of `kite_position` [m]
+    `table` : DataFrame with the column `time` [s], increasing, from 0 at the first row; components of `kite_position` [m]
     and, if logged, of `kite_velocity`, `wind_velocity` [m/s], and `tether_length`, `reel_out_speed`,
     `ground_tension`, `airspeed`; NaN for missing readings; `phase`, `cycle` as texts.  `map` : without missing optional
     quantities.  `source` : the file, for messages.  `begin` : time of the

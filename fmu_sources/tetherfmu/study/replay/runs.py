@@ -31,7 +31,7 @@ TAUT = 1.05  # first length over the distance of the ends, at most, where a tens
 class Flown(NamedTuple):
     """Result of a tether along a flight: `table`, a DataFrame with a row for each of `Flight.times`; NaN where it refused.
 
-    Columns, in addition to outputs of these names: `mean_tension`, of `ground_tension` over the steps since the row before [N];
+    Columns, in addition to outputs of these names: `mean_tension`, of `ground_tension` since the row before [N];
     `air_force`, sum of end forces and weight [N]: drag, for a tether that hangs in equilibrium in the air.
     `shapes` : (rows, points, 3) [m].  `refusals` : `Refusal` of the refused steps.  `stopped` : time from
     which on nothing was tried any more [s], None if the flight is complete.
