@@ -27,7 +27,7 @@ GROUND, KITE, LENGTH = 3, 0, 6  # places of the ends and of the length among the
 SHORTEST_PERIOD = 0.75  # of a rate that limits a displacement, over the displacement's time [-]
 ALWAYS_KEPT = 3  # number of past values that constant steps need
 FOREVER = 1e300  # [s]: time at rest before the start
-COARSENESS = 0.6  # a past value goes if its neighbours' interval, over the time since the earlier one, is below this
+COARSENESS = 0.6  # a past value goes if its neighbours' interval over the time since the earlier one is below this [-]
 
 
 @kernel

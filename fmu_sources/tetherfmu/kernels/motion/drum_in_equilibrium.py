@@ -231,7 +231,7 @@ def advance_with(settle, tension, largest):
 
     @kernel
     def find(step, stage, guess, state, work):
-        """Length [m] of a stage, from an initial guess [m], with its tension; and a status.
+        """Length [m] of a stage, from an initial guess [m], with its tension [N]; and a status.
 
         Leaves the state (modified) at this length. A length beyond a stop is replaced by the stop.
         """

@@ -164,7 +164,7 @@ def note_acceleration(position, velocity, reached, step, time, kind, state):
 
 @kernel
 def unexplained(way, last_velocity, velocity, step):
-    """Part r [m] of a displacement d [m] in a step [s] that no velocity between the last and the present one explains."""
+    """Part r [m] of a displacement d [m] in a step [s] that no velocity [m/s] between the last and the present explains."""
     first = scale(step, last_velocity)
     change = sub(scale(step, velocity), first)
     square = dot(change, change)

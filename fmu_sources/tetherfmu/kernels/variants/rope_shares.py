@@ -152,7 +152,7 @@ def move_rope(system, factor, moves):
 
 @kernel
 def change_of(system, k, moves):
-    """Change of the length of line k by `moves` [m]."""
+    """Change [m] of the length of line k by `moves` [m]."""
     change, j = 0.0, 0
     for c in range(lines_of(system)):
         if is_balanced(system, c):
