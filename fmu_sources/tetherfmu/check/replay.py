@@ -20,7 +20,7 @@ class Evidence(NamedTuple):
 
     inputs: str  # text of the input file
     outputs: list  # names of the variables, without "time"; in FMI 3 of arrays
-    reference: dict  # name to list of numbers, "time" among them; those of an array are name[1], name[2], ...
+    reference: dict  # name to list of numbers, including "time"; array elements are name[1], name[2], ...
     options: dict  # name to number
     starts: dict  # of parameters, name to number
 

@@ -56,7 +56,7 @@ def platforms(text):
 
 
 def points(most):
-    """Type of a number of points: none, or from 2 to so many."""
+    """Type of a number of points: none, or from 2 to a maximum."""
 
     def converted(text):
         if not text.isdecimal() or int(text) not in (0, *range(2, most + 1)):

@@ -5,7 +5,7 @@ Examples import them by `from tetherfmu.console.colours import COLOUR`.
 
 from tetherfmu.runtime.variants import TABLE, class_name
 
-#: the palette, by the names that `runtime.variants` gives its variants
+# #: the palette, by the variant names in `runtime.variants`
 PALETTE = {
     "orange": "#E69F00",
     "sky blue": "#56B4E9",
@@ -21,7 +21,7 @@ BLACK, GREY = "#000000", "#808080"
 COLOUR = {each.name: PALETTE[each.colour] for each in TABLE}
 #: colour of a component of a vector, and of its magnitude: no variant has it; two are from the palette of Tol (2021)
 COMPONENTS = {"x": SKY_BLUE, "y": "#332288", "z": "#999933", "magnitude": BLACK}
-#: colour of what a variant is compared with: a formula, a peer, an experiment
+# #: colour of references: a formula, a peer, an experiment
 REFERENCE = GREY
 #: colour of the ground under a tether
 GROUND = "#8C6D46"

@@ -22,7 +22,7 @@ class Purpose:
 
 @dataclass(frozen=True)
 class BuildOptions:
-    """Options of a build; equal options give equal bytes."""
+    """Options of a build; equal options yield equal bytes."""
 
     segments: int = DEFAULT_OPTIONS["segments"]  # start value of the parameter `segments`; a system uses its file
     # points of the output `shape`; 0 leaves it out, None is one at each node of a system

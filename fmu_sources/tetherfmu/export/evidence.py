@@ -45,7 +45,7 @@ SCENES = (  # in words: with a driven kite, with a free one, of a system
 class EvidenceSet(NamedTuple):
     """One evidence set: the model, inputs, recorded outputs, and the options of the run."""
 
-    kind: str  # "", or what controls the winch
+    kind: str  # "", or the control of the winch
     model: Callable  # makes a model of the Python API with a relative tolerance
     scene: list  # its arguments at each communication point: dicts with the digits of the input file
     inputs: tuple  # FMI names
@@ -113,7 +113,7 @@ def rounded(value):
 
 
 def text_of(value, digits):
-    """A number with so many digits, and two digits fewer after the point: a zero with rounding errors becomes 0."""
+    """A number with this number of digits, and two fewer after the point: a zero with rounding errors becomes 0."""
     return f"{round(value, digits - 2) + 0.0:.{digits}g}"
 
 
@@ -234,7 +234,7 @@ def with_wind_at(inputs, wind_points, lines=None):
 
 
 def _winds_along(wind, count):
-    """Wind at so many points [m/s], with `wind` in the middle."""
+    """Wind at this number of points [m/s], with `wind` in the middle."""
     shares = [_WIND_AT_GROUND + 2.0 * (1.0 - _WIND_AT_GROUND) * k / (count - 1) for k in range(count)]
     return rounded(tuple(tuple(share * each for each in wind) for share in shares))
 

@@ -60,7 +60,7 @@ class Course:
             return self.shaped(self.curve(self.inside(time)))
         time = np.asarray(time, float)
         row = self.times[np.minimum(np.searchsorted(self.times, time - ROUNDING), len(self.times) - 1)]
-        time = np.where(np.abs(row - time) <= ROUNDING, row, time)  # at a step what comes after it
+        time = np.where(np.abs(row - time) <= ROUNDING, row, time)  # at a step the later value
         return self.shaped(np.stack([np.interp(time, self.times, each) for each in self.values.T], -1))
 
     def rate(self, time):
@@ -95,7 +95,7 @@ class Course:
 
 
 def is_smooth(name):
-    """Whether an input is a position or a length, whose rate has no jumps."""
+    """Whether an input is a position or a length, which has a continuous rate."""
     return name.rpartition("_")[2] == "position" or name in POSITIONS
 
 

@@ -15,7 +15,7 @@ from .toml_files import factors
 SEPARATORS = ",;\t"  # or blanks, if the header contains no separator
 COMMENT = "#"  # begins lines that are no rows
 NUMBER = re.compile(r"[-+]?[.,]?\d")  # begins a number, a date or a time
-NO_READING = ("nan", "inf", "none", "null", "na", "n/a")  # what loggers write for it: neither a number nor a unit
+NO_READING = ("nan", "inf", "none", "null", "na", "n/a")  # placeholders of loggers: neither a number nor a unit
 NO_UNIT = ("", "-", "1")  # below the name of a column without one
 HEADER = re.compile(r"(?P<name>.+?)(?:\s*[\[(]\s*(?P<unit>[^\d\s\])][^\])]*?)\s*[\])]|_(?P<angle>deg|rad))")
 LONGEST_NAMES = 400  # characters of a message about columns

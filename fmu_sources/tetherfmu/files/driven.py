@@ -83,7 +83,7 @@ class Driven:
             if own:
                 with prefixed(f"series: {end} "):
                     self._paths[end] = Path(own, getattr(first, end)[0])
-        self.has_velocities = flight.has_velocities or len(self._paths) == 2  # those of all ends
+        self.has_velocities = flight.has_velocities or len(self._paths) == 2  # of all ends
 
     def motion(self, time):
         """`Motion` at times [s]."""

@@ -15,7 +15,7 @@ from .winds import Box, Wind
 
 NOT_OF_A_SCENE = ("segments", "winch_control")
 PREFIX = {"tether": "", "environment": "", "ground": "ground_", "winch": "winch_"}  # of the names in an FMU, by section
-OF_THE_WIND = {"wind.speed": "m/s", "wind.direction": "rad"}  # what `wind.velocity` is made of: horizontal, from x to y
+OF_THE_WIND = {"wind.speed": "m/s", "wind.direction": "rad"}  # components of `wind.velocity`: horizontal, from x to y
 SEED, FARTHEST = "wind.seed", 1e5  # name, and how far a seed moves a box along and across [m]
 MADE_OF = {**dict.fromkeys(OF_THE_WIND, "wind.velocity"), SEED: "wind.box.origin"}  # vectors that these change
 ELEMENT = re.compile(r"(.+)\[([123])\]")

@@ -119,7 +119,7 @@ def names_in(_unit):
     return read_names
 
 
-# what makes a function that reads a form of `wiring.lines.given_in` from its unit
+# factories of functions that read a form of `wiring.lines.given_in` in its unit
 FORMS = {"vector": partial(vector_in, limit=at.LARGEST_INPUT), "numbers": numbers_in, "list": list_in, "names": names_in}
 
 

@@ -1,7 +1,7 @@
-"""The FMI shell that all slaves share: table of variables, phases, messages. The only module that knows PythonFMU.
+"""The FMI shell that all slaves share: table of variables, phases, messages. The only module that uses PythonFMU.
 
-What it must never do (docs/contributors/fmus.md): let an exception escape, except the guarded one that stops a wrong
-initialization; log while it is being made; pass a `%` to the log unescaped.
+It must never (docs/contributors/fmus.md): let an exception escape, except the guarded one that stops a wrong
+initialization; log during its construction; pass a `%` to the log unescaped.
 """
 
 import sys

@@ -31,7 +31,7 @@ UNITS = {  # quantity, exponents of the base units, nominal value of an input or
     "W": ("Power", {"kg": 1, "m": 2, "s": -3}, 1000.0),
     "J": ("Energy", {"kg": 1, "m": 2, "s": -2}, 1e5),
 }
-# display units of all quantities of a unit, as `Quantity.display`, where a quantity has none of its own
+# default display unit of each unit, as `Quantity.display`
 DISPLAY = {"N": ("kN", 1e-3), "N/m": ("kN/m", 1e-3)}
 _INITIAL = {**dict.fromkeys(CALCULATED, "calculated"), PARAMETER: "exact"}
 # attributes of a ScalarVariable of FMI 2; all others belong to its type

@@ -80,7 +80,7 @@ class TetherSlave(BaseSlave):
                 self.advance = self._watch.advance
 
     def _about_positions(self):
-        """Sentences on what has been found in the positions; once nothing more is looked for, steps go without it."""
+        """Sentences on the detected input paths; once the detection is finished, steps skip it."""
         watch = self._watch
         if watch.is_over:
             self._watch, self.advance = None, self._instance.advance
@@ -96,7 +96,7 @@ class TetherSlave(BaseSlave):
             return None
 
     def take_tolerance(self, tolerance):
-        """Remember the importer's tolerance where it is tighter than the default; warn of one that is none."""
+        """Remember the importer's tolerance if it is tighter than the default; warn of an invalid one."""
         if not tolerance > 0.0:
             self.say(refusals.TOLERANCE_NOT_USED.format(tolerance=tolerance), WARNING)
         elif tolerance < DEFAULT_TOLERANCE:
@@ -105,7 +105,7 @@ class TetherSlave(BaseSlave):
     # --- start and steps
 
     def start(self):
-        """Check the parameters, find the first shapes. Returns what is wrong, or None."""
+        """Check the parameters, solve the initial shapes. Returns the problem, or None."""
         if self._no_kernels:
             return self._no_kernels
         try:
@@ -118,7 +118,7 @@ class TetherSlave(BaseSlave):
         return self._first_shape()
 
     def _first_shape(self):
-        """Find it for the inputs, and where a free kite starts for its parameters. Returns what is wrong, or None."""
+        """Solve the initial shape for the inputs, and the start of a free kite. Returns the problem, or None."""
         if not self._kite_is_free:
             self._give()
             return self._shown(self._instance.start())
@@ -146,7 +146,7 @@ class TetherSlave(BaseSlave):
     def _packed(self, values, tolerance):
         """Arguments of `_set_up`, from an array of all values; ValueError names a variable that is out of range."""
         wiring = self._wiring
-        # of a tether alone `pack` names what is wrong as well
+        # for a single tether `pack` also names the problem
         for each in () if wiring.is_direct else wiring.table[self._parameters_at :]:
             _check(each, values[each.place])
         lines = (
@@ -217,7 +217,7 @@ class TetherSlave(BaseSlave):
             self._take(self._saved(blob))
         except ValueError:
             self._take(self._saved(before))
-            self.values[:] = values  # also outputs that cannot be computed from what has been set since
+            self.values[:] = values  # also outputs that later inputs do not determine
             raise
 
     def _saved(self, blob):

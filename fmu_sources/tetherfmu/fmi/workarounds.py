@@ -27,9 +27,9 @@ def leave_search_path(resources):
 def free_interpreter_once(resources):
     """Let a Linux process end cleanly with PythonFMU's library loaded.
 
-    At the exit the library frees its interpreter state in a static destructor and then again in its unload function. An exit
-    handler registered now runs before both and takes the state away. glibc never unloads the library, because it has unique
-    symbols; `RTLD_NODELETE` says so for others, so that the handler stays valid.
+    At exit the library frees its interpreter state in a static destructor and then again in its unload function. An exit
+    handler registered now runs before both and removes the state. glibc never unloads the library, because it has unique
+    symbols; `RTLD_NODELETE` ensures this for others, so that the handler stays valid.
     """
     if sys.platform != "linux":
         return

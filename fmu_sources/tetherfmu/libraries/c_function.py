@@ -77,13 +77,13 @@ class Writer:
         return [value.text for value in taken], variables, any(value.reads_memory for value in taken)
 
     def place(self, text, operand, size):
-        """Expression of a place in the memory, of a number of so many bytes."""
+        """Expression of a place in the memory, for a number of this many bytes."""
         offset, aligned = operand
         assert aligned == size, "a number at no multiple of its size"
         return f"m + {text} + {offset}" if offset else f"m + {text}"
 
     def goto(self, depth):
-        """Statement that leaves so many blocks."""
+        """Statement that leaves this number of blocks."""
         if depth == len(self.labels):
             return self.leave()
         label = self.labels[-1 - depth]
@@ -113,7 +113,7 @@ class Writer:
         return [line for line, label in zip(self.lines, named, strict=True) if not label or label[1] in self.used]
 
     def instruction(self, code, operand):
-        """Write one instruction; whether what follows is never reached."""
+        """Write one instruction; returns whether the next one is unreachable."""
         if code in wasm.OPERATIONS:
             kind, template = wasm.OPERATIONS[code]
             texts, variables, reads = self.pop(2 if "{1}" in template else 1)
@@ -215,7 +215,7 @@ class Writer:
         """Begin a block."""
         assert kind is None, "a block with a result"
         condition = self.pop(1)[0][0] if code == wasm.IF else ""
-        self.keep(lambda value: value.variables or value.reads_memory)  # what may change
+        self.keep(lambda value: value.variables or value.reads_memory)  # variable values
         label = Label(self.fresh("L"), code, len(self.stack))
         self.labels.append(label)
         if code == wasm.LOOP:

@@ -21,7 +21,7 @@ ELF = {  # emulation of the linker, version of glibc's symbols, and the younger 
     "aarch64-linux": ("aarch64linux", "GLIBC_2.17", {}),
 }
 PE = "api-ms-win-crt-{}-l1-1-0"  # a library of Windows
-TARGETS = {  # what Zig calls the platforms
+TARGETS = {  # Zig's names of the platforms
     "x86_64-linux": "x86_64-linux-gnu.2.17",
     "aarch64-linux": "aarch64-linux-gnu.2.17",
     "x86_64-windows": "x86_64-windows-gnu",

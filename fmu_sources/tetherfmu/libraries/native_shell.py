@@ -12,7 +12,7 @@ from .sources import PACKAGE
 
 SHELL = PACKAGE / "runtime" / "native"
 PARTS = ("has_avx", "room", "messages", "sentences", "arrays", "saved_state", "derivatives", "instance")
-OF_WINDOWS = ("__stdio_common_vsprintf", "__acrt_iob_func")  # in the place of vsnprintf and stderr
+OF_WINDOWS = ("__stdio_common_vsprintf", "__acrt_iob_func")  # replace vsnprintf and stderr
 NEEDED = {
     ("libm.so.6", "math"): (*KERNELS_NEED["libm.so.6", "math"], "floor"),
     ("libc.so.6", "string"): ("memset", "strcmp", "strcspn", "strlen"),

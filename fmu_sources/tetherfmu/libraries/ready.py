@@ -29,7 +29,7 @@ TEMPORARY = ("TMPDIR", "TEMP", "TMP")  # environment variables that name the fol
 FOR_NUMBA = {  # environment variables
     "NUMBA_CPU_NAME": "x86-64",  # the plainest processor, as the targets of `ahead_of_time` are
     "NUMBA_CPU_FEATURES": "",
-    "PYTHONHASHSEED": "0",  # the order of a set of names is that of some instructions
+    "PYTHONHASHSEED": "0",  # the order of a set of names determines the order of some
     "NUMBA_DISABLE_ERROR_MESSAGE_HIGHLIGHTING": "1",  # numba writes thousands of messages that nobody sees
 }
 
@@ -93,7 +93,7 @@ def cache_folder():
 
 
 def check_numba():
-    """RuntimeError unless the installed numba is one whose internals are known."""
+    """RuntimeError unless the internals of the installed numba version are known."""
     numba = version("numba")
     if not TESTED[0] <= tuple(map(int, numba.split(".")[:2])) <= TESTED[1]:
         first, last = (".".join(map(str, each)) for each in TESTED)

@@ -6,11 +6,11 @@ from functools import cache
 from pathlib import Path
 
 PACKAGE = Path(__file__).resolve().parents[1]
-HAS_AVX = PACKAGE / "runtime" / "native" / "has_avx.c"  # what asks for the kind of the processor
+HAS_AVX = PACKAGE / "runtime" / "native" / "has_avx.c"  # detects the processor
 # modules beside this one, how a library is made
 RECIPE = ("ahead_of_time", "intermediate_code", "linking", "llvm_modules", "processors")
 LONG = r'"{3}[^"\\]*(?:(?:\\.|"(?!""))[^"\\]*)*"{3}'
-# a text, which may contain a #, or what is left out: comments and empty lines
+# a text, which may contain a #, or parts to omit: comments and empty lines
 WORDS = re.compile(rf"""({LONG}|"(?:\\.|[^"\\\n])*"|'(?:\\.|[^'\\\n])*')|  #[^\n]*|#[^\n]*|\n *(?=\n|#)""", re.DOTALL)
 DOCSTRING = re.compile(rf"(\A|:\n\s*|\.__doc__ = ){LONG}", re.DOTALL)
 IMPORT = re.compile(r"^from (\.*)([\w.]*) import (?:\(([^)]*)\)|(.*))$", re.MULTILINE)

@@ -107,7 +107,7 @@ def linked(content, exported, stack=65536):
 
 
 def _small(text):
-    """Intermediate code whose loops are not unrolled where that only makes it longer: a browser has to fetch the file."""
+    """Intermediate code without loop unrolling that only lengthens it: a browser has to download the file."""
     return re.sub(r"^(define .*\)[^{]*) \{$", r"\1 optsize {", text, flags=re.MULTILINE)
 
 

@@ -13,7 +13,7 @@ from tetherfmu.runtime.status import code
 from .results import Refusal
 
 ON_REFUSAL = ("raise", "stop", "skip")
-SPAN = 1000  # steps, about, whose rows are all kept at a time
+SPAN = 1000  # approximate number of steps with all rows in memory
 
 
 class Rows(NamedTuple):
@@ -123,7 +123,7 @@ def put_node_winds(instance, winds, line=0):
 
 
 def _every(instance, rows, every, outputs):
-    """Of the rows of all steps those after every so many, with the largest peaks since the row before."""
+    """Of the rows of all steps every n-th one, with the largest peaks since the row before."""
     if not every:
         return rows
     kept = rows[every - 1 :: every].copy()

@@ -20,7 +20,7 @@ class Receiver(NamedTuple):
 
     name: str  # of its class, for messages
     variant: Variant
-    instance: Instance  # whose values and parameters are modified
+    instance: Instance  # its values and parameters are modified
     inputs: np.ndarray  # a view of its values, with the wind at the wind points
     places: memoryview  # of its values: faster than an array for a few numbers
     wind_profile: int  # of its `Environment`
@@ -158,7 +158,7 @@ def rows(to, inputs, wind_at):
 
 
 def node_winds(to, winds, steps):
-    """Winds at the nodes in so many steps [m/s], array, or None; ValueError if they have another shape."""
+    """Winds at the nodes in this number of steps [m/s], array, or None; ValueError for another shape."""
     if winds is None:
         return None
     if not to.variant.has_nodes or to.wind_points:

@@ -48,7 +48,7 @@ def check_wind(environment, wind_points):
 
 
 def with_quantities(model, given, tethers, *records):
-    """Tethers and records with the quantities (a dict) in the place of theirs; TypeError if one does not exist."""
+    """Tethers and records with replaced quantities (a dict); TypeError if one does not exist."""
     owners = {name: kind for kind in RECORDS for name, _ in can_be_given(kind)}
     check_names(model, given, owners, "argument")
     parts = {kind: {name: value for name, value in given.items() if owners[name] is kind} for kind in set(owners.values())}
@@ -104,7 +104,7 @@ def motion_of_nodes(positions, velocities, segments):
 
 
 def length_with(slack, chord, segments):
-    """Unstretched length [m] of a tether with so much slack [-] over its chord [m], (3,); ValueError if out of range."""
+    """Unstretched length [m] of a tether with this slack [-] over its chord [m], (3,); ValueError if out of range."""
     slack = number("slack", slack, "-")
     length = (1.0 + slack) * np.linalg.norm(chord)
     least = at.MIN_SEGMENT_LENGTH * segments
@@ -154,7 +154,7 @@ def tether_length(value, has_waves, by_speed):
 
 
 def steps(name, value, count):
-    """Communication steps [s] of so many rows, array (count,); ValueError for another shape."""
+    """Communication steps [s] of all rows, array (count,); ValueError for another shape."""
     found = np.asarray(value, dtype=float)
     if found.shape != (count,):
         raise ValueError(f"{name} has the shape {found.shape}; it must be a number or {(count,)}")

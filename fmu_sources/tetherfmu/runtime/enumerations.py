@@ -10,5 +10,5 @@ WINCH_GIVEN, WINCH_IN_BALANCE = 1, 2  # the length at the start
 LINEAR, HELD = 1, 2
 SECOND_ORDER, BACKWARD_EULER = 1, 2
 WINCH_BY_SPEED, WINCH_BY_FORCE, WINCH_BY_LENGTH = 1, 2, 3
-WITH_DRUM = (WINCH_BY_FORCE,)  # winches whose drum turns as the tension decides
+WITH_DRUM = (WINCH_BY_FORCE,)  # winches with a drum driven by the tension
 NO_GROUND, FLAT = 1, 2

@@ -24,7 +24,7 @@ _KITE_MOTION = range(at.KITE_POSITION, at.KITE_VELOCITY + 3)  # places of the mo
 
 
 def zeros(count):
-    """Array of so many doubles."""
+    """Array of `count` doubles."""
     return array("d", bytes(8 * count))
 
 
@@ -46,7 +46,7 @@ class RunningLine(NamedTuple):
     name: str  # in messages; "" of a tether alone
     inputs: tuple  # names of its inputs by their places
     shape_points: int
-    wind_points: int = 0  # at which the wind is an input; 0 for none, at least 2 otherwise
+    wind_points: int = 0  # number of points with a wind input; 0 for none, at least 2 otherwise
     start_point: int = places.DRIVEN  # number of the free point at its start
     end_point: int = places.DRIVEN
     is_through: bool = False  # whether it continues over a sheave at its end as the next line
@@ -123,7 +123,7 @@ class Instance:
         self._found = self._changing[0], *self._changing[2:]
 
     def state_size(self, segments):
-        """Length of the state array of so many segments in all lines together."""
+        """Length of the state array for this total number of segments."""
         empty = sum(at.state_size(0, line.wind_points) for line in self.lines)
         return empty + at.state_size(segments) - at.state_size(0)
 
@@ -173,7 +173,7 @@ class Instance:
         self.state[:] = state
 
     def warnings(self):
-        """Sentences on what has been implausible since the start, each once of a line, named by its worst portion."""
+        """Sentences on implausible behaviour since the start, each once per line, with the name of its worst portion."""
         said = []
         for portions in self._portions:
             if any(self.state[self.states_at[k] + at.WARNINGS] != self._warned[k] for k in portions):

@@ -5,7 +5,7 @@ from contextlib import contextmanager
 from dataclasses import fields
 from functools import wraps
 
-# what others call a name that may be one here; of several, those that are known are meant
+# other programs' names for possible names here; known ones are suggested
 OTHERS = {
     "step": "dt",
     "fixed_step": "dt",
@@ -37,7 +37,7 @@ OTHERS = {
 }
 WORDS_OF_OTHERS = " ".join(OTHERS.values()).split()
 ELSEWHERE = {each: " ".join(name for name, words in OTHERS.items() if each in words.split()) for each in WORDS_OF_OTHERS}
-MOST, SHORTEST = 4, 3  # names that are asked for, letters of a word that is cut short
+MOST, SHORTEST = 4, 3  # number of suggested names; letters of a shortened word
 LONGEST_NAME = 100  # characters: file systems allow some 255 for the name of a file, which has more than this in it
 WORDS = re.compile("[a-z0-9]+")
 

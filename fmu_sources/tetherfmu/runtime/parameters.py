@@ -145,7 +145,7 @@ class Tether:
 
 
 def allowed_by(diameter):
-    """For what follows from a diameter [m]: ValueError names it, whether it or what follows is out of range."""
+    """ValueError that names a diameter [m], if it or a quantity that follows from it is out of range."""
     checked("diameter", diameter, dict(quantities(Tether))["diameter"])
     return prefixed(f"diameter is {diameter!r} m (4 mm are 0.004): with it ")
 

@@ -31,7 +31,7 @@ INPUTS_SIZE = 7
 STATE_SIZE = 8
 OUTPUTS_SIZE = 9
 WORK_SIZE = 10
-SHEAVES = 11  # over which lines run
+SHEAVES = 11  # number of sheaves
 SHEAVES_WORK = 12  # place of them and of drums in `work`
 COORDINATES = 13  # sheaves, and drums that may turn beside them
 PLAN_HEADER = 14
@@ -59,5 +59,5 @@ ALL_LINES = -1
 
 
 def plan_size(lines):
-    """Length of the `plan` array [-] of so many lines."""
+    """Length of the `plan` array [-] for this number of lines."""
     return PLAN_HEADER + LINE_NUMBERS * lines

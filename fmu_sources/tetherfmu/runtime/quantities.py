@@ -126,7 +126,7 @@ def documented(record):
 
 
 def check(record):
-    """Check every quantity of a record, and number what an enumeration names; ValueError names one out of range."""
+    """Check every quantity of a record, and replace names in enumerations by numbers; ValueError names one out of range."""
     for name, declared in quantities(record):
         value = getattr(record, name)
         if isinstance(value, str) and value in declared.numbers:

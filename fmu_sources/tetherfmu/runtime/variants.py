@@ -15,11 +15,11 @@ class Variant:
     has_nodes: bool
     has_waves: bool  # if not, it is in equilibrium at each instant
     colour: str  # in all pictures, see `console.colours`
-    # largest deviation from the reference of the evidence set, as a part of the largest value: what the solver makes at its
-    # default tolerance; where nothing is integrated, only the digits of the files are left
+    # largest deviation from the reference of the evidence set, relative to the largest value: solver error at its
+    # default tolerance; without integration, only the digits of the files
     evidence_deviation: float
     evidence_tolerance: float | None = None  # relative tolerance of that run; None for the default
-    library: str = ""  # the variant whose compiled library it uses; "" for its own
+    library: str = ""  # the variant with its compiled library; "" for its own
     kite_is_free: bool = False
     has_kink: bool = True  # of the forces, where `slack_segments` changes
     ignored: dict = field(default_factory=dict)  # parameters without effect, and why

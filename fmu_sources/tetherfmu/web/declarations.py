@@ -1,7 +1,7 @@
 """Declarations of the tethers for the page, a dict for JSON, from the same sources as the FMU.
 
-Parameters, inputs and outputs with units and limits, their places in the flat arrays, what a status or a warning says, the
-variants, the flights and scenes, and the wing of the kite that flies free.
+Parameters, inputs and outputs with units and limits, their places in the flat arrays, texts of statuses and warnings, the
+variants, the flights and scenes, and the wing of the free kite.
 """
 
 import csv
@@ -30,7 +30,7 @@ ASSETS = Path(__file__).with_name("assets")
 with (ASSETS / "usual.csv").open(encoding="utf-8") as _file:
     USUAL = {row.pop("name"): sorted(map(float, row.values())) for row in csv.DictReader(_file)}
 DEGREES = {"rad": ["deg", quantities.DEGREES[1]], "rad/s": ["deg/s", quantities.DEGREES[1]]}  # as people read angles
-TITLES = {"reel": "pumping cycle", "logged": "log of a flight"}  # of scenes whose title is not their name
+TITLES = {"reel": "pumping cycle", "logged": "log of a flight"}  # of scenes with a title that differs from their name
 FIRST = ("figure_of_eight", "circle", "reel")  # scenes at the head of the list
 
 

@@ -37,7 +37,7 @@ MAKE_IT_PERIODIC, REPEAT = 'make it periodic (in TurbSim UsableTime = "ALL")', "
 EDGE = 1e-9  # of a spacing: rounding at the faces of a box
 BOTH = np.array((0, 1))[:, None, None]  # offsets from the lower to both neighbouring points
 AXES = ("along the wind", "across the wind", "upwards")
-SPAN = 10_000  # points whose wind is read from a box at once
+SPAN = 10_000  # points per read from a box
 
 
 class MeanWind(NamedTuple):

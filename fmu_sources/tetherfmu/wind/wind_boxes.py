@@ -38,7 +38,7 @@ LOCAL_HEADER = struct.Struct("<26xHH")  # of a member of a zip archive: lengths 
 
 
 class WrongBox(ValueError):
-    """Why a file is no wind box, or a box cannot give the wind that is asked for: a sentence that names the file."""
+    """An invalid wind box, or a wind that a box cannot provide: a sentence with the name of the file."""
 
 
 class Box(NamedTuple):
@@ -159,13 +159,13 @@ def numpy_box(file):
 
 
 def of_space(file, components, strides, points, spacing):
-    """`Box` whose planes are in the order of space: the last one is at 0 along the wind."""
+    """`Box` with planes in spatial order: the last one is at 0 along the wind."""
     first = (-(points[0] - 1) * spacing[0], -0.5 * (points[1] - 1) * spacing[1], 0.0)
     return Box(file, tuple(components), tuple(strides), tuple(points), first, tuple(spacing))
 
 
 def member(archive, name, file, size):
-    """An array in an open archive of `numpy.savez` and its file of so many bytes, mapped."""
+    """An array in an open archive of `numpy.savez` with this file size in bytes, memory-mapped."""
     found = archive.getinfo(name)
     if found.compress_type != zipfile.ZIP_STORED:
         raise WrongBox(f"{file} is compressed and cannot be mapped into memory; write it with numpy.savez")

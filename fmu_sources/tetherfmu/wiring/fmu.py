@@ -1,6 +1,6 @@
 """Variables of an FMU and their places in the flat arrays of the kernels (`plan_layout.py`).
 
-A record for a tether alone and for a system of them: the slave runs with it, the tables of native FMUs are made of it.
+A record for a single tether or a system: the slave uses it, and the tables of native FMUs are generated from it.
 References are value references; -1 is none.
 """
 

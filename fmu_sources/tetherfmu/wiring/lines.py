@@ -1,4 +1,4 @@
-"""Points and lines of a system, also over sheaves: what users say of them, as constant records with their checks.
+"""Points and lines of a system, also over sheaves: user specifications, as constant records with their checks.
 
 The Python API, files, FMUs and C tables read these.
 """

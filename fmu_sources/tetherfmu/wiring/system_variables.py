@@ -29,7 +29,7 @@ def inputs_at(*terminals):
 
 ENDS = ("ground", "kite")  # of the tether of a line: its start and its end
 OF_THE_SYSTEM = (Environment, Solver, Ground)
-RECORDS_OF_A_LINE = (Tether, Winch)  # whose quantities it has as parameters
+RECORDS_OF_A_LINE = (Tether, Winch)  # records with the parameters of a line
 # outputs of a tether that a line has, and their names there
 _OF_ENDS = {"ground_tension": "tension_from", "kite_tension": "tension_to"}
 _OTHERS = ("max_tension", "peak_tension", "slack_segments", "grounded_length", "broken", "break_time")

@@ -106,7 +106,7 @@ def names_of(table, causality):
 
 
 def records_of(variant):
-    """Records whose quantities are the parameters of a variant."""
+    """Records with the parameters of a variant."""
     return (*RECORDS, FreeKite) if BY_NAME[variant].kite_is_free else RECORDS
 
 

@@ -213,7 +213,7 @@ def scene(settings, tether, environment, elevation, wind):
 
 
 def system(settings, lengths, tether, environment, elevation):
-    """Tables of a system whose lines go from the ground to the kite, as far away as the longest of them."""
+    """Tables of a system with lines from the ground to the kite, at the distance of the longest line."""
     angle, distance = radians(ELEVATION if elevation is None else elevation), max(lengths)
     tables = {"": {}, "points.ground": {"position": [0.0, 0.0, 0.0]}}
     tables["points.kite"] = {"position": [distance * cos(angle), 0.0, distance * sin(angle)]}

@@ -47,7 +47,7 @@ GRAVITY, WATER, STIFF_BOTTOM, ITS_STIFF_BOTTOM = (
     1025.0,
     3e6,
     1e5,
-)  # where the options do not say it; CableDyn's last
+)  # defaults of the options
 # names of an option
 OF_GRAVITY, OF_WATER, OF_BOTTOM, OF_DAMPING = ("g", "gravity"), ("wtrdnsty", "rhow", "rho"), ("kbot", "kb"), ("cbot", "cb")
 OF_FRICTION, OF_START = ("frictioncoefficient", "frictionmu"), ("tmaxic", "ictmax")
@@ -75,7 +75,7 @@ class Deck:
         self.options = dict(option_of(*each) for each in self.found["options"])
         self.density = self.option(WATER, *OF_WATER)
         self.gravity = self.option(GRAVITY, *OF_GRAVITY)
-        self.types, self.of_types, self.has_lines = {}, {}, {}  # quantities of line types, what they leave out, who has any
+        self.types, self.of_types, self.has_lines = {}, {}, {}  # quantities of line types, their omissions, types in use
         for count, words in self.found["types"]:
             before, self.left_out = self.left_out, []
             self.types[words[0]] = self.type_of(count, words)
@@ -148,7 +148,7 @@ class Deck:
         return found | {"drag_coefficient": across, "slack_stiffness_ratio": 0.0}
 
     def parts(self, k, text):
-        """Numbers of a column whose parts a bar separates; ValueError for the name of a file with a curve."""
+        """Numbers of a column separated by bars; ValueError for the name of a file with a curve."""
         try:
             return [number(OF_A_TYPE[k], each) for each in text.split("|")]
         except ValueError:
@@ -314,7 +314,7 @@ class Deck:
         return tables
 
     def leave_out(self):
-        """Say what of the file is not used: sections by their rows, points without a line, options."""
+        """Report unused parts of the file: sections by their rows, points without a line, options."""
         ends = {
             end for key, table in self.tables.items() if key.startswith("lines.") for end in (table["from"], table["to"])
         }

@@ -12,9 +12,9 @@ class Imported(NamedTuple):
 
     kind: str  # "scene" or "system"
     tables: dict  # TOML tables: dict of table names, "" for the top level, to dicts
-    left_out: list  # what of the file has no place there, in words
+    left_out: list  # omitted parts of the file, in words
     defaults: list  # values missing in the file, with their defaults
-    notes: tuple = ()  # what else a user should know, in words
+    notes: tuple = ()  # other notes for the user, in words
     spare: tuple = ()  # pairs (name, table): written as comments, as they need more data than the file has
 
 

@@ -125,7 +125,7 @@ def motion_of(system, k):
 
 @view
 def room_of(system, k):
-    """Scratch space of line k: its conditions, then that of its integrator."""
+    """Scratch space of line k: its conditions, then its integrator's arrays."""
     return behind(number_of_line(system, k, places.WORK_AT), system.work)
 
 

@@ -5,8 +5,8 @@
 Lines and points contribute the matrix and gradient of the incremental potential; `line/strand.py` provides columns and rows
 at the iterate, with v = (x - x0)/h, v' = (v - v0)/h and u' = (u - u0)/h. One solve yields all displacements and speed
 changes. A coordinate is in one of five states: moving forwards or backwards (different only with friction), held, or at a
-speed limit, where a line reaches its shortest or longest length. Solve with the current states, replace them by those of
-the solution, repeat until nothing changes. After `MOST_TRIES` the last speeds are used, and the step has not converged.
+speed limit, where a line reaches its shortest or longest length. Solve with the assumed states, update them from the
+solution, repeat until nothing changes. After `MOST_TRIES` the last speeds are used, and the step has not converged.
 """
 
 from math import inf

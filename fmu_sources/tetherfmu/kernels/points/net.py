@@ -640,7 +640,7 @@ def begin_right(system, stage, time, h):
 
 @kernel
 def place_right(system, k, matrix, q, per):
-    """Add the condensed right-hand side of line k (modified), whose inner nodes are solved in q; per : see `place_ropes`."""
+    """Add the condensed right-hand side of line k (modified); its inner nodes are solved in q; per : see `place_ropes`."""
     n, right, points = segments_of(system, k), globals_of(system).right, 3 * free_points(system)
     numbers, ropes = numbers_of(system, k), room.room_in_step(system, k).ropes
     for end in range(2):

@@ -162,7 +162,7 @@ def line_work_size(n):
 
 @kernel
 def globals_size(points, band, coordinates):
-    """Length of the global arrays in `work`, for so many free points with this band, and at most so many coordinates."""
+    """Length of the global arrays in `work`, for these numbers of free points and coordinates (maximum), and this band."""
     m = 3 * points + coordinates
     size = HEADER + 5 * m + 2 * profile_size(points, band, coordinates) + COORDINATE * coordinates
     return size + size % 2
@@ -630,7 +630,7 @@ def chain_of_state(system, k, time):
     return chain_with(conditions, length, rate)
 
 
-# --- what moves
+# --- moving lines
 
 
 @kernel

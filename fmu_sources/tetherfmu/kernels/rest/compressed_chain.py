@@ -1,4 +1,4 @@
-"""A compressed chain, which stands on its end: detected by its shape, and left sideways.
+"""A compressed chain, which stands on its end: detected by its shape, and abandoned sideways.
 
 If all segments are parallel, each is a lateral spring T/l, in series between the fixed ends. Such springs with one
 negative one among them are stable only if it is softer than all others together, with two never. So the chain is in
@@ -6,7 +6,7 @@ equilibrium but unstable if
 
     all segments are parallel, and T < 0 in two segments, or in one and sum_s l/T > 0.
 
-It leaves sideways, in a direction that depends on its own only: towards x, or towards y if it stands along x.
+It is moved sideways, in a direction that depends only on its own: towards x, or towards y if it stands along x.
 Source: docs/models/numerics.md, "Compressed chains".
 """
 

@@ -48,7 +48,7 @@ def share_ropes(system, is_straight):
         sought += has_sought_drum(system, k)
         if is_shared_out(system, k) and not comes_from(system, k):
             for i in range(at.STATE_HEADER):
-                state_of(system, k)[i] = 0.0  # stands for the length of the whole rope
+                state_of(system, k)[i] = 0.0  # for `first_length` of the whole rope
             whole = winch.first_length(parameters_of(system, k), inputs_of(system, k), state_of(system, k))
             last, given, spans, unknown = k, 0.0, 0.0, 0
             while goes_on(system, last):

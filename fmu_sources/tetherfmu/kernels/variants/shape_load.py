@@ -62,7 +62,7 @@ def count_of_places(parameters):
 
 @kernel
 def place_of(i, count):
-    """The i-th of so many places, as a fraction of the unstretched length, and its weight."""
+    """The i-th of `count` places, as a fraction of the unstretched length, and its weight."""
     if count == len(PLACES):
         return PLACES[i], WEIGHTS[i]
     return 2.0 / count * (i // 2 + (1.0 - BETWEEN if i % 2 == 1 else BETWEEN)), 1.0 / count

@@ -97,7 +97,7 @@ def tether(variant):
             breaking.unfit(system)
         return status
 
-    made = ModuleType(name)  # numba knows what is in a module
+    made = ModuleType(name)  # numba resolves names in a module
     for each in (complete_plan, take_outputs, initialize, advance, energy):
         setattr(made, each.__name__, each)
     made.name = name

@@ -41,7 +41,7 @@ class Fixed(NamedTuple):
         return self.step / self.parts
 
     def time(self, iterations):
-        """Time [s] of a communication step with so many iterations, of the machine of costs.csv."""
+        """Time [s] of a communication step with this number of iterations, on the machine of costs.csv."""
         work = np.array([1.0, self.segments, iterations, iterations * self.segments])
         return float(UNITS.loc[FIXED].to_numpy() @ work)
 

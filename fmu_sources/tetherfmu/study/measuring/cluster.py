@@ -13,11 +13,11 @@ from tetherfmu.console.ending import WorkersLost
 
 PATIENCE = 30.0  # without any worker, and for a scheduler that does not answer [s]
 LOOKED_AFTER = 1.0  # how often the workers are counted [s]
-LOST = (CancelledError, asyncio.CancelledError, CommClosedError)  # what versions of distributed raise without a scheduler
+LOST = (CancelledError, asyncio.CancelledError, CommClosedError)  # raised by versions of distributed without a scheduler
 
 
 def look_after(client, executor, closed):
-    """Cancel all tasks when the cluster has been without workers for too long: the scheduler would wait for ever."""
+    """Cancel all tasks when the cluster has been without workers for too long: the scheduler would wait forever."""
     without = 0.0
     while not closed.wait(LOOKED_AFTER):
         count = 1

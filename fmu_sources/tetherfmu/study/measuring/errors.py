@@ -32,7 +32,7 @@ LONGEST_SETTLING = 0.25  # ... at most this part of the scene
 FIRST_SEGMENTS, MOST_SEGMENTS = 16, 256
 LONGEST_STEP, SHORTEST_STEP = 0.004, 0.00025  # communication step [s], about
 TOLERANCE = 1e-6
-# what reading raises if a file has no `Reference`
+# exceptions on reading a file without a `Reference`
 DAMAGED = (KeyError, OSError, TypeError, ValueError, EOFError, zipfile.BadZipFile)
 FINER = 10.0  # times that the own error of a reference is smaller than the errors that it judges
 size = partial(np.linalg.norm, axis=-1)  # length of vectors along the last axis
@@ -89,7 +89,7 @@ class Reference(NamedTuple):
     run: Run
     space: dict  # change of each output against half of the segments
     time: dict  # change of each output against the double communication step and ten times the tolerance
-    spent: float  # what all flights cost together, by `runs.cost` [s]
+    spent: float  # cost of all flights, by `runs.cost` [s]
 
     def own_error(self, names=None):
         """Bound of its own error in some or all outputs: sum of both changes, each of which exceeds the remaining error."""

@@ -46,7 +46,7 @@ class SystemFlight:
     duration: float = quantity(20.0, "s", "of the flight", minimum=0.5, maximum=86400.0)
     wind: Wind = field(default_factory=Wind)
     loads: dict = field(default_factory=dict)  # constant forces on free points [N], by name
-    series: dict = field(default_factory=dict)  # what moves: by argument of `TetherSystem.fly` a function of time by name
+    series: dict = field(default_factory=dict)  # motions: by argument of `TetherSystem.fly` a function of time by name
     wanted: Wanted = Wanted()
     __post_init__ = check
 
@@ -120,7 +120,7 @@ def is_system(path):
     try:
         return "points" in tables_of(path)
     except ValueError:
-        return False  # said where it is read
+        return False  # reported on reading
 
 
 def load(path, settings=()):

@@ -13,7 +13,7 @@ from . import delays
 from .log import UNCHECKED
 from .readings import FASTEST, POSITION, VELOCITY, WIND, between
 
-WINDOW = 1.0  # s, over which motions are compared
+WINDOW = 1.0  # s, length of compared motions
 FEWEST = 4  # of them
 UNEXPLAINED = 0.7  # part of the motion that the velocity need not explain
 IMPOSSIBLE_NOISE = 10.0  # m/s, in rates of positions over windows, which no receiver has
@@ -26,7 +26,7 @@ RANGE_OF_LENGTH = 10.0  # m, standard deviation of a length required for a facto
 NOISE = 3.0  # standard deviations of a factor that noise explains
 MANY = 20  # rows required to omit those that fit worst
 FARTHEST = 1.1  # distance of the kite over the length of the tether, 95th percentile
-DOUBTFUL = 1.02  # the same, from which on it is doubtful
+DOUBTFUL = 1.02  # doubtful value
 NEAREST = 0.4  # the same, at its largest
 TAUT = 10.0  # tension over weight above which the tether is nearly straight
 LEAST_TAUT = 0.97  # median of distance over length while it is

@@ -10,7 +10,7 @@ LATEST = 1e11  # s, after which no flight was: Unix time in a smaller unit
 LONGEST_STEP = 10.0  # s from row to row: time in a smaller unit
 ROUNDED = 1.5  # mean number of rows with equal time above which times count as rounded
 SAME = 0.9  # of the rows with equal times: with so many copies, rows are copied, not times rounded
-MOST_BACK = 0.05  # of the rows whose time may not fit in with the others
+MOST_BACK = 0.05  # of the rows: largest share of inconsistent times
 DAY = 86400.0  # s
 OF_DAY = r"\d{1,2}:\d{2}:\d{2}([.,]\d*)?"  # a time of the day, hours first
 ALLOWED = "numbers, dates such as 2019-10-08 13:12:08.8, or times of the day such as 13:12:08.8"
@@ -93,7 +93,7 @@ def never_falling(time):
     """Places of the longest part of some numbers that never falls, array (kept,); found by patience sorting."""
     if np.all(np.diff(time) >= 0.0):
         return np.arange(len(time))
-    last, places, before = [], [], []  # of the best part of each length: its last number, and where that stands
+    last, places, before = [], [], []  # for the best part of each length: its last number, and its place
     for place, number in enumerate(time.tolist()):
         k = bisect_right(last, number)
         before.append(places[k - 1] if k else -1)

@@ -1,4 +1,4 @@
-"""Which column of a log is what: maps, files in TOML; see docs/use/your_log.md, "Maps"."""
+"""Meaning of the columns of a log: maps, files in TOML; see docs/use/your_log.md, "Maps"."""
 
 import math
 from dataclasses import dataclass, field, replace
@@ -16,7 +16,7 @@ from tetherfmu.runtime.quantities import check, quantity
 
 MAPS = {path.stem: path for path in sorted(Path(__file__).parent.glob("*.toml"))}  # that this package has
 BY_YEAR = {2019: "kitepower_2019", 2023: "kitepower_2023", 2025: "kitepower_2025"}  # of the first row of a log
-KITEPOWER = "kitepower"  # stands for them
+KITEPOWER = "kitepower"  # common name of these
 AXES = {"east": (0, 1.0), "x": (0, 1.0), "west": (0, -1.0)}  # of a column: its axis, and its sign along it
 AXES |= {"north": (1, 1.0), "y": (1, 1.0), "south": (1, -1.0), "up": (2, 1.0), "z": (2, 1.0), "down": (2, -1.0)}
 GEODETIC = ("latitude", "longitude", "altitude")
@@ -282,7 +282,7 @@ def given(kind, table, section):
 
 
 def text_of(table, section, key):
-    """Name of a column; ValueError if it is none."""
+    """Name of a column; ValueError if it is not a text."""
     value = table[key]
     if not isinstance(value, str) or not value:
         raise ValueError(f"{section}.{key} is {value!r}; it must be the name of a column")

@@ -14,9 +14,9 @@ import pandas as pd
 from .readings import POSITION, VELOCITY, WIND, between
 
 RANGE = 10.0  # s, largest delay
-STEP, SMOOTHED = 0.1, 1.0  # s, of the grid, at least; over which signals are averaged
+STEP, SMOOTHED = 0.1, 1.0  # s, minimum grid spacing; averaging time of signals
 LEAST, OF_VECTORS = 0.6, 0.95  # minimum correlation of related signals; of all axes together
-AS_HIGH = 0.03  # by which a nearer peak may be lower
+AS_HIGH = 0.03  # permitted deficit of a nearer peak
 PARTS, QUANTILE = 10, 2.26  # of the jackknife, and of Student's distribution with one degree less, 95 %
 SHORTEST = 20.0  # s of a log
 CLEAR, CLEAR_OF_SPEED = 0.2, 2.0  # s, doubtful delay; the second one if the speed is not the airspeed
@@ -149,7 +149,7 @@ def peak(a, b, step, around=None):
 
 
 def correlation(a, b, shift):
-    """That of a, so many steps later, with b, over all components; NaN if too little is known."""
+    """Correlation of a, this many steps later, with b, over all components; NaN with too few values."""
     a, b = a[max(0, shift) : len(a) + min(0, shift)], b[max(0, -shift) : len(b) + min(0, -shift)]
     known = np.isfinite(a).all(axis=1) & np.isfinite(b).all(axis=1)
     if known.sum() < 0.3 * len(a):

@@ -238,7 +238,7 @@ def flight_figure(made, name):
 
 
 def add_legend(axes, made):
-    """Which curve is whose, above the uppermost axes."""
+    """Legend of the curves, above the uppermost axes."""
     lines = axes.plot([], [], **LOGGED, label="measured") if "ground_tension" in made.flight.log.table else []
     for name in made.flown:
         lines += axes.plot([], [], **line_of(name), label=words(name))
@@ -322,7 +322,7 @@ def colours_of(count):
 
 
 def add_scale(figure, axes, times):
-    """Which colour is what time, in axes of their own."""
+    """Colour scale of time, in separate axes."""
     count = len(times)
     colours = ScalarMappable(BoundaryNorm(np.arange(count + 1) - 0.5, count), ListedColormap(colours_of(count)))
     scale = figure.colorbar(colours, cax=axes, orientation="horizontal", ticks=range(count))

@@ -82,7 +82,7 @@ class Log:
         return LogError(f"{self.source}: {text}" if self.source else text)
 
     def cannot_fly(self, text):
-        """`LogError` on what no tether can do, with the units that were probably meant."""
+        """`LogError` on implausible behaviour, with the probable units."""
         return self.wrong("; ".join([text, *self.report.of_units]))
 
 

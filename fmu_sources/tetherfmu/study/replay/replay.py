@@ -54,7 +54,7 @@ class Replay:
 
     @property
     def doubts(self):
-        """Sentences on what is not reliable."""
+        """Sentences on unreliable results."""
         taut, share = comparison.untrustworthy(self.residuals)
         if self.lead != "tension" and share > 0.0:
             noise = self.flight.log.map.smoothing.position_noise
@@ -175,7 +175,7 @@ def own_folder(name):
 
 
 def run(options):
-    """The command `replay`; returns 1 if no FMU meets what its scene asks for."""
+    """The command `replay`; returns 1 if no FMU meets the requirements of its scene."""
     if options.html:
         page.drawing()  # before the flight, which would be in vain without plotly
     read = log.read(options.log, options.map or KITEPOWER, options.settings or ())

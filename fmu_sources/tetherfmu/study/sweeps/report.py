@@ -24,7 +24,7 @@ from .statistics import BINS_PER_DECADE
 from .sweep import config_of, sweep
 
 MOST_STEPS = 20  # different values that are joined by their medians
-# what people ask first, where it is not the same in all flights, and whether it is the worse the larger it is
+# main questions, if the answer varies, and whether larger is worse
 SHOWN = {"peak_tension": True, "power_mean": False, "largest_cycle": True, "time_slack": True}
 MOST_VARIED = 4  # columns of the figure
 
@@ -205,7 +205,7 @@ def write(table, scene, config, folder, asked=None, settings=()):
 
 
 def run(options):
-    """Sweep, write and print what came out."""
+    """Sweep, write and print the results."""
     scene = load(options.scene, options.settings, quiet=True)  # `sweep` prints doubts
     if options.method == "sobol" and options.samples & (options.samples - 1):
         print(f"--samples is {options.samples}: the points of Sobol are balanced for powers of 2 only", file=sys.stderr)

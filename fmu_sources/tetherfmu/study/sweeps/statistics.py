@@ -27,7 +27,7 @@ class Statistics(NamedTuple):
 
     outputs: tuple = ("kite_tension", "ground_tension", "power", "payout")  # of `OUTPUTS`
     percentiles: tuple = (5.0, 50.0, 95.0)
-    cycles_of: str = "ground_tension"  # whose cycles are counted
+    cycles_of: str = "ground_tension"  # output for cycle counting
     start: float = 0.0  # start of the evaluation [s]
 
     def checked(self):

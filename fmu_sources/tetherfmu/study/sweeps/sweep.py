@@ -96,7 +96,7 @@ def doubts_of_extremes(task, quantities, values):
     found = {}
     for k in (k for k, each in enumerate(quantities) if each.unit is not None):
         for extreme in (least(values, key=lambda flight, k=k: flight[k][1]) for least in (min, max)):
-            with suppress(ValueError):  # said in the row of that flight
+            with suppress(ValueError):  # reported in the row of that flight
                 found |= dict.fromkeys(read(with_settings(task.table, extreme), task.folder, task.name).doubts())
     return list(found)
 
@@ -197,7 +197,7 @@ def sweep(
     task = Task(table, path.parent, base.name, config, statistics, ())
     values = points(quantities, int(samples), method, seed)
     for doubt in doubts_of_extremes(task, quantities, values):
-        if doubt not in base.doubts():  # which `load` has said
+        if doubt not in base.doubts():  # printed by `load`
             print(f"{path}: {doubt}", file=sys.stderr)
     keys = [key(base.digest, *config, *statistics, *statistics.columns(), each) for each in values]
     store = Store(Path(out) / FLIGHTS) if out is not None else Memory()
