@@ -70,7 +70,7 @@ def move_up(count, first, room, numbers):
 
 @kernel
 def move_down(count, first, room, numbers):
-    """Move numbers back down by `room` places to `first`."""
+    """Move `count` numbers from `room` places above `first` down to it."""
     for i in range(first, first + count):
         numbers[i], numbers[i + room] = numbers[i + room], numbers[i]
 

@@ -59,7 +59,7 @@ def minus_product(a, m, b):
 
 @kernel
 def factorize_halves(rows, up, down, matrix):
-    """Factorize `count` rows from row `up` upwards and from row `down` downwards, both at once (matrix modified).
+    """Factorize `rows` rows from row `up` upwards and from row `down` downwards, both at once (matrix modified).
 
     Returns the subtrahend for the next two rows of blocks, as a matrix of pairs, and False if a pivot block is singular.
     """
