@@ -4,7 +4,7 @@
     T = k (l - l0) + c (l' - (l/l0) l0'),   F = 1/4 rho cd d l |w| w
 
 Segment i joins nodes i and i + 1 in direction e_i. T is its tension, F half of its drag, w the wind component across it
-(`segment.py`), and N the ground force (`ground.py`). A driven end follows its prescribed motion and ignores all forces.
+(`segment.py`), and N the ground force (`ground.py`). A driven end follows its prescribed motion, whatever the forces.
 Reeling changes L, and with it l0 = L/n and the masses. Rope then flows past the nodes, and its momentum adds the forces f
 (`flow.py`). L' is the reel-out speed.
 

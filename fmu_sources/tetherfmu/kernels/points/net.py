@@ -3,10 +3,10 @@
     point        M v' = load + sum of the forces of its lines' ends
     coordinate   m u' + c u + F sign(u) + W = sum over its line ends of weight E (T - mu u^2)
 
-E is the sheave loss on the side where friction adds tension, and 1 elsewhere: where E = 1, mu u^2 is equal on both sides and
-cancels (`E counts` below). T at an end depends on accelerations through T(R), see `line/strand.py`. This file assembles the
-contributions of the lines: blocks between their points, and a weighted column and row for each end with coordinates. The
-matrix is stored by profile (`linear_algebra.profile`); the row of a held coordinate is a unit row.
+E is the sheave loss on the side where friction adds tension (`loss_at`), and 1 elsewhere; where E is 1 on both sides,
+mu u^2 is equal on both and cancels. T at an end depends on accelerations through T(R), see `line/strand.py`. This file
+assembles the contributions of the lines: blocks between their points, and a weighted column and row for each end with
+coordinates. The matrix is stored by profile (`linear_algebra.profile`); the row of a held coordinate is a unit row.
 """
 
 from math import atan2, exp
