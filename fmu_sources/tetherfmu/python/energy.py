@@ -1,9 +1,9 @@
-"""Energy of a chain and the powers that change it: a diagnostic, no part of a step.
+"""Energy of a chain and the powers that change it: a diagnostic, not part of a step.
 
     d/dt (kinetic + elastic + potential) = power at the ends + winch + material + wind - losses (damping, drag, ground)
 
-Every term is written out in docs/models/theory.md, "Energy", and computed in `kernels/step/power_balance.py`. What the
-powers do not explain appeared from nowhere; `EnergyAudit` follows that residual along a run.
+docs/models/theory.md, "Energy" defines every term, and `kernels/step/power_balance.py` computes it. The
+residual of this equation is a numerical error, which `EnergyAudit` integrates along a run.
 """
 
 from __future__ import annotations

@@ -42,7 +42,7 @@ globals().update({name.upper(): place for place, name in enumerate(_SCALARS)})
 GROUND_IS_FREE = len(_SCALARS)
 KITE_IS_FREE = GROUND_IS_FREE + 1
 CALM_LAYER = GROUND_IS_FREE + 2  # thickness [m] of a layer above z = 0, 0 but in `kernels/rest/homotopy.py`
-WIND_POINTS = GROUND_IS_FREE + 3  # at which the wind is an input, 0 for none
+WIND_POINTS = GROUND_IS_FREE + 3  # number of points with a wind input, 0 for none
 # of a broken or released line while a kernel runs, see `kernels/equations/torn.py`
 TORN_NOW = GROUND_IS_FREE + 4  # number of the segment without load, from 1 on; 0 for none
 WHOLE_STIFFNESS, WHOLE_DAMPING, WHOLE_DRAG_WIDTH = TORN_NOW + 1, TORN_NOW + 2, TORN_NOW + 3  # its earlier values

@@ -39,7 +39,7 @@ def sees_reeling(parameters):
 def chain_with_flow(n, parameters, length, reeling, acceleration, leaving, wind, flows):
     """`Chain` of this unstretched length [m] with its first [m/s] and second [m/s2] derivative, in a wind [m/s].
 
-    leaving : the rate at which rope leaves its last node [m/s], and the rate of that [m/s2].
+    leaving : the rate at which rope leaves its last node [m/s], and its derivative [m/s2].
     """
     growth = reeling / length
     seen_growth = growth if sees_reeling(parameters) else 0.0

@@ -39,7 +39,7 @@ def steadily(length, speed, acceleration):
 
 @kernel
 def from_length(length, reeling):
-    """The same coefficients for another initial length [m]."""
+    """Shift these coefficients to another initial length [m]."""
     return length, reeling[1], reeling[2], reeling[3], reeling[4], reeling[5], reeling[6]
 
 

@@ -3,8 +3,8 @@
     q1 = q0 + g h u1,   u1 = u0 + g h f(x1, v1, q1, u1)/m,   and so on, as x and v of a node (`line/second_order.py`)
 
 A stage is a backward Euler step over g h (`points/fixed.py`). A step falls back to backward Euler for the reasons that apply
-without coordinates, and where a coordinate starts, comes to rest or reaches a stop. A stop stops the ropes at its ends,
-and nodes absorb their momentum (`events.stop`). If one coordinate falls back, the whole system does.
+without coordinates, and where a coordinate starts, comes to rest or reaches a stop. Backward Euler stops the ropes at the
+ends of its steps, and nodes absorb their momentum (`events.stop`). If one coordinate falls back, the whole system does.
 """
 
 from tetherfmu.runtime import layout as at

@@ -137,7 +137,7 @@ def listed(text, unit, folder):
 
 
 def varied(text, flight="circle", folder=Path()):
-    """`Varied` of a text such as ``wind.speed~weibull(2, 9 m/s)``; ValueError says in one line what is wrong with it.
+    """`Varied` of a text such as ``wind.speed~weibull(2, 9 m/s)``; ValueError describes a problem in one line.
 
     flight : kind of the flight of the scene.  folder : of the scene, where files are.
 
