@@ -1,4 +1,4 @@
-"""The command `tetherfmu`, also `python -m tetherfmu`: imports a subcommand and gives it the rest of the line."""
+"""The command `tetherfmu`, also `python -m tetherfmu`: imports a subcommand and passes it the rest of the line."""
 
 import sys
 from importlib import import_module
@@ -13,7 +13,7 @@ HEAD = "usage: tetherfmu COMMAND [OPTIONS]; tetherfmu COMMAND --help has the opt
 
 
 def usage():
-    """All commands: what each does, and an example."""
+    """All commands: purpose of each, and an example."""
     width = max(map(len, SUBCOMMANDS)) + 2
     lines = (f"  {name:<{width}}{each.about}\n  {'':<{width}}  {each.example}" for name, each in SUBCOMMANDS.items())
     return "\n".join([HEAD, "", *lines])
@@ -21,7 +21,7 @@ def usage():
 
 @command
 def main(arguments=None):
-    """Do what the command line says; returns the exit status."""
+    """Run the command line; returns the exit status."""
     name, *rest = (sys.argv[1:] if arguments is None else arguments) or ["--help"]
     if name in ("-h", "--help"):
         print(usage())

@@ -1,6 +1,6 @@
-"""Run FMPy and an FMU in a separate process, which they may end, crash or block: `python -m tetherfmu.check.apart`.
+"""Run FMPy and an FMU in a separate process, which may exit, crash or hang: `python -m tetherfmu.check.apart`.
 
-The process ends with the one that started it, and after `LONGEST` seconds; what it leaves is a file of JSON, or nothing.
+The process ends with its parent, and after `LONGEST` seconds; its result is a file of JSON, or nothing.
 """
 
 import json
@@ -21,8 +21,8 @@ from .replay import evidence_of, replay
 
 LONGEST = 300  # seconds, of the clock and of the processor; a tether takes one or two
 LARGEST_FILE = 1_000_000_000  # bytes of a file that it writes
-LAST_CHARACTERS, LAST_LINES = 10_000, 5  # of what a failed process said
-NOT_LOADED = "Failed to load shared library"  # what FMPy says
+LAST_CHARACTERS, LAST_LINES = 10_000, 5  # of the output of a failed process
+NOT_LOADED = "Failed to load shared library"  # FMPy's message
 TRAPS = "see `Traps for hosts` in docs/reference/fmi.md of TetherFMU"
 
 
@@ -40,9 +40,9 @@ TASKS = {each.__name__: each for each in (validated, flown)}
 
 
 def apart(task, path, what):
-    """The value of a task for an FMU in a process of its own: (value, None), or (None, Finding) if there is none.
+    """The value of a task for an FMU in a separate process: (value, None), or (None, Finding) if there is none.
 
-    task : of `TASKS`.  what : it does, as a sentence names it.
+    task : of `TASKS`.  what : its description in a sentence.
     """
     with tempfile.TemporaryDirectory() as folder, tempfile.TemporaryFile("w+", errors="replace") as said:
         result = Path(folder) / "result.json"
@@ -62,7 +62,7 @@ def apart(task, path, what):
 
 
 def failure(what, status, said):
-    """`Finding` on a process that left no result; status : its exit code.  said : its last lines."""
+    """`Finding` on a process without a result; status : its exit code.  said : its last lines."""
     if status == 0:
         return Finding(PROBLEM, f"{what} wrote no result: the FMU ended the process that ran it", TRAPS)
     if status < 0 or status > 255:
@@ -85,7 +85,7 @@ def last_lines(file):
 
 
 def _end_group(process):
-    """End what a process that has ended has started and left."""
+    """End the remaining children of a finished process."""
     if os.name != "nt":
         with suppress(OSError):
             os.killpg(process.pid, signal.SIGKILL)

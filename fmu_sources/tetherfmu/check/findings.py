@@ -6,7 +6,7 @@ OK, NOTE, PROBLEM = "ok", "note", "PROBLEM"
 
 
 class Finding(NamedTuple):
-    """One thing found: its level (`OK`, `NOTE` or `PROBLEM`), what it is, and the remedy if there is one."""
+    """One finding: its level (`OK`, `NOTE` or `PROBLEM`), its description, and the remedy if there is one."""
 
     level: str
     text: str

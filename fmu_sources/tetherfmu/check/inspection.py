@@ -105,13 +105,13 @@ def shared_python():
 
 
 def crashing_characters(path):
-    """Characters of a path on which PythonFMU's library crashes when an FMU is extracted there."""
+    """Characters of a path that crash PythonFMU's library when an FMU is extracted there."""
     path = Path(path).resolve()
     return sorted(set("".join(path.parts).removeprefix(path.anchor)) - HARMLESS)
 
 
 def paths(path, temporary):
-    """Whether PythonFMU's library can live in the folder for extraction; and beside the FMU, where some hosts extract."""
+    """Whether PythonFMU's library works in the folder for extraction; and beside the FMU, where some hosts extract."""
     characters = crashing_characters(temporary)
     if characters:
         text = f"FMUs are extracted to {temporary}; PythonFMU's library crashes on {' '.join(characters)} in that path"

@@ -19,16 +19,16 @@ class Evidence(NamedTuple):
     """An evidence set of an FMU."""
 
     inputs: str  # text of the input file
-    outputs: list  # names of the variables, without "time"; in FMI 3 those of arrays
-    reference: dict  # name to list of numbers, "time" among them; those of an array are name[1], name[2], ...
+    outputs: list  # names of the variables, without "time"; in FMI 3 of arrays
+    reference: dict  # name to list of numbers, including "time"; array elements are name[1], name[2], ...
     options: dict  # name to number
     starts: dict  # of parameters, name to number
 
 
 def evidence_of(path):
-    """The evidence sets in an FMU, dict by kind, "" first; KeyError or ValueError if one is there and cannot be read.
+    """The evidence sets in an FMU, dict by kind, "" first; KeyError or ValueError if one is unreadable.
 
-    The kind is the part of the file names between the name of the FMU and what they end in: the winch is given a speed in
+    The kind is the part of the file names between the name of the FMU and their ending: the winch input is a speed in
     "", a force in "force", a length in "length".
     """
     files = {}
@@ -62,9 +62,9 @@ def by_element(name, rows):
 
 
 def signals_of(text):
-    """Columns of an input file as FMPy takes them, a structured array; several numbers in a cell are those of an array.
+    """Columns of an input file in FMPy's form, a structured array; several numbers in a cell are an array.
 
-    FMPy (0.3.32) divides names at commas, also those in quotes, such as "wind_at[1,2]".
+    FMPy (0.3.32) splits names at commas, even within quotes, such as "wind_at[1,2]".
     """
     import numpy as np
 
@@ -96,7 +96,7 @@ def replay(path, evidence):
 
 
 def step_by_step(path, signals, evidence):
-    """As `replay`, for arrays of FMI 3, which FMPy's `simulate_fmu` cannot feed beside scalars (0.3.32)."""
+    """As `replay`, for arrays of FMI 3, which FMPy's `simulate_fmu` cannot combine with scalars (0.3.32)."""
     from fmpy import extract, read_model_description
     from fmpy.fmi1 import FMICallException
     from fmpy.fmi3 import FMU3Slave

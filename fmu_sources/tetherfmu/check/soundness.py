@@ -1,6 +1,6 @@
-"""Whether a file is an archive that can be read: sound, of bounded size, with plain XML. Nothing is read before that.
+"""Whether a file is a readable archive: sound, of bounded size, with plain XML. Nothing is read before this check.
 
-What the archive says of its sizes can be trusted afterwards: `zipfile` reads no more of a file than the list says.
+Afterwards the sizes in the archive are reliable: `zipfile` reads no more of a file than the list states.
 """
 
 import io
@@ -35,10 +35,10 @@ AGAIN = "build or download the FMU again"
 
 
 class Bounded(io.FileIO):
-    """A file of which no large piece is read at once, as `zipfile` does with the list of files."""
+    """A file that refuses large reads, such as `zipfile`'s read of the list of files."""
 
     def read(self, size=-1):
-        """At most so many bytes; OSError if too many are asked for."""
+        """At most this number of bytes; OSError if too many are requested."""
         if size > LARGEST_LIST:
             raise OSError(f"the list of its files has {size / 1e6:.0f} MB; {MOST}{LARGEST_LIST / 1e6:.0f} MB")
         return super().read(size)

@@ -8,7 +8,7 @@ from tetherfmu.console.options import Parser
 
 @command
 def main(arguments=None, prog="tetherfmu advise"):
-    """Print the advice for a scene or a system; returns the exit status, 1 if nothing meets what it asks for."""
+    """Print the advice for a scene or a system; returns the exit status, 1 if nothing meets its requirements."""
     parser = Parser(prog=prog)
     parser.add_argument(
         "scene", metavar="SCENE", help="file of a scene or a system (TOML), or a name of tetherfmu fly --list"

@@ -1,4 +1,4 @@
-"""Build FMUs: all or the named ones, for this platform or others, that of a system, or the one advised for a scene."""
+"""Build FMUs: all or the named ones, for this platform or others, of a system, or the advised one for a scene."""
 
 import argparse
 import re
@@ -34,7 +34,7 @@ MAX_SHAPE_POINTS = 1001
 LISTED = ("TetherDynamic", "TetherDynamicFree")  # by --list without names: a driven and a free kite end
 FMI = "version of FMI, 3 with --native only (default: 2)"
 SEGMENTS = dict(quantities(Tether))["segments"]
-# the stiffness of more is out of its range; the forces of less have too few digits in the evidence set
+# upper limit: range of the stiffness; lower limit: digits of forces in the evidence set
 DIAMETER = Quantity("m", "", 1e-4, 5.0)
 OF_THE_ROPE = ("diameter", "density", "axial_stiffness", "axial_damping")
 
@@ -56,7 +56,7 @@ def platforms(text):
 
 
 def points(most):
-    """Type of a number of points: none, or from 2 to so many."""
+    """Type of a number of points: none, or from 2 to a maximum."""
 
     def converted(text):
         if not text.isdecimal() or int(text) not in (0, *range(2, most + 1)):
@@ -67,16 +67,16 @@ def points(most):
 
 
 def c_prefix(text):
-    """Type of what names in C begin with."""
+    """Type of a prefix of C names."""
     if not re.fullmatch(r"[A-Za-z_]\w*", text, re.ASCII):
         raise argparse.ArgumentTypeError(f"{text!r} cannot begin a name in C; use letters, digits and _")
     return text
 
 
 def starts_of(diameter, material):
-    """Start values of a rope that differ from those of the default tether, pairs (parameter, value).
+    """Start values of a rope that differ from the default tether, pairs (parameter, value).
 
-    diameter [m], material : None for that of the default tether.
+    diameter [m], material : None for those of the default tether.
     """
     default = Tether()
     diameter = default.diameter if diameter is None else diameter
@@ -143,7 +143,7 @@ def _add_points(option):
 
 
 def _add_flavours(option):
-    """Declare for whom the FMUs are, and of what; see `_add_points`."""
+    """Declare the options for hosts and contents of the FMUs; see `_add_points`."""
     here = this_platform()
     about = f"platforms to compile for, of {', '.join(TARGETS)}, or all (default: {here}, this one)"
     option("--platforms", type=platforms, default=here, metavar="P,...", help=about)
@@ -219,9 +219,9 @@ def tell(about):
 
 
 def build_for_system(wanted, path, starts=()):
-    """Build the FMU of a system; WrongUse if its file cannot be used.
+    """Build the FMU of a system; WrongUse if its file is unusable.
 
-    wanted : as `parse` returns it.  path : of the file.  starts : values that --set goes before.
+    wanted : result of `parse`.  path : of the file.  starts : values that --set overrides.
     """
     from tetherfmu.export import systems
 
@@ -251,9 +251,9 @@ def build_for_system_of(wanted, path):
 
 
 def build_for_scene(wanted):
-    """Build the FMU that is advised for a scene; returns 1 if nothing meets what it asks for.
+    """Build the advised FMU for a scene; returns 1 if nothing meets its requirements.
 
-    wanted : as `parse` returns it, also in `build`.
+    wanted : result of `parse`, also in `build`.
     """
     from tetherfmu.files.named import named_scenes, named_systems, path_of
     from tetherfmu.study.advice.scene_build import advised
@@ -290,7 +290,7 @@ def build(wanted, name, options):
 
 
 def list_variables(wanted, lean, segments):
-    """Print the variables of the FMUs that are named, without names those of `LISTED`. wanted : as `parse` returns it."""
+    """Print the variables of the named FMUs, without names those of `LISTED`. wanted : result of `parse`."""
     for name in wanted.names or LISTED:
         with said(name):
             table = variables(SLAVES[name], wanted.shape_points, (("segments", segments),), wanted.wind_points)
@@ -300,7 +300,7 @@ def list_variables(wanted, lean, segments):
 
 @command
 def main(arguments=None, prog="tetherfmu build"):
-    """Build what was asked for; returns the exit status, 0 only if all was built."""
+    """Build the requested FMUs; returns the exit status, 0 only if all were built."""
     wanted = parse(arguments, prog)
     if wanted.system is not None:
         return build_for_system(wanted, wanted.system)

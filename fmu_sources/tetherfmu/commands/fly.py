@@ -1,6 +1,6 @@
-"""Fly with tether FMUs: the circle of `examples/first_flight/circular_flight.py`, a scene, a system, or along a log.
+"""Run flights with tether FMUs: the circle of `examples/first_flight/circular_flight.py`, a scene, a system, or a log.
 
-The examples are those of a checkout, or those that a wheel carries.
+The examples are in a checkout, or in a wheel.
 """
 
 from pathlib import Path

@@ -10,7 +10,7 @@ from tetherfmu.files.toml_files import WrongUse
 
 @command
 def main(arguments=None, prog="tetherfmu import"):
-    """Write the scene or the system, and say what it leaves out; returns the exit status."""
+    """Write the scene or the system, and report omissions; returns the exit status."""
     parser = Parser(prog=prog)
     about = "settings of KiteUtils.jl (.yaml), or a line file of MoorDyn v2 or CableDyn (.txt, .dat)"
     parser.add_argument("file", type=file, metavar="FILE", help=about)

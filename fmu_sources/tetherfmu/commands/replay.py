@@ -47,6 +47,6 @@ def parse(arguments, prog):
 
 @command
 def main(arguments=None, prog="tetherfmu replay"):
-    """Fly and compare, write the results; returns the exit status, 1 if no FMU meets what its scene asks for."""
+    """Replay and compare, write the results; returns the exit status, 1 if no FMU meets the requirements of its scene."""
     options = parse(arguments, prog)
     return import_module("tetherfmu.study.replay.replay").run(options)

@@ -1,4 +1,4 @@
-"""Write the page in which one flies a tether in the browser, and serve it on this machine."""
+"""Write the page for flights in the browser, and serve it on this machine."""
 
 import errno
 import sys
@@ -14,16 +14,16 @@ from tetherfmu.libraries import webassembly
 from tetherfmu.web import page
 
 HERE = "127.0.0.1"  # only this machine reaches the server
-TYPES = {".js": "text/javascript", ".wasm": "application/wasm"}  # whatever the system says of these endings
+TYPES = {".js": "text/javascript", ".wasm": "application/wasm"}  # overrides the system's types
 
 
 class Handler(SimpleHTTPRequestHandler):
-    """Serves the files of a folder as they are now, and keeps no log."""
+    """Serves the present files of a folder, without a log."""
 
     extensions_map = {**SimpleHTTPRequestHandler.extensions_map, **TYPES}  # noqa: RUF012 (as in its base)
 
     def send_head(self):
-        """A file of the folder, or its page; no list of a folder, and nothing to which a link leads out of it."""
+        """A file of the folder, or its page; no directory listing, and no links that lead out of it."""
         root = Path(self.directory).resolve()
         try:
             place = Path(self.translate_path(self.path)).resolve()
@@ -49,7 +49,7 @@ class Handler(SimpleHTTPRequestHandler):
 
 
 def server_of(place, port):
-    """A server of a folder at a port of this machine, 0 for any that is free; WrongUse if the port is taken."""
+    """A server of a folder at a port of this machine, 0 for any free one; WrongUse if the port is in use."""
     try:
         return ThreadingHTTPServer((HERE, port), partial(Handler, directory=place))
     except OSError as error:
@@ -64,7 +64,7 @@ def serve(server):
         print(f"http://{HERE}:{server.server_port}/  until Ctrl-C", flush=True)
         server.serve_forever()
     except KeyboardInterrupt:
-        print(file=sys.stderr)  # behind the ^C of the terminal
+        print(file=sys.stderr)  # after the ^C of the terminal
     finally:
         server.server_close()
 

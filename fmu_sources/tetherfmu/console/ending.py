@@ -1,8 +1,8 @@
-"""How a command ends: its exit status, and one line on stderr unless all is well.
+"""End of a command: its exit status, and one line on stderr unless it succeeds.
 
-0  done
-1  it failed; or what it looks for is not as it should be (a problem of an FMU, no advice that meets a scene)
-2  wrong use: what was typed, or a file that was named, cannot be used, or a package that it needs is not installed
+0  success
+1  failure; or a negative result (a problem of an FMU, no advice that meets the requirements)
+2  wrong use: invalid arguments, an unusable file, or a required package that is not installed
 130  Ctrl-C
 """
 
@@ -20,11 +20,11 @@ REQUIREMENT = re.compile(r"([\w-]+).*extra == ['\"](\w+)['\"]")
 
 
 class WorkersLost(RuntimeError):
-    """The processes, or the cluster, that did the work of a command are gone; the message says which in one line."""
+    """The worker processes, or the cluster, of a command are gone; the message says which in one line."""
 
 
 def command(main):
-    """A function that returns an exit status or None, with one line on stderr for what a user can make go wrong."""
+    """Wraps a function that returns an exit status or None: user errors become one line on stderr."""
 
     @wraps(main)
     def run(*arguments, **options):

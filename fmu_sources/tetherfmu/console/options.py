@@ -1,4 +1,4 @@
-"""Options of commands: a parser that says in one line what is wrong, and types that name what is allowed."""
+"""Options of commands: a parser with one-line error messages, and types that name permitted values."""
 
 import argparse
 import os
@@ -18,7 +18,7 @@ ADDRESS = re.compile(r"(\w+://)?[^\s:/]+:\d+")
 
 
 class Parser(argparse.ArgumentParser):
-    """Says what is wrong with the command line in one line; that of a subcommand ends its help with an example."""
+    """Reports a wrong command line in one line; the help of a subcommand ends with an example."""
 
     def __init__(self, prog=None, **options):
         known = SUBCOMMANDS.get((prog or "").removeprefix("tetherfmu "))
@@ -44,7 +44,7 @@ class Parser(argparse.ArgumentParser):
         return found
 
     def error(self, message):
-        """Leave with status 2; of an option of several values, with what they are."""
+        """Exit with status 2; for an option of several values, list them."""
         option = re.match(r"argument (--[\w-]+): expected \d+ arguments$", message)
         if option:
             message += f", {re.search(rf'{option[1]}[^]]*', self.format_usage())[0]}"
@@ -55,7 +55,7 @@ class Parser(argparse.ArgumentParser):
         self.add_argument(option, type=one_of(names), **{"metavar": f"{{{','.join(names)}}}"} | more)
 
     def add_out(self, what="the figure"):
-        """Add the option --out: the folder of what the command writes."""
+        """Add the option --out: the output folder of the command."""
         about = f"folder of {what} (default: plots)"
         self.add_argument("--out", type=folder, default=Path("plots"), metavar="DIR", help=about)
 
@@ -159,12 +159,12 @@ def named_value(text, form="NAME=VALUE"):
 
 
 def names_in(settings):
-    """Names of what is set, a list, from texts NAME=VALUE or pairs of names and values."""
+    """Names of the settings, a list, from texts NAME=VALUE or pairs of names and values."""
     return [(each.partition("=") if isinstance(each, str) else each)[0].strip() for each in settings]
 
 
 def setting(text):
-    """Type of an option NAME=VALUE: the name, and the value as in a TOML file, a text if it is none."""
+    """Type of an option NAME=VALUE: the name, and the value as in a TOML file, otherwise a text."""
     name, value = named_value(text, "SECTION.NAME=VALUE, as in tether.diameter='14 mm'")
     try:
         return name, tomllib.loads(f"value = {value}")["value"]

@@ -4,6 +4,6 @@ import sys
 
 
 def now(text):
-    """Say on a terminal what begins, where it takes more than a moment."""
+    """Print the current task on a terminal, if it needs more than a moment."""
     if sys.stderr.isatty():
         print(f"{text} ...", file=sys.stderr, flush=True)

@@ -1,4 +1,4 @@
-"""The subcommands of `tetherfmu`: where they are, what they do, and an example of each."""
+"""The subcommands of `tetherfmu`: their modules, their purposes, and an example of each."""
 
 from typing import NamedTuple
 
@@ -8,7 +8,7 @@ class Subcommand(NamedTuple):
 
     about: str
     example: str  # that can be typed
-    module: str = ""  # whose function `main` does it; "" for that of its name in `commands`
+    module: str = ""  # with the function `main`; "" for the module of its name in `commands`
 
 
 SUBCOMMANDS = {

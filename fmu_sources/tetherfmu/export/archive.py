@@ -1,7 +1,7 @@
 """Assemble FMUs: compiled kernels, the folders `runtime`, `wiring` and `fmi`, PythonFMU's wrapper, one archive.
 
-Inside an FMU the slave script and the package have names with a hash of their content, so that FMUs of different versions
-live side by side in one process. Equal sources and options give equal bytes.
+Inside an FMU the names of the slave script and the package contain a hash of their content, so that FMUs of different
+versions coexist in one process. Equal sources and options yield equal bytes.
 """
 
 import hashlib
@@ -36,7 +36,7 @@ class {name}(TetherSlave):
     variant, description = {variant!r}, {description!r}
 '''
 SHIPPED = ("runtime", "wiring", "fmi")  # folders of the package that every FMU has
-# PythonFMU executes the script of an FMU anew for each instance and keeps what it defines: 6 kB if that is a class
+# PythonFMU executes the script for each instance and keeps its definitions: 6 kB if that is a class
 LAUNCHER = """from {package}.{module} import {name}
 from {package}.fmi.workarounds import hold
 
@@ -51,9 +51,9 @@ FILE_MODE = 0o644 << 16  # of an entry of an archive: rw-r--r--, where Unix has 
 def build(name, folder, options=None):
     """Build one FMU and return its path; RuntimeError if the compiler or the linker fails.
 
-    ValueError says which of its options or start values the FMU cannot have.
+    ValueError names unsupported options or start values.
 
-    name : one of `SLAVES`.  folder : where the FMU goes, made if missing; the groups of variables for the Open Simulation
+    name : one of `SLAVES`.  folder : of the FMU, created if missing; the groups of variables for the Open Simulation
     Platform are written beside it (`osp.py`).  options : `BuildOptions`; None for the defaults.
     """
     folder, options = Path(folder), options or BuildOptions()
@@ -70,9 +70,9 @@ def build(name, folder, options=None):
 def packed_with_kernels(name, variant, about, library, platforms, options):
     """Files of an FMU with PythonFMU's model description, dict of path to bytes; RuntimeError if compiling fails.
 
-    PythonFMU's libraries are in it for the platforms of the kernels only; RuntimeError if it has none for them.
+    It includes PythonFMU's libraries only for the platforms of the kernels; RuntimeError if PythonFMU lacks one.
     name : class of the slave.  variant : None for a system.  about : description.  library : of its kernels.  options : dict
-    that it reads when it runs.
+    that it reads at run time.
     """
     compiled = ready.folders([library], platforms)[library]
     kernels = [compiled / file_name(library, platform) for platform in platforms]
@@ -108,7 +108,7 @@ def seal(files):
 
 
 def write(files, folder, name, purpose):
-    """Write a tether FMU, and beside it what libcosim looks for; returns its path.
+    """Write a tether FMU, and beside it the file for libcosim; returns its path.
 
     files : dict of path in the archive to bytes.  purpose : `build_options.Purpose` or None.
     """
@@ -131,10 +131,10 @@ def write_archive(files, target):
 
 
 def write_package(resources, name, file, text, kernels=(), modules=()):
-    """Write the package with the slave in it, and its launcher, under names with a hash of it all; returns both paths.
+    """Write the package with the slave, and its launcher, under names with a hash of both; returns both paths.
 
-    name : class of the slave.  file, text : of the module that has it.  kernels : compiled libraries, for the hash.
-    modules : more files that it imports. Folders of this package are folders there, and what is not of it is beside them.
+    name : class of the slave.  file, text : of its module.  kernels : compiled libraries, for the hash.
+    modules : more files that it imports. Folders of this package remain folders there, other files are beside them.
     """
     sources = {file: text.replace("from tetherfmu.", "from .")}
     for path in (*(each for folder in SHIPPED for each in sorted((PACKAGE / folder).glob("*.py"))), *modules):
@@ -156,7 +156,7 @@ def write_package(resources, name, file, text, kernels=(), modules=()):
 
 
 def pack(resources, shipped, folder):
-    """Let PythonFMU make the archive: dict of path to bytes; leaves no trace of the hashed modules in this process."""
+    """Make PythonFMU create the archive: dict of path to bytes; leaves no trace of the hashed modules in this process."""
     script, package = shipped
     path = list(sys.path)
     beside = [each for each in resources.iterdir() if each != script]

@@ -17,14 +17,14 @@ class Purpose:
     about: str  # sentence that is added to the description of the FMU
     step: float  # communication step of the default experiment [s]
     stop: float  # stop time of the default experiment [s]
-    page: str  # what its documentation page says before the tables of variables, HTML
+    page: str  # HTML of its documentation page before the tables of variables
 
 
 @dataclass(frozen=True)
 class BuildOptions:
-    """Options of a build; equal options give equal bytes."""
+    """Options of a build; equal options yield equal bytes."""
 
-    segments: int = DEFAULT_OPTIONS["segments"]  # start value of the parameter `segments`; a system has those of its file
+    segments: int = DEFAULT_OPTIONS["segments"]  # start value of the parameter `segments`; a system uses its file
     # points of the output `shape`; 0 leaves it out, None is one at each node of a system
     shape_points: int | None = DEFAULT_OPTIONS["shape_points"]
     platforms: tuple = field(default_factory=lambda: (this_platform(),))  # of `ahead_of_time.TARGETS`, with kernels for them
@@ -37,9 +37,9 @@ class BuildOptions:
         return " ".join([BY_NAME[variant].description, *([self.purpose.about] if self.purpose else [])])
 
     def of_slave(self, variant):
-        """Options that the FMU of a variant needs, without defaults, as `fmi.resources.options_in` reads them.
+        """Options for the FMU of a variant, without defaults, in the form that `fmi.resources.options_in` reads.
 
-        ValueError names what is no variable, or a start value that is not allowed.
+        ValueError names an unknown variable or an invalid start value.
         """
         options = {"segments": self.segments, "shape_points": self.shape_points}
         if self.wind_points:
@@ -51,6 +51,6 @@ class BuildOptions:
 
 
 def chosen(lean, table):
-    """Start values and what is left out of a table of variables, as `BuildOptions.of_slave` has them."""
+    """Start values and omitted variables of a table, in the form of `BuildOptions.of_slave`."""
     found = {"starts": lean.start_values(table), "left_out": lean.left_out(table)}
     return {key: list(map(list, value)) if key == "starts" else list(value) for key, value in found.items() if value}

@@ -22,11 +22,11 @@ OSP_FOLDER = "extra/com.open-simulation-platform"
 
 
 def documents(name, variant, description, options, given, native=None):
-    """All files beside the model of a tether: dict of their path in the archive to bytes.
+    """All files other than the model of a tether: dict of their path in the archive to bytes.
 
     name : of the FMU.  variant : one of `variants.EVERY_VARIANT`.  description : of the model, one paragraph.
-    options : `BuildOptions`; an FMU for one purpose has a page of its own, and no evidence set.  given : what its `of_slave`
-    gives.
+    options : `BuildOptions`; an FMU for one purpose has its own page, and no evidence set.  given : result of its
+    `of_slave`.
     native : version of FMI (2 or 3) of an FMU without Python; None for PythonFMU's.
     """
     given, sets, title = DEFAULT_OPTIONS | given, {}, name
@@ -57,9 +57,9 @@ def physics_of(variant):
 
 
 def files_beside(name, page_of, sets, platforms, groups, native=None):
-    """Files beside the model of a tether or a system: dict of their path in the archive to bytes.
+    """Files other than the model of a tether or a system: dict of their path in the archive to bytes.
 
-    page_of : gives the text of the page for the paths of the other files.  sets : texts of the evidence sets, dict by file
+    page_of : returns the text of the page for the paths of the other files.  sets : texts of the evidence sets, dict by file
     name.  platforms : as in `of_every_fmu`.  groups : text of the file for the Open Simulation Platform, for FMI 2.
     """
     texts = of_every_fmu(platforms, native)
@@ -77,9 +77,9 @@ NO_PACKAGES = "No package has to be installed in it: the FMU carries its compile
 
 
 def of_every_fmu(platforms, native=None, packages=NO_PACKAGES):
-    """Texts on what the host must have, and licences: dict of path in the archive to text.
+    """Texts on host requirements, and licences: dict of path in the archive to text.
 
-    platforms : names of those that the FMU runs on.  native : as in `documents`.  packages : which its Python must have.
+    platforms : names of the supported platforms.  native : as in `documents`.  packages : requirements of its Python.
     """
     host = "native_dependencies.txt" if native else "externalDependencies.txt"
     own_licence = LICENCE.read_text(encoding="utf-8") if LICENCE.exists() else licence_of("tetherfmu")
@@ -136,9 +136,9 @@ def manual():
 
 
 def page(title, body, table, left_out=(), hint="<p>Set them before the initialization ends.</p>\n"):
-    """Function of the paths of the other files that gives the text of documentation/index.html.
+    """Function of the paths of the other files that returns the text of documentation/index.html.
 
-    body : HTML above the tables of the variables in `table`.  left_out : names of those that the FMU goes without.
+    body : HTML above the tables of the variables in `table`.  left_out : names of omitted variables.
     hint : HTML above the parameters.
     """
     own = selection.shown(table, frozenset(left_out))
@@ -164,7 +164,7 @@ def _in_groups(listed):
         if each.causality == PARAMETER:
             groups.setdefault("first" if selection.own_name(each.name) in selection.FIRST else each.group, []).append(each)
     for group, variables in groups.items():
-        if any(each.group for each in variables):  # of an example it is none
+        if any(each.group for each in variables):  # an example has no groups
             yield f'<tr><th colspan="5">{selection.GROUPS.get(group, "what is set first")}</th></tr>'
         yield rows(variables, PARAMETER, unit, start, allowed, meaning)
 
@@ -202,7 +202,7 @@ def meaning(each):
 
 
 def rows(table, causality, *columns):
-    """Rows of an HTML table of the variables of a causality; columns : functions that give a text of a variable."""
+    """Rows of an HTML table of the variables of a causality; columns : functions that return a text for a variable."""
     found = []
     for name, each in folded([variable for variable in table if variable.causality == causality]):
         cells = "".join(f"<td>{escape(text_of(each))}</td>" for text_of in columns)
@@ -211,6 +211,6 @@ def rows(table, causality, *columns):
 
 
 def licence_of(package):
-    """Licence text of an installed package of which the FMU carries parts."""
+    """Licence text of an installed package with parts in the FMU."""
     metadata = distribution(package)
     return metadata.read_text("licenses/LICENSE") or metadata.read_text("LICENSE")

@@ -1,16 +1,16 @@
-"""Evidence sets of an FMU, in the files of FMI's cross-check: what goes in, what must come out, and with which options.
+"""Evidence sets of an FMU, in the files of FMI's cross-check: inputs, expected outputs, and options.
 
-A tether has three. Each starts from the start values of the FMU; forces are parts of a force of the tether, so that they
-suit light and heavy ones.
+A tether has three. Each begins at the start values of the FMU; forces are fractions of a tether force, so that they
+suit light and heavy tethers.
 
-    ""       A kite 500 m away flies into a part of a circle and outwards, a free one is pulled outwards and to and fro by
-             its load; the wind rises, the tether pays out and becomes taut.
-    force    The winch has a drum with mass and dry friction. It holds still until its force exceeds the friction, breaks
-             away, reels the tether taut, lets it go as the force falls, and is stopped at `longest_length` with it slack.
+    ""       A kite 500 m away moves along part of a circle and outwards; a load pulls a free one outwards and to and
+             fro; the wind rises, the tether pays out and becomes taut.
+    force    The winch has a drum with mass and dry friction. It is at rest until its force exceeds the friction, breaks
+             away, reels in until taut, pays out as the force falls, and stops at `longest_length` with a slack tether.
     length   The tether follows a length that is reeled in until it is taut, and out until it is slack.
 
-In that of a system a wind rises, all driven points sway together, the lines pay out. The reference is the Python API with a
-tolerance far tighter than the FMU's.
+In the set of a system the wind rises, all driven points sway together, the lines pay out. The reference is the Python API
+with a tolerance far tighter than the FMU's.
 """
 
 from collections.abc import Callable
@@ -43,9 +43,9 @@ SCENES = (  # in words: with a driven kite, with a free one, of a system
 
 
 class EvidenceSet(NamedTuple):
-    """One evidence set: the model, what goes in, what is recorded, and the options of the run."""
+    """One evidence set: the model, inputs, recorded outputs, and the options of the run."""
 
-    kind: str  # "", or what controls the winch
+    kind: str  # "", or the control of the winch
     model: Callable  # makes a model of the Python API with a relative tolerance
     scene: list  # its arguments at each communication point: dicts with the digits of the input file
     inputs: tuple  # FMI names
@@ -55,16 +55,16 @@ class EvidenceSet(NamedTuple):
     allowed: float  # deviation, as a part of the largest value
     given: Callable = dict  # arguments as a dict of FMI vectors to numbers, the same for the record of its outputs
     found: Callable = lambda row: row._asdict()
-    starts: dict = {}  # noqa: RUF012  start values of parameters that are not those of the FMU
+    starts: dict = {}  # noqa: RUF012  start values of parameters that differ from the FMU
 
 
 def reference(made, tolerance=None):
     """Recorded outputs of the Python API at the start and after each step: list of lists of numbers.
 
-    made : `EvidenceSet`.  tolerance : None for that of its reference.  ValueError if a system does not start, or a step is
+    made : `EvidenceSet`.  tolerance : None for the reference tolerance.  ValueError if a system does not start, or a step is
     refused.
     """
-    with catch_warnings(action="ignore", category=PlausibilityWarning):  # command and FMU say once what is in doubt
+    with catch_warnings(action="ignore", category=PlausibilityWarning):  # command and FMU warn once
         model = made.model(tolerance or made.reference_tolerance)
         rows = [model.initialize(**made.scene[0])]
         rows += [model.step(STEP, **given) for given in made.scene[:-1]]
@@ -72,10 +72,10 @@ def reference(made, tolerance=None):
 
 
 def files(name, sets, arrays=False, **words):
-    """Texts of evidence sets, dict by file name: inputs, reference and options of each, and on all of them README.txt.
+    """Texts of evidence sets, dict by file name: inputs, reference and options of each, and a common README.txt.
 
-    name : of the FMU.  arrays : whether a vector is one variable, as in FMI 3; its numbers then stand in one cell, with
-    blanks between them, as FMPy reads them.  words : in assets/evidence.txt.
+    name : of the FMU.  arrays : whether a vector is one variable, as in FMI 3; one cell then contains its numbers, separated
+    by blanks, as FMPy reads them.  words : in assets/evidence.txt.
     """
     texts = {}
     for made in sets:
@@ -92,7 +92,7 @@ def files(name, sets, arrays=False, **words):
 
 
 def flat(values, names):
-    """Numbers of FMI variables from a dict of numbers and vectors; what is not in it is 0."""
+    """Numbers of FMI variables from a dict of numbers and vectors; missing ones are 0."""
     row = []
     for name in names:
         vector, _, index = name.partition("[")
@@ -113,7 +113,7 @@ def rounded(value):
 
 
 def text_of(value, digits):
-    """A number with so many digits, two of them less behind the point: what rounding leaves of a zero becomes 0."""
+    """A number with this number of digits, and two fewer after the point: a zero with rounding errors becomes 0."""
     return f"{round(value, digits - 2) + 0.0:.{digits}g}"
 
 
@@ -146,7 +146,7 @@ _GROWTH, _GROWS = 0.018, 8.0  # of the distance [-], [s]
 _REEL_OUT, _REEL_OUT_BEGINS, _REEL_OUT_RISES = 0.5, 2.0, 4.0  # [m/s], [s], [s]
 _DISTANCE = hypot(*KITE_AT_START)
 _WIND, _WIND_RISES = 8.0, 3.0  # [m/s], [s]
-_WIND_AT_GROUND = 0.5  # wind at the first wind point over that in the middle [-]
+_WIND_AT_GROUND = 0.5  # wind at the first wind point over the wind in the middle [-]
 _GUST, _GUST_RATE = 2.0, 0.5  # [m/s], [rad/s]
 # on a free kite, as parts of the force of the tether at the start: along the tether and across it
 _PULL, _PULL_RISES = 2.7, 6.0  # [-], [s]
@@ -154,7 +154,7 @@ _SWAY, _SWAY_RATE = 0.5, 0.8  # [-], [rad/s]
 
 
 def of_tether(model, tether, wind_points=0):
-    """Evidence sets of a tether, list of `EvidenceSet`; those of the winch are left out of what bounces (`SEGMENTS`).
+    """Evidence sets of a tether, list of `EvidenceSet`; winch sets omit bouncing outputs (`SEGMENTS`).
 
     model : class of the Python API.  tether : `Tether` of the start values.  wind_points : of the FMU.
     """
@@ -165,9 +165,9 @@ def of_tether(model, tether, wind_points=0):
 
 
 def flight(model, tether, wind_points=0, kite=KITE_AT_START, **others):
-    """The `EvidenceSet` without a winch that is controlled, of a tether with these start values.
+    """The `EvidenceSet` without a controlled winch, of a tether with these start values.
 
-    kite : its start [m].  others : start values of what is no quantity of the tether, by name.
+    kite : its start [m].  others : start values of other variables, by name.
     """
     variant, at = BY_NAME[model.variant], partial(inputs_at, kite=kite)
     if variant.kite_is_free:
@@ -206,7 +206,7 @@ def inputs_at(time, kite=KITE_AT_START):
 def inputs_of_free_kite(time, kite_force):
     """As `inputs_at`, for a tether with a free kite end; kite_force : at the start [N].
 
-    The load begins with what holds the kite and the tether at rest.
+    The load begins with the force that keeps kite and tether at rest.
     """
     force, distance = hypot(*kite_force), hypot(*KITE_AT_START)
     pull = _PULL * force * rise(time, _PULL_RISES)[0]
@@ -234,7 +234,7 @@ def with_wind_at(inputs, wind_points, lines=None):
 
 
 def _winds_along(wind, count):
-    """Wind at so many points [m/s], with `wind` in the middle."""
+    """Wind at this number of points [m/s], with `wind` in the middle."""
     shares = [_WIND_AT_GROUND + 2.0 * (1.0 - _WIND_AT_GROUND) * k / (count - 1) for k in range(count)]
     return rounded(tuple(tuple(share * each for each in wind) for share in shares))
 
@@ -312,7 +312,7 @@ _SYSTEM_TOLERANCE, _SYSTEM_REFERENCE = 1e-6, 1e-8  # at the default a short stif
 _MEAN, _GUSTS, _RISES, _RATE = 4.0, 1.0, 3.0, 0.7  # [m/s], [m/s], [s], [rad/s]
 _AMPLITUDE = 0.01  # of the driven points, in the mean length of the lines [-]
 _PAID_OUT = 2e-4  # of the length of a line, in a second [1/s]
-_LIFT = 0.01  # of the force of a winch that holds several lines [-]
+_LIFT = 0.01  # of the force of a shared winch [-]
 # arguments of `TetherSystem.step`, and the inputs of points and lines that they are
 KINDS = {"positions": "position", "velocities": "velocity", "reel_out_speeds": "reel_out_speed"}
 KINDS |= {"winch_lengths": "winch_length", "winch_forces": "winch_force", "wind_at": "wind_at"}
@@ -355,7 +355,7 @@ def of_system(system, wind_points=0):
 
 
 def lines_alone(system):
-    """The lines of a system that no winch with several lines holds."""
+    """The lines of a system without shared winches."""
     return [line for line in system.lines if not holding(system.winches, line.name)]
 
 

@@ -1,6 +1,6 @@
-"""The evidence set of a lean FMU, or of one with other start values: the flight of the full one, as far as it has variables.
+"""The evidence set of a lean FMU, or of one with other start values: the flight of the full one with the variables it has.
 
-It is left out where the scene would be another one, and where a run would not keep what the full FMU allows.
+It is omitted if the scene would be another one, or if a run would exceed the tolerance of the full FMU.
 """
 
 from tetherfmu.runtime.inputs import KITE_AT_START, WIND_AT, components
@@ -17,7 +17,7 @@ def of_tether(model, table, left_out=(), wind_points=0):
     """Evidence sets of a tether, list of `EvidenceSet`: those of the full FMU, or one or none.
 
     model : class of the Python API.  table : of the variables of the full FMU with its start values.  left_out : names of
-    those that the FMU goes without.  wind_points : of the FMU.
+    omitted variables.  wind_points : of the FMU.
     """
     starts = {each.name: each.start for each in table if each.causality in (INPUT, PARAMETER)}
     tether = Tether(**{name: starts.pop(name) for name, _ in quantities(Tether)})
@@ -53,7 +53,7 @@ def _vectors(values):
 
 
 def is_kept(made):
-    """Whether a run with the tolerance of an `EvidenceSet` keeps what is allowed; ValueError if it cannot be flown."""
+    """Whether a run with the tolerance of an `EvidenceSet` stays within the permitted deviation; ValueError if it fails."""
     exact, run = evidence.reference(made), evidence.reference(made, made.tolerance)
     vectors = [name.partition("[")[0] for name in made.outputs]
     largest = {}
@@ -65,7 +65,7 @@ def is_kept(made):
 
 
 def of_system(made, table, left_out):
-    """The `EvidenceSet` of a system that goes without some variables; ValueError if it is flown without `wind_at`.
+    """The `EvidenceSet` of a system that omits some variables; ValueError if it requires `wind_at`.
 
     made : of the full one.  table : of all its variables.  left_out : names.
     """

@@ -12,7 +12,7 @@ from .texts import xml_text
 NAMESPACE = "https://open-simulation-platform.com/OspModelDescription/1.0.1"
 KINDS = {"m/s": "LinearVelocity", "N": "Force", "m": "LinearDisplacement"}  # of groups, by the unit of their variables
 WINCH = (*inputs_at("winch"), "winch_speed", "tether_length", "payout")  # variables that have a group of their own
-GROUPS = {"reel_out_speed": "reel_out", "winch_force": "winch_pull", "winch_length": "winch"}  # those of other names
+GROUPS = {"reel_out_speed": "reel_out", "winch_force": "winch_pull", "winch_length": "winch"}  # groups with other names
 
 
 def file_name(name):
@@ -24,9 +24,9 @@ def model_description(table):
     """Text of the file of a tether.
 
     Two Generic groups, `kite` and `ground`, each with a Force, a LinearVelocity and a LinearDisplacement in this order; and
-    the LinearVelocity group `wind` and those of the winch, `WINCH`.
-    The force of a free kite end is its load. libcosim connects a group with one of the same make: groups in groups in the
-    same order, with the same number of variables. What an FMU for one scene goes without is left out.
+    the LinearVelocity group `wind` and the winch groups, `WINCH`.
+    The force of a free kite end is its load. libcosim connects a group with one of the same structure: subgroups in the
+    same order, with the same number of variables. Variables omitted from an FMU for one scene are omitted here.
 
     table : of `variables.Variable`.
     """
@@ -44,7 +44,7 @@ def model_description_of_system(system, table):
 
 
 def _text(table, ports, winches):
-    """Text of a file; ports : arguments of `_port`.  winches : what the names of their groups and variables begin with."""
+    """Text of a file; ports : arguments of `_port`.  winches : prefixes of their groups and variables."""
     units = {variable.name: variable.quantity.unit for variable in table}
     root = Element("OspModelDescription", xmlns=NAMESPACE, version="1.0")
     groups = SubElement(root, "VariableGroups")
@@ -60,9 +60,9 @@ def _text(table, ports, winches):
 
 
 def _port(groups, units, name, prefix, force):
-    """Add the group of force, velocity and position of an end or a point (`groups` is modified), unless the FMU has none.
+    """Add the group of force, velocity and position of an end or a point (`groups` is modified), if the FMU has these.
 
-    prefix : before these words in the names of the variables.  force : the word for the force.
+    prefix : of the variable names.  force : the word for the force.
     """
     port = Element("Generic", name=name)
     for kind, what in (("Force", force), ("LinearVelocity", "velocity"), ("LinearDisplacement", "position")):

@@ -25,7 +25,7 @@ class Rehearsal(TetherSlave):
         return self._given
 
     def can_be_helped(self, problem):
-        """Whether the FMU has an input that a refused step is about, or any where the sentence on it names none."""
+        """Whether the FMU has an input that a refused step is about, or any input if the sentence names none."""
         tables = self._wiring.table, self._wiring.shown
         full, own = ({own_name(each.name) for each in table if each.causality == INPUT} for table in tables)
         return bool((full & set(re.findall(r"\w+", problem)) or full) & own)
@@ -38,7 +38,7 @@ class Rehearsal(TetherSlave):
 def check_start(variant, options):
     """ValueError unless the FMU with these build options starts with its start values and can do a step.
 
-    variant : None for a system.  What is in doubt is a `PlausibilityWarning`: also a step that other inputs may allow.
+    variant : None for a system.  Doubts are a `PlausibilityWarning`, including a step that other inputs may permit.
     """
     slave = Rehearsal(variant, options)
     if problem := slave.start():

@@ -1,6 +1,6 @@
-"""The manifest of FMI's layered standard for related files (FMI-LS-REF 1.0.0-beta.1): what each file of the evidence set is.
+"""The manifest of FMI's layered standard for related files (FMI-LS-REF 1.0.0-beta.1): roles of the evidence set files.
 
-It is a draft: the evidence set itself stays in the files of FMI's cross-check, and this names their roles.
+It is a draft: the evidence set itself uses the files of FMI's cross-check; the manifest names their roles.
 """
 
 from pathlib import PurePosixPath
@@ -25,7 +25,7 @@ FILES = {  # type, role and description, by the end of a path
 
 
 def manifest(paths):
-    """Text of the manifest. paths : of the files of the evidence set in the archive, in which `FILES` has all of them."""
+    """Text of the manifest. paths : of the evidence set files in the archive, all listed in `FILES`."""
     root = Element("fmiReferences", {"xmlns:fmi-ls": NAMESPACE, **{f"fmi-ls:{key}": value for key, value in ABOUT.items()}})
     upwards = "../" * len(PurePosixPath(FOLDER).parts)
     for path in sorted(paths):

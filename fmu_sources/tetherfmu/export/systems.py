@@ -37,13 +37,13 @@ TIMES = DEFAULT_OPTIONS["step"], DEFAULT_OPTIONS["stop"]  # of the default exper
 
 
 def build(path, folder, options=None, native=None, with_header=None, with_sources=False, now=str):
-    """Build the FMU of a system and return its path; ValueError says in one line what is wrong with the file.
+    """Build the FMU of a system and return its path; ValueError describes a problem of the file in one line.
 
-    path : of the file, docs/use/systems.md has its keys.  folder : where the FMU goes, made if missing; the groups of
-    variables for the Open Simulation Platform are written beside it.  options : `BuildOptions`, of which a table [build] of
-    the file is a part; None for those of the file and one point of the shape at each node.  native : version of FMI (2 or 3)
+    path : of the file, docs/use/systems.md has its keys.  folder : of the FMU, created if missing; the groups of
+    variables for the Open Simulation Platform are written beside it.  options : `BuildOptions`, of which a table [build]
+    of the file sets a part; None for the file's and one point of the shape at each node.  native : version of FMI (2 or 3)
     of an FMU without Python; None for PythonFMU's.  with_header, with_sources : of a native one, see `fmus.written`.
-    now : gets a text on each part of the work that takes long for many lines.
+    now : receives a text on each slow part of the work.
     """
     options = options or BuildOptions(shape_points=None)
     now(f"starting the system of {path}")
@@ -74,9 +74,9 @@ def build(path, folder, options=None, native=None, with_header=None, with_source
 
 
 def _evidence_of(found, table, arrays, wind_points, left_out):
-    """Texts of the evidence set of a `SystemFile`, dict by file name; empty if its reference cannot be flown.
+    """Texts of the evidence set of a `SystemFile`, dict by file name; empty if its reference fails.
 
-    left_out : names of the variables that the FMU goes without.
+    left_out : names of omitted variables.
     """
     words = {"model": TetherSystem.__name__, "scene": evidence.SCENES[-1], "more": ""}
     try:
@@ -91,10 +91,10 @@ def _evidence_of(found, table, arrays, wind_points, left_out):
 
 
 def read(path):
-    """`SystemFile` of a file; ValueError says in one line what is wrong.
+    """`SystemFile` of a file; ValueError describes a problem in one line.
 
     A free point without a position starts where it is in equilibrium without wind and loads, or in the origin if there is
-    none: the FMU seeks it anew.
+    none: the FMU solves for it again.
     """
     found = files.load(path)
     if found.name.lower() in {name.lower() for name in SLAVES}:
@@ -110,10 +110,10 @@ def read(path):
 
 
 def documents(system, table, description, platforms, sets, native, left_out):
-    """All files beside the model: dict of their path in the archive to bytes.
+    """All files other than the model: dict of their path in the archive to bytes.
 
     table : of all variables.  description : of the model.  sets : texts of the evidence set, dict by file name.
-    native : as in `build`.  left_out : names of the variables that the FMU goes without.
+    native : as for `build`.  left_out : names of omitted variables.
     """
     body = filled(
         "system.html",

@@ -1,4 +1,4 @@
-"""Texts of XML files, and those of assets with their blanks filled in."""
+"""Texts of XML files, and of filled-in asset templates."""
 
 from pathlib import Path
 from string import Template

@@ -1,13 +1,13 @@
-"""Inputs over time as files have them, the table [series]: rows of a few numbers, a column of a CSV file, or a constant.
+"""Inputs over time in files, the table [series]: rows of a few numbers, a column of a CSV file, or a constant.
 
     reel_out_speed = [[0, 0.0], [2, 1.5], [10, 1.5], [10, 0.0]]     a ramp, and a step at 10 s
     ground_position = [[0, [0, 0, 60]], [20, [0, 25, 60]]]
     winch_force = {file = "crane.csv", column = "force [kN]"}
 
-Speeds, forces and winds are linear between rows; two rows of the same time are a step. `release` is false before the first
-row, and holds from row to row. Positions and lengths are smooth: a
+Speeds, forces and winds are linear between rows; two rows at the same time are a step. `release` is false before the first
+row, then piecewise constant. Positions and lengths are smooth: a
 monotone cubic curve that is at rest at the first and at the last row, or a C2 spline through the rows of a CSV file. All
-others keep the values of the first row before it, and all those of the last one after it.
+others are constant before the first row, and all are constant after the last one.
 """
 
 from dataclasses import dataclass
@@ -22,7 +22,7 @@ from tetherfmu.runtime.naming import prefixed
 from . import csv_files
 from .toml_files import contents_of, in_si, require
 
-POSITIONS = ("position", "winch_length", *csv_files.ANGLES)  # names, or ends of them, of what is smooth
+POSITIONS = ("position", "winch_length", *csv_files.ANGLES)  # names, or their endings, of smooth inputs
 RELEASE = "release"
 ROUNDING = 1e-9  # of times [s]
 ROWS = "it must be a number, rows [[time, value], ...], or a table with file and column"
@@ -60,7 +60,7 @@ class Course:
             return self.shaped(self.curve(self.inside(time)))
         time = np.asarray(time, float)
         row = self.times[np.minimum(np.searchsorted(self.times, time - ROUNDING), len(self.times) - 1)]
-        time = np.where(np.abs(row - time) <= ROUNDING, row, time)  # at a step what comes after it
+        time = np.where(np.abs(row - time) <= ROUNDING, row, time)  # at a step the later value
         return self.shaped(np.stack([np.interp(time, self.times, each) for each in self.values.T], -1))
 
     def rate(self, time):
@@ -77,7 +77,7 @@ class Course:
         return self.shaped(np.where(moves[..., None], found, 0.0))
 
     def integral(self, time):
-        """Integral from 0 to times [s], exact; of what is linear between rows."""
+        """Integral from 0 to times [s], exact; for courses linear between rows."""
         corners = np.unique([0.0, *self.times])
         middle = 0.5 * (corners[1:] + corners[:-1])
         means = self(middle) if len(middle) else np.zeros((0, *self.values.shape[1:]))
@@ -95,14 +95,14 @@ class Course:
 
 
 def is_smooth(name):
-    """Whether an input is a position or a length, whose rate has no jumps."""
+    """Whether an input is a position or a length, which has a continuous rate."""
     return name.rpartition("_")[2] == "position" or name in POSITIONS
 
 
 def course(label, value, name, unit, size, folder=Path()):
-    """`Course` of a value of a file; ValueError names its key, `label`, and says what is allowed.
+    """`Course` of a value of a file; ValueError names its key, `label`, and the permitted forms.
 
-    name : of the input without its point or line.  size : how many numbers it has.  folder : of files.
+    name : of the input without its point or line.  size : number of components.  folder : of files.
     """
     with prefixed(f"{label}: "):
         if isinstance(value, dict):
@@ -115,7 +115,7 @@ def course(label, value, name, unit, size, folder=Path()):
 
 
 def row_of(k, row, unit, size):
-    """Time [s] and numbers of row k; ValueError says what is wrong."""
+    """Time [s] and numbers of row k; ValueError describes a problem."""
     if not isinstance(row, list) or len(row) != 2:
         raise ValueError(f"row {k} is {row!r}; {VECTOR_ROWS if size > 1 else ROWS}")
     time, given = row
@@ -153,7 +153,7 @@ def checked(times, values, name, place, spline=False, contents=b""):
 
 
 def held(times, values):
-    """Rows of steps, of which each value holds until the next row; before the first one it is 0."""
+    """Rows of a piecewise constant course; before the first row it is 0."""
     before = np.concatenate([[[0.0]], values[:-1]])
     return np.repeat(times, 2), np.stack([before, values], 1).reshape(-1, 1)
 
@@ -169,7 +169,7 @@ def smooth_curve(times, values, spline):
 
 
 def of_file(label, table, name, unit, size, folder):
-    """The same of a table with the name of a CSV file and of a column; without it that of the input."""
+    """`course` of a table with the name of a CSV file and of a column, by default the input name."""
     require(table, label, ("file", "column"), ("file",))
     for key, text in table.items():
         if not isinstance(text, str):

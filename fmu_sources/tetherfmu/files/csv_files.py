@@ -12,14 +12,14 @@ from tetherfmu.records.paths import polar
 
 from .toml_files import factors
 
-SEPARATORS = ",;\t"  # or blanks, in a file whose header has none of these
+SEPARATORS = ",;\t"  # or blanks, if the header contains no separator
 COMMENT = "#"  # begins lines that are no rows
 NUMBER = re.compile(r"[-+]?[.,]?\d")  # begins a number, a date or a time
-NO_READING = ("nan", "inf", "none", "null", "na", "n/a")  # what loggers write for it: neither a number nor a unit
+NO_READING = ("nan", "inf", "none", "null", "na", "n/a")  # placeholders of loggers: neither a number nor a unit
 NO_UNIT = ("", "-", "1")  # below the name of a column without one
 HEADER = re.compile(r"(?P<name>.+?)(?:\s*[\[(]\s*(?P<unit>[^\d\s\])][^\])]*?)\s*[\])]|_(?P<angle>deg|rad))")
 LONGEST_NAMES = 400  # characters of a message about columns
-ANGLES = ("elevation", "azimuth", "distance")  # which may stand for a position, and their units
+ANGLES = ("elevation", "azimuth", "distance")  # alternatives to a position
 UNITS_OF_ANGLES = ("rad", "rad", "m")
 LARGEST_ANGLES = 0.5 * np.pi, 2.0 * np.pi  # rad, of elevation and azimuth
 
@@ -28,9 +28,9 @@ LARGEST_ANGLES = 0.5 * np.pi, 2.0 * np.pi  # rad, of elevation and azimuth
 class Table:
     """A table as it was written.
 
-    `cells` : DataFrame of texts by the names in the header; its index has the row in the file, 1 for the first line.
-    `units` : what the row below the header says of units, dict by column; {} without such a row.  `comments` : how many
-    lines begin with `COMMENT`.  `broken` : rows that are left out, since they have more cells than the header.
+    `cells` : DataFrame of texts by the names in the header; its index is the row in the file, 1 for the first line.
+    `units` : units in the row below the header, dict by column; {} without such a row.  `comments` : number of
+    lines that begin with `COMMENT`.  `broken` : omitted rows with more cells than the header.
     """
 
     cells: pd.DataFrame
@@ -39,25 +39,25 @@ class Table:
     broken: tuple = ()
 
     def column(self, name):
-        """The column of a name, or else the only one that has it before a unit, as "time [ms]"; None if there is none."""
+        """The column with this name, or the only one with a unit after it, as "time [ms]"; None if there is none."""
         if name in self.cells:
             return name
         found = [each for each in self.cells if split(each)[0] == name]
         return found[0] if len(found) == 1 else None
 
     def unit(self, column):
-        """Unit of a column by the header or the row below it; "" if there is none."""
+        """Unit of a column from the header or the row below it; "" if there is none."""
         below = self.units.get(column, "").strip("[]() ")
         return split(column)[1] or ("" if below in NO_UNIT else below)
 
     def numbers(self, column, unit=None):
-        """Numbers of a column in a unit, NaN where it has none, array (rows,); unit None: as they are written."""
+        """Numbers of a column in a unit, NaN for other cells, array (rows,); unit None: as they are written."""
         found = pd.to_numeric(self.cells[column], errors="coerce").to_numpy(float)
         return found if unit is None else found * factor(self.unit(column), unit, column)
 
 
 def read(contents, fewest):
-    """`Table` of the bytes of a file; ValueError says in one line why it is none.  fewest : rows that it must have."""
+    """`Table` from the bytes of a file; ValueError describes a problem in one line.  fewest : required rows."""
     numbered = [(row, line) for row, line in enumerate(text_of(contents).split("\n"), 1) if line.strip()]
     lines = [(row, line) for row, line in numbered if not line.lstrip().startswith(COMMENT)]
     comments = len(numbered) - len(lines)
@@ -82,7 +82,7 @@ def read(contents, fewest):
 
 
 def text_of(contents):
-    """Text of the bytes of a file, lines separated by newlines; ValueError if it is none."""
+    """Text from the bytes of a file, lines separated by newlines; ValueError if it is not text."""
     utf_16 = contents.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
     if b"\0" in contents and not utf_16:
         raise ValueError("is not a text file (it contains zero bytes)")
@@ -135,19 +135,19 @@ def with_points(cells):
 
 
 def shown(names):
-    """Names of columns in words, what is printable of them and not too many."""
+    """Names of columns in words, printable characters and a limited number only."""
     text = ", ".join("".join(each for each in str(name) if each.isprintable()) for name in names)
     return text if len(text) <= LONGEST_NAMES else f"{text[:LONGEST_NAMES]}..."
 
 
 def split(header):
-    """Name and unit of a column, as of "time [ms]", "speed (km/h)" or "elevation_deg"; the unit "" where it has none."""
+    """Name and unit of a column, as of "time [ms]", "speed (km/h)" or "elevation_deg"; the unit "" if it has none."""
     found = HEADER.fullmatch(header)
     return (found["name"], found["unit"] or found["angle"]) if found else (header, "")
 
 
 def factor(spelled, unit, column):
-    """Factor to its unit of what a column has; ValueError if it cannot be measured so."""
+    """Factor from the unit of a column to the quantity's unit; ValueError for other dimensions."""
     known = factors(unit)
     if (spelled or unit) not in known:
         raise ValueError(f"the unit of {shown([column])} is {spelled!r}; it must be one of {', '.join(known)}")
@@ -162,9 +162,9 @@ def curve(times, values, rates=None):
 
 
 def from_angles(numbers):
-    """Positions [m], array (rows, 3), of elevation and azimuth [rad] and distance [m] as of `kite_at`, likewise.
+    """Positions [m], array (rows, 3), from elevation and azimuth [rad] and distance [m], defined as in `kite_at`.
 
-    ValueError if most of the angles are none in rad.
+    ValueError if most of the angles are not plausible in rad.
     """
     for name, angles, most in zip(ANGLES, numbers.T, LARGEST_ANGLES, strict=False):
         known = angles[np.isfinite(angles)]

@@ -23,7 +23,7 @@ OF_A_SCENE += ("kite_load", *WINCH, "wind_velocity", RELEASE)
 
 
 class Path:
-    """A point that moves as its courses have it, a dict: by position, by velocity from a start [m] on, or by angles.
+    """A point that follows its courses, a dict: by position, by velocity from a start [m] on, or by angles.
 
     ValueError if it has none of these, or more than one.
     """
@@ -59,7 +59,7 @@ class Path:
 
 
 class Driven:
-    """A flight of a scene with courses in the place of what it has, dict by the names of inputs; see `flights.Flight`."""
+    """A flight of a scene with courses that replace its inputs, dict by input name; see `flights.Flight`."""
 
     def __init__(self, flight, courses):
         self.flight, self.courses = flight, courses
@@ -83,7 +83,7 @@ class Driven:
             if own:
                 with prefixed(f"series: {end} "):
                     self._paths[end] = Path(own, getattr(first, end)[0])
-        self.has_velocities = flight.has_velocities or len(self._paths) == 2  # those of all ends
+        self.has_velocities = flight.has_velocities or len(self._paths) == 2  # of all ends
 
     def motion(self, time):
         """`Motion` at times [s]."""

@@ -1,6 +1,6 @@
-"""Flights of a scene: where both ends of the tether are at any time, and how much of it has been paid out.
+"""Flights of a scene: the motion of both ends of the tether, and the payout.
 
-A flight declares its numbers as quantities and says its path as a formula; velocities are the derivatives of the formula.
+A flight declares its numbers as quantities and its path as a formula; velocities are the derivatives of the formula.
 Frame: z up, ground station at the origin at the start, azimuth from the x axis. SI units.
 """
 
@@ -18,7 +18,7 @@ TINY = 1e-30  # step of the complex-step derivative [s]: exact to rounding
 
 
 class Motion(NamedTuple):
-    """Both ends and the reel at so many times; vectors are arrays (times, 3). SI units."""
+    """Both ends and the reel at several times; vectors are arrays (times, 3). SI units."""
 
     kite: np.ndarray
     kite_velocity: np.ndarray
@@ -66,8 +66,8 @@ class Flight:
     wind = initial_length = None  # a series may bring its own, ...
     duration, contents = np.inf, b""  # ... has an end [s] and a file, ...
     has_velocities, scatter, shaking = True, 0.0, 0.0  # ... may lack velocities of moving ends, have noise, ...
-    has_length = has_force = False  # ... and give the unstretched length or the force of the winch instead of the speed
-    has_release = False  # only a series lets go of the kite
+    has_length = has_force = False  # ... and return the unstretched length or the winch force instead of the speed
+    has_release = False  # only a series releases the kite
     kite_is_free = False  # whether the kite end is a mass that the tether moves
     __post_init__ = check
 
@@ -247,7 +247,7 @@ class FreeEnd(Flight):
         return self.radius * np.cos(angle), self.radius * np.sin(angle), up
 
     def reeled(self, time):
-        """The winch comes to speed along a ramp."""
+        """The winch accelerates along a ramp."""
         return self.speed * self.ramp_time * ramp_integral(time / self.ramp_time)
 
     def kite(self, time):
@@ -259,10 +259,10 @@ class FreeEnd(Flight):
         return self.pull * np.array((np.cos(self.elevation), 0.0, np.sin(self.elevation)))
 
     def at_rest(self, tether, gravity, load=None, ground=None):
-        """Where the free end rests [m], array (3,): along the sum of the forces, with half of the weight of the tether.
+        """Equilibrium position [m] of the free end, array (3,): along the sum of the forces, with half of the tether weight.
 
-        The stretch is that of the mean tension, T L/EA; what the other half of the weight bends is left to the wave times
-        that do not count.  load [N], ground [m] : at the start; None: those of the flight.
+        The stretch is T L/EA with the mean tension; the wave times, which do not count, cover the bending by the other
+        half of the weight.  load [N], ground [m] : at the start; None: from the flight.
         """
         mass = self.kite_mass + 0.5 * tether.mass_per_length * tether.initial_length
         force = (self.load() if load is None else load) - (0.0, 0.0, mass * gravity)

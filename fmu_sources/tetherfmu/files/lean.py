@@ -1,6 +1,6 @@
-"""Lean FMUs: the variables that an FMU is built with, and its start values, as people choose them by name, group or preset.
+"""Lean FMUs: selection of the variables of an FMU, by name, group or preset, and its start values.
 
-What an FMU goes without is constant. `wiring/selection.py` has what the FMU itself does with it.
+Omitted variables are constant. `wiring/selection.py` has the part that runs in the FMU.
 """
 
 from collections.abc import Iterable, Sequence
@@ -20,17 +20,17 @@ LISTS = {"inputs": (INPUT,), "outputs": CALCULATED, "parameters": (PARAMETER,)}
 KEYS = ("preset", *LISTS, "set")  # of a table [build] of a file
 NONE = "none"
 
-TRUTHS = {"true": 1.0, "false": 0.0, True: 1.0, False: 0.0}  # what people may give to a Boolean, as a number
+TRUTHS = {"true": 1.0, "false": 0.0, True: 1.0, False: 0.0}  # permitted values of a Boolean, as a number
 
 
 @dataclass(frozen=True)
 class Lean:
     """Contents of a lean FMU.
 
-    inputs, outputs, parameters : names of variables without the index of an element, of those of all points and lines of a
-    system without their names, of groups (`selection.GROUPS`), or patterns with * and ?; None for those of the preset.
+    inputs, outputs, parameters : names of variables without the index of an element, names for all points and lines of a
+    system without their prefix, groups (`selection.GROUPS`), or patterns with * and ?; None for those of the preset.
     starts : pairs (name of an input or a parameter, start value): a number, a text with a unit, the name of a choice, or
-    three of a vector.  preset : of `PRESETS`; None for all variables.
+    three for a vector.  preset : of `PRESETS`; None for all variables.
     """
 
     inputs: tuple | None = None
@@ -49,12 +49,12 @@ class Lean:
         return self != Lean()
 
     def over(self, other: "Lean") -> "Lean":
-        """This choice, with what another one has and this has not; the start values of both."""
+        """This choice, completed by another one; the start values of both."""
         mine = {key: getattr(self, key) for key in (*LISTS, "preset") if getattr(self, key) is not None}
         return replace(other, starts=(*other.starts, *self.starts), **mine)
 
     def left_out(self, table: Sequence) -> tuple:
-        """Names of the variables of a table that the FMU goes without; ValueError names what is no variable."""
+        """Names of the variables of a table that the FMU omits; ValueError names an unknown variable."""
         found = []
         for key, causalities in LISTS.items():
             wanted, listed = getattr(self, key), [each for each in table if each.causality in causalities]
@@ -86,9 +86,9 @@ class Lean:
         return lines
 
     def start_values(self, table: Iterable) -> tuple:
-        """Pairs (name, number) of the start values in SI units; ValueError names one that is not allowed.
+        """Pairs (name, number) of the start values in SI units; ValueError names an invalid one.
 
-        A diameter alone scales stiffness and damping, as everywhere, and a warning says so.
+        A diameter alone scales stiffness and damping, as everywhere, with a warning.
         """
         given = {each.name: each for each in table if each.causality in (INPUT, PARAMETER)}
         found = {}
@@ -107,7 +107,7 @@ class Lean:
 
 
 def in_words(name, elements, starts):
-    """Name of a variable or a vector, its start value and unit, and what it is; starts : other ones than its own, dict."""
+    """Name of a variable or a vector, its start value and unit, and its meaning; starts : other start values, dict."""
     declared, values = elements[0].quantity, [starts.get(each.name, each.start) for each in elements]
     choices = {number: choice for choice, number in declared.numbers.items()} if declared.choices else {}
     texts = [str(choices.get(each, f"{each:g}")) for each in values if each is not None]
@@ -118,9 +118,9 @@ def in_words(name, elements, starts):
 
 
 def scaled(given, starts, line=""):
-    """Stiffness and damping that a diameter alone scales, dict by name, from the start values (dict) of an FMU.
+    """Stiffness and damping scaled by a diameter alone, dict by name, from the start values (dict) of an FMU.
 
-    given : values of parameters by name, with the diameter.  line : what the names of a line in a system begin with.
+    given : values of parameters by name, with the diameter.  line : prefix of the names of a line in a system.
     """
     area = (given[f"{line}diameter"] / float(starts[f"{line}diameter"])) ** 2
     names = [line + each for each in SCALED]
@@ -136,7 +136,7 @@ _LENGTHS = ("tether_length", "winch_speed", "payout", "kite_position", "kite_vel
 _WINCH_INPUTS = ("reel_out_speed", "winch_force", "winch_length")
 _WINCH = ("winch_control", "winch_start", "winch_mass", "winch_damping", "winch_friction")
 _START = ("initial_kite_position", "initial_position", "kite_start", "start")
-PRESETS = {  # what a scene of a kind needs, as far as an FMU has it
+PRESETS = {  # variables for a kind of scene, if the FMU has them
     "kite": {
         "inputs": ("kite_position", "kite_velocity", "kite_load", *_WINCH_INPUTS, "wind_velocity", *_OF_POINTS),
         "outputs": (*_FORCES, "peak_tension", *_LENGTHS),
@@ -165,7 +165,7 @@ PRESETS = {  # what a scene of a kind needs, as far as an FMU has it
 
 
 def matches(key, text, listed):
-    """Names of the variables of a list that a text means: a group, a name, or a pattern; ValueError if there are none.
+    """Names in a list that a text matches: a group, a name, or a pattern; ValueError if there are none.
 
     key : of `LISTS`, for the message.
     """
@@ -183,7 +183,7 @@ def matches(key, text, listed):
 
 
 def _starts_of(name, value, given):
-    """Dict of the names of a start value to its numbers: one, or those of a vector."""
+    """Dict from the names of a start value to its numbers: one, or the components of a vector."""
     elements = [each for each in given if each.partition("[")[0] == name] if name not in given else [name]
     if not elements:
         known = dict.fromkeys(each.partition("[")[0] for each in given)
@@ -214,14 +214,14 @@ def _number(variable, value):
 
 
 def _number_if_possible(value):
-    """A text of a number as the number; all else as it is."""
+    """A numeric text as a number; other values unchanged."""
     try:
         return float(value) if isinstance(value, str) else value
     except ValueError:
         return value.strip()
 
 
-# --- as people give them
+# --- user input
 
 
 def read(table):

@@ -21,7 +21,7 @@ def named_systems():
 
 
 def path_of(given, known=None):
-    """Path of a scene file from a path, or from a name; ValueError if it is no such name.
+    """Path of a scene file from a path, or from a name; ValueError for an unknown name.
 
     known : paths by name; None: those of `named_scenes`.
     """
@@ -41,7 +41,7 @@ def about(path):
 
 
 def listed():
-    """The named scenes and systems in lines for people: name, what it is, of a scene how long it takes."""
+    """The named scenes and systems as lines of text: name, description, for a scene the duration."""
     scenes, systems = named_scenes(), named_systems()
     width = max(map(len, (*scenes, *systems))) + 2
     found = [f"{name:<{width}}{about(path)}; {tables_of(path)['duration']}" for name, path in scenes.items()]

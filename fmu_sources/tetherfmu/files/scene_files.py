@@ -1,4 +1,4 @@
-"""Scenes as files: what is flown with which tether in which wind; see docs/use/scene_files.md."""
+"""Scenes as files: flight, tether and wind; see docs/use/scene_files.md."""
 
 import hashlib
 import sys
@@ -41,7 +41,7 @@ REQUIRED = {
 
 
 class SceneError(WrongUse):
-    """A scene file that cannot be used; the message is one line with file, key, value and what is allowed."""
+    """An unusable scene file; the message is one line with file, key, value and the permitted values."""
 
 
 @contextmanager
@@ -103,7 +103,7 @@ RECORDS |= {"winch": TableOfWinch, "wind": Wind, "wanted": Wanted}
 
 @dataclass(frozen=True)
 class Scene:
-    """A scene; `digest` tells those of files apart by all that they hold."""
+    """A scene; `digest` distinguishes those of files by their entire content."""
 
     name: str
     duration: float = quantity(60.0, "s", "duration of the flight", minimum=0.5, maximum=86400.0)
@@ -112,7 +112,7 @@ class Scene:
     environment: Environment = field(default_factory=Environment)
     ground: Ground = field(default_factory=Ground)
     winch: Winch = field(default_factory=Winch)  # its drum, where the winch is controlled by force
-    winch_force: float = 0.0  # that the winch holds [N]; 0: none, or that of the flight
+    winch_force: float = 0.0  # constant winch force [N]; 0: none, or from the flight
     wind: Any = field(default_factory=Wind)  # a function of times [s], at the reference height; or a `BoxedWind`
     wanted: Wanted = Wanted()
     digest: str = ""
@@ -132,7 +132,7 @@ class Scene:
 
     @property
     def wind_points(self):
-        """Number of points at which the tether has the wind of a box, 0 if it has one wind."""
+        """Number of points with box wind along the tether, 0 without a box."""
         return self.wind.box.wind_points if isinstance(self.wind, BoxedWind) else 0
 
     @property
@@ -146,11 +146,11 @@ class Scene:
         return self.winch_force > 0.0 or self.flight.has_force
 
     def force_of_winch(self, time):
-        """Force [N] with which the winch pulls at times [s], array (times,), where one controls it."""
+        """Winch force [N] at times [s], array (times,), for a force-controlled winch."""
         return self.flight.force(time) if self.flight.has_force else np.full(np.shape(time), self.winch_force)
 
     def doubts(self):
-        """Sentences on what was hardly meant: other units, a tether far too short for its ends."""
+        """Sentences on probable errors: other units, a tether far too short for its ends."""
         yield from doubts_of(self.tether, "tether.")
         yield from doubts_of(self.environment, "environment.")
         if self.wind_points:
@@ -180,14 +180,14 @@ class Scene:
     def inputs(self, step, exact=False):
         """Inputs of all communication steps, array (steps, INPUTS), in the order of `runtime.inputs`.
 
-        step : communication step [s], a whole part of `every`.  exact : give the mean reel-out speed and the wind of the
-        middle of each step instead of those of its start; no importer knows them, a reference does.
+        step : communication step [s], a whole part of `every`.  exact : use the mean reel-out speed and the wind at the
+        middle of each step instead of its start; no importer knows them, a reference does.
         """
         time = step * np.arange(self.count * round(self.every / step))
         motion = self.flight.motion(time)
         speed = (self.flight.motion(time + step).reeled - motion.reeled) / step if exact else motion.reel_out_speed
         if self.has_force or (self.flight.has_length and not exact):
-            speed = np.full_like(speed, self.start_speed(motion))  # with which the winch starts, and no more
+            speed = np.full_like(speed, self.start_speed(motion))  # only for the start of the winch
         given = dict(zip(ENDS, motion[: len(ENDS)], strict=True))
         given |= {"reel_out_speed": speed[:, np.newaxis], "wind_velocity": self.wind(time + 0.5 * step * exact)}
         if self.has_force:
@@ -206,9 +206,9 @@ class Scene:
         return rows
 
     def start_speed(self, motion):
-        """Speed [m/s] with which a winch that no speed controls starts; motion : of the flight, from its start on.
+        """Start speed [m/s] of a winch without speed control; motion : of the flight, from its start on.
 
-        A drum by force starts at the rate at which the ends part, unless the flight says it: it would have to be jerked.
+        A force-controlled drum starts at the rate at which the ends separate, unless the flight specifies it: no jerk.
         """
         if not self.has_force or self.kite_is_free or np.any(motion.reel_out_speed):
             return motion.reel_out_speed[0]
@@ -216,9 +216,9 @@ class Scene:
         return float(apart @ parting / max(np.linalg.norm(apart), 1e-9))
 
     def wind_at(self, step, exact=False):
-        """Wind at the wind points in all communication steps [m/s], array (steps, wind_points, 3); None if it has none.
+        """Wind at the wind points in all communication steps [m/s], array (steps, wind_points, 3); None without them.
 
-        step, exact : as of `inputs`.
+        step, exact : as for `inputs`.
         """
         if not self.wind_points:
             return None
@@ -228,11 +228,11 @@ class Scene:
 
 
 def load(path, settings=(), *, quiet=False):
-    """`Scene` of a file; SceneError says in one line what is wrong with it. What is only doubtful is said on stderr,
+    """`Scene` of a file; SceneError describes a problem in one line. Doubts are printed to stderr,
     unless it is to be quiet.
 
     path : of the file, or the name of one of `named.named_scenes`.
-    settings : pairs (name, value) of what is different from the file, see `settings.with_settings`.
+    settings : pairs (name, value) that replace values of the file, see `settings.with_settings`.
     """
     with prefixed("", SceneError):
         path = path_of(path)
@@ -244,7 +244,7 @@ def load(path, settings=(), *, quiet=False):
 
 
 def load_for_advice(path, settings=()):
-    """The same of a scene that can be advised on; SceneError of one that lets its tether go, which has no error."""
+    """`load` for a scene to be advised on; SceneError for one that releases its tether, for which no error is defined."""
     scene = load(path, settings)
     if scene.flight.has_release:
         raise SceneError(f"{path}: {NO_ADVICE}")
@@ -292,7 +292,7 @@ def read(table, folder, name):
 
 
 def finds_length(table, flight):
-    """Whether the length at the start follows from the force of the winch, of a table of a file that has none."""
+    """Whether the initial length follows from the winch force, in a table of a file without a length."""
     tether, winch = table["tether"], table.get("winch", {})
     has_force = flight.has_force or (not flight.kite_is_free and isinstance(winch, dict) and "force" in winch)
     return has_force and isinstance(tether, dict) and "initial_length" not in tether
@@ -308,7 +308,7 @@ def build_of(table):
 
 
 def in_balance(table, flight):
-    """The table of a file whose winch is controlled by force, with the length at which both are in balance."""
+    """The table of a file with a force-controlled winch, with the length at which both are in balance."""
     motion = flight.motion(0.0)
     distance = float(np.linalg.norm(motion.kite - motion.ground))  # where the search begins
     winch = {"start": "equilibrium", **table["winch"]} if "winch" in table else {"start": "equilibrium"}
@@ -330,7 +330,7 @@ def winch_of(table, flight):
 @lru_cache(maxsize=4)
 def series(path, state):
     """`Series` of a CSV file, read once for all scenes of a sweep; state : another one for a file written anew."""
-    from .series import Series  # its splines take half a second to import
+    from .series import Series  # importing its splines needs half a second
 
     return Series(path)
 

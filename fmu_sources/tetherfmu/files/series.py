@@ -17,7 +17,7 @@ from .toml_files import contents_of
 INPUTS = inputs_of(kite_is_free=False)
 VECTORS = {each.name: components(each.name, each.size) for each in INPUTS if each.size > 1}
 KITE = VECTORS["kite_position"]
-LENGTHS = ("tether_length", "winch_length")  # unstretched: as it is logged; by the name of the input of an FMU
+LENGTHS = ("tether_length", "winch_length")  # unstretched: name in logs; name of the FMU input
 FORCES = ("ground_tension", "winch_force")  # of the winch, likewise
 RELEASE = "release"  # 0 or 1
 REELING = ("reel_out_speed", *LENGTHS, *FORCES)
@@ -30,15 +30,15 @@ UNITS |= dict(zip(csv_files.ANGLES, csv_files.UNITS_OF_ANGLES, strict=True)) | {
 COLUMNS = ("time", *chain(*VECTORS.values()), *csv_files.ANGLES, *REELING, RELEASE)
 FEWEST_ROWS = 4  # that a C2 spline needs
 LONGEST_NAME = 40  # characters of a column's name in a message
-JUDGED_ROWS = 10_000  # in which noise is looked for
+JUDGED_ROWS = 10_000  # rows used to estimate noise
 ALTERNATING = -0.5  # correlation of neighbours: noise has -0.8 in fourth differences, a smooth path nearly 1
 
 
 def read_columns(contents):
-    """Columns of a CSV file (bytes) by their names, a DataFrame of numbers in SI units; its index has the rows of the file.
+    """Columns of a CSV file (bytes) by name, a DataFrame of numbers in SI units; its index is the row of the file.
 
-    Angles and distance have become a position.  ValueError says in one line what is wrong; of the file it quotes the header
-    and units only: it may be none that was meant.
+    Angles and distance are converted to a position.  ValueError describes a problem in one line; it quotes only the header
+    and units of the file, which may be the wrong one.
     """
     table = csv_files.read(contents, FEWEST_ROWS)
     names = [csv_files.split(each)[0] for each in table.cells]
@@ -51,7 +51,7 @@ def read_columns(contents):
     if "elevation" in numbers:
         numbers[[*KITE]] = csv_files.from_angles(numbers[[*csv_files.ANGLES]].to_numpy())
         numbers = numbers.drop(columns=[*csv_files.ANGLES])
-    for problem in too_large(numbers.drop(columns="time")):  # which may be that of Unix
+    for problem in too_large(numbers.drop(columns="time")):  # which may be Unix time
         raise ValueError(problem)
     if len(numbers) < FEWEST_ROWS:
         raise ValueError(f"has {len(numbers)} rows; it must have at least {FEWEST_ROWS}")
@@ -123,13 +123,13 @@ def noise(time, positions):
 class Series:
     """The flight of a CSV file, from its first time on.
 
-    Positions are splines with continuous acceleration, or cubic Hermite curves where the file gives the velocity. Reel-out
-    speed (or the unstretched length, whose rate it then is) and wind are monotone cubic curves. `wind` and `initial_length`
-    [m] are None if the file has none; `has_velocities` is whether the file gives those of all ends that it moves,
-    `has_length` whether it gives the unstretched length, `has_force` whether the force of the winch (`force`), with which
-    nothing is known of the length. `has_release` is whether it says when the tether lets go of the kite, `release_time` [s],
-    infinity if never. `scatter` [m] and `shaking` [m/s2] are those of `noise` at the kite. `columns` are the names of the
-    columns, those of a position for angles, `contents` the bytes of the file.
+    Positions are splines with continuous acceleration, or cubic Hermite curves if the file contains the velocity. Reel-out
+    speed (or the unstretched length, from which the rate then follows) and wind are monotone cubic curves. `wind` and
+    `initial_length` [m] are None if the file has none; `has_velocities` is whether the file has velocities of all moving
+    ends, `has_length` whether it has the unstretched length, `has_force` whether the winch force (`force`), which leaves
+    the length unknown. `has_release` is whether it has the release of the kite, `release_time` [s],
+    infinity if never. `scatter` [m] and `shaking` [m/s2] are the results of `noise` at the kite. `columns` are the names of
+    the columns, those of a position for angles, `contents` the bytes of the file.
     """
 
     kite_is_free = False

@@ -1,4 +1,4 @@
-"""Single values in the place of those of a scene file: SECTION.KEY as in the file, or a parameter by its name in an FMU."""
+"""Single values that replace those of a scene file: SECTION.KEY as in the file, or a parameter by its name in an FMU."""
 
 import re
 from copy import deepcopy
@@ -15,7 +15,7 @@ from .winds import Box, Wind
 
 NOT_OF_A_SCENE = ("segments", "winch_control")
 PREFIX = {"tether": "", "environment": "", "ground": "ground_", "winch": "winch_"}  # of the names in an FMU, by section
-OF_THE_WIND = {"wind.speed": "m/s", "wind.direction": "rad"}  # what `wind.velocity` is made of: horizontal, from x to y
+OF_THE_WIND = {"wind.speed": "m/s", "wind.direction": "rad"}  # components of `wind.velocity`: horizontal, from x to y
 SEED, FARTHEST = "wind.seed", 1e5  # name, and how far a seed moves a box along and across [m]
 MADE_OF = {**dict.fromkeys(OF_THE_WIND, "wind.velocity"), SEED: "wind.box.origin"}  # vectors that these change
 ELEMENT = re.compile(r"(.+)\[([123])\]")
@@ -29,7 +29,7 @@ def keys_of_parameters():
 
 
 def key_meant(name):
-    """Key of a scene file (SECTION.KEY, or one without a section) by a name; ValueError if it can be none."""
+    """Key of a scene file (SECTION.KEY, or one without a section) for a name; ValueError if there is none."""
     section, _, last = name.partition(".")
     if section == "wind" and last not in (*keys_of(Wind), "file") and (hint := meant(name, (*OF_THE_WIND, SEED))):
         raise ValueError(f"a scene has no {name}{hint}")
@@ -43,11 +43,11 @@ def key_meant(name):
 
 
 def with_settings(table, settings):
-    """Table of a scene file, dict, with other values; what they may be is checked when the scene is read.
+    """Table of a scene file, dict, with replaced values, which are checked when the scene is read.
 
-    settings : pairs (name, value). A name is that of a key, such as ``tether.diameter`` or ``wind.velocity[1]``; or
+    settings : pairs (name, value). A name is a key, such as ``tether.diameter`` or ``wind.velocity[1]``; or
     ``wind.speed`` or ``wind.direction``, the horizontal wind; or ``wind.seed``, a number for each piece of a periodic box;
-    or that of a parameter, such as ``diameter``.  ValueError names one that cannot be set, or two that are the same value.
+    or a parameter, such as ``diameter``.  ValueError names one that cannot be set, or two that are the same value.
     """
     if not settings:
         return table
@@ -86,7 +86,7 @@ def put(table, key, value):
 
 
 def set_wind(table, name, value):
-    """Set speed [m/s] or direction [rad] of the wind in a table (modified); ValueError for what is neither.
+    """Set speed [m/s] or direction [rad] of the wind in a table (modified); ValueError for other values.
 
     Without wind in the file it blows along x.
     """
@@ -101,9 +101,9 @@ def set_wind(table, name, value):
 
 
 def move_box(table, seed):
-    """Move the box of turbulence of a table (modified) by a random way along and across that belongs to a seed.
+    """Move the box of turbulence of a table (modified) by a random displacement along and across, determined by a seed.
 
-    So each seed is another piece of a periodic box.  ValueError without such a box, or for what is no seed.
+    So each seed is another piece of a periodic box.  ValueError without such a box, or for an invalid seed.
     """
     if not isinstance(seed, int) or isinstance(seed, bool) or seed < 0:
         raise ValueError(f"{SEED} is {seed!r}; it must be a whole number of at least 0")

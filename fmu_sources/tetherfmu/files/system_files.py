@@ -1,4 +1,4 @@
-"""Systems as files: points, lines and what surrounds them, in TOML with numbers and units as in scene files."""
+"""Systems as files: points, lines and their surroundings, in TOML with numbers and units as in scene files."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ from .lean import Lean
 from .toml_files import TABLE_OF_GROUND, ground_of, keys_of, record, require, tables_of, value_of
 
 TABLES = ("points", "lines", "winches", "environment", "ground", "solver", "build")
-OF_THE_FLIGHT = ("duration", "wind", "loads", "series", "wanted")  # keys that say how it is flown; its FMU has none of that
+OF_THE_FLIGHT = ("duration", "wind", "loads", "series", "wanted")  # keys of the flight, which are not in its FMU
 # names of variables and of the terminal that the whole system has, which no point and no line can have
 TAKEN = {"time", "wind", *(each.name for each in (*INPUT_TABLE, *OUTPUT_TABLE))} | {
     name for kind in (Environment, Solver, Ground) for name, _ in quantities(kind)
 }
 
 
-KEYS_OF_A_POINT = ("position", "velocity", "mass")  # what a table has of each record
+KEYS_OF_A_POINT = ("position", "velocity", "mass")  # keys of each record in a table
 SHEAVES = ("through", "initial_portions", *SHEAVE_QUANTITIES)
 KEYS_OF_A_LINE = dict.fromkeys(keys_of(Tether), Tether) | dict.fromkeys(keys_of(Winch), Winch)
 KEYS_OF_A_LINE |= dict.fromkeys(("reel_out_speed", *SHEAVES), Line)
@@ -44,7 +44,7 @@ class SystemFile(System):
 
 
 def load(path: str | Path) -> SystemFile:
-    """`SystemFile` of a file; ValueError says in one line what is wrong: file, key, value and what is allowed."""
+    """`SystemFile` of a file; ValueError describes a problem in one line: file, key, value and permitted values."""
     path = Path(path)
     with prefixed(f"{path}: "):
         return read(tables_of(path), path.stem)
@@ -72,7 +72,7 @@ def read(table, name):
 
 
 def named(tables, section):
-    """Pairs (name, table) of points, lines or winches; ValueError for a name that is taken."""
+    """Pairs (name, table) of points, lines or winches; ValueError for a duplicate name."""
     if not isinstance(tables, dict):
         raise ValueError(f"{section} is {tables!r}; it must have tables [{section}.NAME]")
     for name in tables:
@@ -118,7 +118,7 @@ def winch_of(name, table):
 
 
 def tether_in(table, given):
-    """`Tether` with the quantities that are given, of the material in a table of a file; ValueError names the key."""
+    """`Tether` with the given quantities, of the material in a table of a file; ValueError names the key."""
     if "material" not in table:
         return Tether(**given)
     if "diameter" not in given:

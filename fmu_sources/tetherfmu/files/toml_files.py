@@ -18,18 +18,18 @@ from tetherfmu.runtime.parameters import GROUND_WITHOUT_GRAVITY, Ground
 from tetherfmu.runtime.quantities import can_be_given, check
 
 with Path(__file__).with_name("units.csv").open(encoding="utf-8", newline="") as _table:
-    # what else a quantity may be given in than in its unit, and the factor to the unit
+    # alternative units of a quantity, and the factor to its unit
     UNITS = list(csv.DictReader(_table))
 NAME_OF_FILE = re.compile(r'[^\x00-\x1f\\/:*?"<>|]+')  # on all platforms
 LARGEST_FILE = 1_000_000_000  # [B]
 
 
 class WrongUse(ValueError):
-    """Unusable input from the command line or a file; the message gives the reason and the allowed values in one line."""
+    """Invalid input from the command line or a file; the message is one line with the reason and the permitted values."""
 
 
 def without(prefix, record):
-    """A record like another one, the names of whose quantities all begin with a prefix, without it."""
+    """A record without the common prefix of its quantity names."""
     copies = [(each, field(default=each.default, metadata=each.metadata)) for each in fields(record)]
     named = [(each.name.removeprefix(prefix), each.type, copy) for each, copy in copies]
     return make_dataclass(record.__name__, named, frozen=True, namespace={"__post_init__": check})
@@ -54,7 +54,7 @@ def contents_of(path):
 
 
 def tables_of(path):
-    """Tables of a TOML file, dict; ValueError without the name of the file says why it is none."""
+    """Tables of a TOML file, dict; ValueError describes a problem without the file name."""
     try:
         return tomllib.loads(contents_of(path).decode("utf-8-sig"))
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
@@ -64,7 +64,7 @@ def tables_of(path):
 
 
 def name_in(table, name):
-    """The name of a table of a file, by which files are named, or else `name`; ValueError if none can be."""
+    """The name in a table of a file, used for file names, or else `name`; ValueError if it is invalid."""
     name = table.get("name", name)
     if not isinstance(name, str) or not 0 < len(name) <= LONGEST_NAME or not NAME_OF_FILE.fullmatch(name):
         raise ValueError(
@@ -75,7 +75,7 @@ def name_in(table, name):
 
 
 def vector_in(unit, limit):
-    """Function that reads three numbers of this unit, or texts with units, none beyond a limit, from a value of a file."""
+    """Function that reads three numbers of this unit, or texts with units, within a limit, from a value of a file."""
 
     def read_vector(value):
         if not isinstance(value, list) or len(value) != 3:
@@ -98,7 +98,7 @@ def numbers_in(unit):
 
 
 def list_in(unit):
-    """The same for a list only."""
+    """`vector_in` for a list only."""
 
     def read_list(value):
         if not isinstance(value, list):
@@ -119,7 +119,7 @@ def names_in(_unit):
     return read_names
 
 
-# what makes a function that reads a form of `wiring.lines.given_in` from its unit
+# factories of functions that read a form of `wiring.lines.given_in` in its unit
 FORMS = {"vector": partial(vector_in, limit=at.LARGEST_INPUT), "numbers": numbers_in, "list": list_in, "names": names_in}
 
 
@@ -132,7 +132,7 @@ def ground_of(table, environment):
 
 
 def require(table, section, known, needed=()):
-    """ValueError unless a table has what it needs and nothing unknown; needed, known : keys."""
+    """ValueError unless a table has its required keys and no unknown ones; needed, known : keys."""
     label = f"{section}." if section else ""
     if not isinstance(table, dict):
         raise ValueError(f"{section} is {table!r}; it must be a table [{section}]")
@@ -158,7 +158,7 @@ def record(kind, table, section, needed=(), left_out=()):
 
 
 def value_of(kind, key, value, label):
-    """A value of a field of a record in SI units; ValueError names it and says what is allowed.
+    """A value of a field of a record in SI units; ValueError names it and the permitted values.
 
     A field without a quantity has a form in its metadata, or a function of its value, `read`.
     """
@@ -182,7 +182,7 @@ def value_of(kind, key, value, label):
 
 
 def unit_meant(value, declared):
-    """Words that ask for the smaller unit in which a number that is too large was meant, such as deg; "" if none fits."""
+    """Text that suggests a smaller unit for a number that is too large, such as deg; "" if none fits."""
     no_part = declared.unit == "" and declared.maximum > 1.0  # of something, as percents are
     if isinstance(value, str) or declared.choices or abs(value) <= declared.maximum or no_part:
         return ""
@@ -206,17 +206,17 @@ def check_once(names, key_of=str, made_of=None):
 
 
 def factors(unit):
-    """Units in which a quantity may be given, and their factors to its unit."""
+    """Permitted units of a quantity, and their factors to its unit."""
     return {unit: 1.0} | {each["spelled"]: float(each["factor"]) for each in UNITS if each["unit"] == unit}
 
 
 def spellings(unit):
-    """Units in which a quantity may be given, in words."""
+    """Permitted units of a quantity, in words."""
     return ", ".join(each or "no unit" for each in factors(unit))
 
 
 def in_si(value, unit):
-    """A number, or a text like "4 mm", as a number in the unit of its quantity; ValueError says what is allowed."""
+    """A number, or a text like "4 mm", as a number in the unit of its quantity; ValueError names the permitted units."""
     if isinstance(value, bool) or not isinstance(value, int | float | str):
         raise ValueError(f"it must be a number, or a text with a unit ({spellings(unit)})")
     if not isinstance(value, str):

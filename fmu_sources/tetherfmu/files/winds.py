@@ -1,8 +1,8 @@
 """Winds of a scene: a mean with gusts, or a box of turbulence from a file that the mean wind carries past the tether.
 
-A box gives the wind at points between the ends: on the straight line from the ground end to the kite end, at equal
-distances, at the time of each communication step. So it is the same for all tethers that are compared in a scene, whatever
-their shape; of a slack tether it is the wind beside it, wrong by as much as the wind changes over the sag.
+A box provides the wind at points between the ends: on the straight line from the ground end to the kite end, at equal
+distances, at the time of each communication step. All tethers compared in a scene thus have the same wind, whatever
+their shape; for a slack tether the wind is off by its variation over the sag.
 """
 
 from dataclasses import dataclass, field, fields
@@ -18,7 +18,7 @@ from tetherfmu.wind.frozen_turbulence import MeanWind, Reading, turbulence
 
 from .toml_files import WrongUse, record, require, vector_in
 
-PROFILES = {at.UNIFORM: "uniform", at.POWER_LAW: "power_law"}  # those of the mean wind of a box
+PROFILES = {at.UNIFORM: "uniform", at.POWER_LAW: "power_law"}  # mean wind profiles of a box
 
 
 @dataclass(frozen=True)
@@ -55,11 +55,11 @@ class BoxedWind:
     state_of_file: tuple = ()  # size [B] and date [ns]: a file that was written anew is another wind
 
     def __call__(self, time):
-        """No wind at the reference height, array (times, 3): it is that of `at`."""
+        """Zero wind at the reference height, array (times, 3): `at` provides the wind."""
         return np.zeros((*np.shape(time), 3))
 
     def doubts(self):
-        """Sentences on what is doubtful about the box."""
+        """Sentences on doubts about the box."""
         return opened(self).doubts()
 
     def at(self, time, ground, kite):
@@ -73,7 +73,7 @@ class BoxedWind:
 
 @lru_cache(maxsize=4)
 def opened(wind):
-    """`FrozenTurbulence` of a `BoxedWind`, which itself stays small, as it goes to other processes."""
+    """`FrozenTurbulence` of a `BoxedWind`, which itself remains small, because it is sent to other processes."""
     return turbulence(wind.file, wind.box, wind.mean, wind.box.origin)
 
 

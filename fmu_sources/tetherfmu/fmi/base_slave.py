@@ -1,7 +1,7 @@
-"""The FMI shell that all slaves share: table of variables, phases, messages. The only module that knows PythonFMU.
+"""The FMI shell that all slaves share: table of variables, phases, messages. The only module that uses PythonFMU.
 
-What it must never do (docs/contributors/fmus.md): let an exception escape, except the guarded one that stops a wrong
-initialization; log while it is being made; pass a `%` to the log unescaped.
+It must never (docs/contributors/fmus.md): let an exception escape, except the guarded one that stops a wrong
+initialization; log during its construction; pass a `%` to the log unescaped.
 """
 
 import sys
@@ -19,18 +19,18 @@ from ..wiring.variables import CALCULATED, INPUT
 from .model_description import complete
 from .workarounds import free_interpreter_once, hold, leave_search_path
 
-NO_INTEGER = -(2**31)  # what is read of an Integer variable that has no value, as NaN of a Real one
+NO_INTEGER = -(2**31)  # read value of an Integer variable without a value, like NaN for a Real one
 WARNING, DISCARD, ERROR = Fmi2Status.warning, Fmi2Status.discard, Fmi2Status.error
 
 
 class BaseSlave(Fmi2Slave):
     """A PythonFMU slave with a table of variables and one array of all their values.
 
-    A subclass calls `declare` when it is made, and has
-    start() : check the parameters, compute the first outputs; returns what is wrong, or None.
-    advance(step) : one communication step [s]; returns what is wrong, with nothing changed, or None.
-    state_to_bytes(), state_from_bytes(blob) : the whole state, bit for bit, and back; ValueError, with nothing changed, if
-    the bytes are none.
+    A subclass calls `declare` when it is created, and has
+    start() : check the parameters, compute the first outputs; returns the problem, or None.
+    advance(step) : one communication step [s]; returns the problem, with no change, or None.
+    state_to_bytes(), state_from_bytes(blob) : the whole state, bit for bit, and back; ValueError, with no change, for
+    invalid bytes.
     """
 
     author = "TetherFMU developers"
@@ -68,7 +68,7 @@ class BaseSlave(Fmi2Slave):
     constants = ()  # triples as in `wiring.Wiring`
 
     def warnings(self):
-        """Sentences on what is implausible, each once since the start."""
+        """Sentences on implausible behaviour, each once since the start."""
         return ()
 
     # --- model description
@@ -84,7 +84,7 @@ class BaseSlave(Fmi2Slave):
     # --- life cycle
 
     def setup_experiment(self, start_time, stop_time, tolerance):
-        """Refuse what cannot be, or comes too late; a subclass says what it does with a tolerance."""
+        """Refuse invalid or late settings; subclasses handle a tolerance."""
         if self.phase != BEFORE:
             self.refuse(refusals.CANNOT_BE_SET_UP.format(phase=refusals.PHASES[self.phase]))
         elif not isfinite(start_time):
@@ -95,7 +95,7 @@ class BaseSlave(Fmi2Slave):
             self.take_tolerance(tolerance)
 
     def take_tolerance(self, tolerance):
-        """Remember the importer's tolerance; nothing where none is needed."""
+        """Remember the importer's tolerance; no-op if it has no use."""
 
     def enter_initialization_mode(self):
         """From here on outputs are calculated on demand."""
@@ -128,7 +128,7 @@ class BaseSlave(Fmi2Slave):
         return True
 
     def terminate(self):
-        """No step can follow, but values can still be read; an instance holds memory only."""
+        """No step can follow, but values can still be read; an instance owns memory only."""
         self._change_phase(STEPPING, TERMINATED, refusals.CANNOT_BE_TERMINATED)
 
     def _change_phase(self, before, after, refusal):
@@ -191,7 +191,7 @@ class BaseSlave(Fmi2Slave):
         self._set_parameters(vrs, values, frozenset())
 
     def _get(self, vrs, allowed):
-        """Values of allowed references, NaN where that fails: PythonFMU's library gives importers no status for it."""
+        """Values of allowed references, NaN on failure: PythonFMU's library has no status for importers."""
         if not allowed.issuperset(vrs):
             unknown = next(reference for reference in vrs if reference not in allowed)
             self.refuse(refusals.CANNOT_BE_READ.format(reference=unknown, name=self.name_of(unknown)))
@@ -247,7 +247,7 @@ class BaseSlave(Fmi2Slave):
     # --- messages
 
     def refuse(self, message):
-        """Remember why the next step cannot be done, and say it now."""
+        """Remember why the next step cannot be done, and log it now."""
         self._refusal = message
         self.say(message, ERROR)
 

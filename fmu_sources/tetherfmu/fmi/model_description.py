@@ -1,6 +1,6 @@
-"""Model description: variables with units, limits and enumerations, and the model structure, as FMI 2 has them.
+"""Model description: variables with units, limits and enumerations, and the model structure, for FMI 2.
 
-PythonFMU's is completed with them; what they say of a variable, `attributes`, is also that of native FMUs for FMI 3.
+They complete PythonFMU's description; native FMUs for FMI 3 use the same `attributes` of a variable.
 """
 
 from math import inf
@@ -31,7 +31,7 @@ UNITS = {  # quantity, exponents of the base units, nominal value of an input or
     "W": ("Power", {"kg": 1, "m": 2, "s": -3}, 1000.0),
     "J": ("Energy", {"kg": 1, "m": 2, "s": -2}, 1e5),
 }
-# display units of all quantities of a unit, as `Quantity.display`, where a quantity has none of its own
+# default display unit of each unit, as `Quantity.display`
 DISPLAY = {"N": ("kN", 1e-3), "N/m": ("kN/m", 1e-3)}
 _INITIAL = {**dict.fromkeys(CALCULATED, "calculated"), PARAMETER: "exact"}
 # attributes of a ScalarVariable of FMI 2; all others belong to its type
@@ -58,7 +58,7 @@ def complete(root, table, constants=()):
 def annotations(tag, entry, key, constants):
     """Annotation about constants for users of the FMU, a list of one Element or none.
 
-    tag, entry, key : of the annotations of a version of FMI.  constants : triples as in `wiring.Wiring`.
+    tag, entry, key : of the annotations in a version of FMI.  constants : triples as in `wiring.Wiring`.
     """
     if not constants:
         return []
@@ -94,7 +94,7 @@ def variables(table):
 
 
 def units(table):
-    """UnitDefinitions of what a table of variables needs."""
+    """UnitDefinitions for a table of variables."""
     element = Element("UnitDefinitions")
     for name in sorted({variable.quantity.unit for variable in table} - {""}):
         unit = SubElement(element, "Unit", name=name)
@@ -118,7 +118,7 @@ def known(unit):
 
 
 def display_of(quantity):
-    """Unit and factor for people, as `Quantity.display`; () for none."""
+    """Display unit and factor, as `Quantity.display`; () for none."""
     return quantity.display or DISPLAY.get(quantity.unit, ())
 
 
@@ -132,7 +132,7 @@ def types(table):
 
 
 def type_name(variable):
-    """Name of the type of an enumeration: that of the variable, without that of its line."""
+    """Name of the type of an enumeration: the variable name without its line."""
     return variable.name.rpartition(".")[2]
 
 
@@ -159,7 +159,7 @@ def attributes(name, reference, meaning, elements):
     first = elements[0]
     declared, fixed = first.quantity, first.causality == PARAMETER
     found = {"name": name, "valueReference": str(reference), "description": meaning, "causality": first.causality}
-    # what is calculated changes in steps, what counts is discrete
+    # calculated variables change in steps, counters are discrete
     found["variability"] = "fixed" if fixed else "continuous" if first.kind == "Real" else "discrete"
     if first.causality in _INITIAL:
         found["initial"] = _INITIAL[first.causality]
@@ -187,7 +187,7 @@ def _variable(variable):
 
 
 def structure(table):
-    """ModelStructure of a table of variables: its outputs, and what they depend on when initialization ends."""
+    """ModelStructure of a table of variables: its outputs, and their dependencies when initialization ends."""
     element, outputs, unknowns = Element("ModelStructure"), Element("Outputs"), Element("InitialUnknowns")
     positions = {variable.name: k for k, variable in enumerate(table, start=1)}
     for variable in table:

@@ -14,7 +14,7 @@ DEFAULT_OPTIONS = {
     "shape_points": Tether.segments + 1,
     "wind_points": 0,
     "starts": (),  # pairs (name, start value) where it is not the default
-    "left_out": (),  # names of variables that the FMU goes without
+    "left_out": (),  # names of omitted variables
     "step": 0.02,  # of the default experiment [s], as its stop time
     "stop": 10.0,
 }

@@ -53,7 +53,7 @@ class TetherSlave(BaseSlave):
         return options_in(self.resources)
 
     def _make_arrays(self, options):
-        """Make the instance, the array of all values, and of a system what leads from one to the other."""
+        """Make the instance, the array of all values, and for a system the maps between them."""
         wiring = self._wiring
         self._outputs_at, self._parameters_at, count = wiring.ends
         self._kite_is_free = wiring.is_direct and wiring.record.kite_is_free
@@ -80,7 +80,7 @@ class TetherSlave(BaseSlave):
                 self.advance = self._watch.advance
 
     def _about_positions(self):
-        """Sentences on what has been found in the positions; once nothing more is looked for, steps go without it."""
+        """Sentences on the detected input paths; once the detection is finished, steps skip it."""
         watch = self._watch
         if watch.is_over:
             self._watch, self.advance = None, self._instance.advance
@@ -96,7 +96,7 @@ class TetherSlave(BaseSlave):
             return None
 
     def take_tolerance(self, tolerance):
-        """Remember the importer's tolerance where it is tighter than the default; warn of one that is none."""
+        """Remember the importer's tolerance if it is tighter than the default; warn of an invalid one."""
         if not tolerance > 0.0:
             self.say(refusals.TOLERANCE_NOT_USED.format(tolerance=tolerance), WARNING)
         elif tolerance < DEFAULT_TOLERANCE:
@@ -105,7 +105,7 @@ class TetherSlave(BaseSlave):
     # --- start and steps
 
     def start(self):
-        """Check the parameters, find the first shapes. Returns what is wrong, or None."""
+        """Check the parameters, solve the initial shapes. Returns the problem, or None."""
         if self._no_kernels:
             return self._no_kernels
         try:
@@ -118,7 +118,7 @@ class TetherSlave(BaseSlave):
         return self._first_shape()
 
     def _first_shape(self):
-        """Find it for the inputs, and where a free kite starts for its parameters. Returns what is wrong, or None."""
+        """Solve the initial shape for the inputs, and the start of a free kite. Returns the problem, or None."""
         if not self._kite_is_free:
             self._give()
             return self._shown(self._instance.start())
@@ -132,12 +132,12 @@ class TetherSlave(BaseSlave):
         return problem
 
     def advance(self, step):
-        """One communication step [s] of a system. Returns what is wrong, or None."""
+        """One communication step [s] of a system. Returns the problem, or None."""
         self._give()
         return self._shown(self._instance.advance(step))
 
     def warnings(self):
-        """Sentences on what is implausible, each once since the start."""
+        """Sentences on implausible behaviour, each once since the start."""
         doubts, self._doubts = self._doubts, ()
         if self._watch:
             doubts = (*doubts, *self._about_positions())
@@ -146,7 +146,7 @@ class TetherSlave(BaseSlave):
     def _packed(self, values, tolerance):
         """Arguments of `_set_up`, from an array of all values; ValueError names a variable that is out of range."""
         wiring = self._wiring
-        # of a tether alone `pack` names what is wrong as well
+        # for a single tether `pack` also names the problem
         for each in () if wiring.is_direct else wiring.table[self._parameters_at :]:
             _check(each, values[each.place])
         lines = (
@@ -180,7 +180,7 @@ class TetherSlave(BaseSlave):
             given[place] += factor * values[reference]
 
     def _shown(self, problem):
-        """Put the outputs of a system into the values, if nothing is wrong; returns what is."""
+        """Copy the outputs of a system to the values, if there is no problem; returns the problem."""
         if problem:
             return problem
         values, found, state = self.values, self._instance.values, self._instance.state
@@ -211,23 +211,23 @@ class TetherSlave(BaseSlave):
         return saved_state.to_bytes(SavedState(*facts, self.values, state))
 
     def state_from_bytes(self, blob):
-        """Go back to a state; ValueError, with nothing changed, if it is none of this tether."""
+        """Restore a state; ValueError, with no change, if it belongs to another tether."""
         before, values = self.state_to_bytes(), self.values[:]
         try:
             self._take(self._saved(blob))
         except ValueError:
             self._take(self._saved(before))
-            self.values[:] = values  # also outputs that cannot be computed from what has been set since
+            self.values[:] = values  # also outputs that later inputs do not determine
             raise
 
     def _saved(self, blob):
-        """The `SavedState` in bytes; ValueError says what is wrong with them."""
+        """The `SavedState` in bytes; ValueError describes a problem with them."""
         return saved_state.from_bytes(blob, self._wiring.name, len(self.values), self._instance.state_size)
 
     def _take(self, saved):
-        """Be as in a `SavedState`; ValueError, half done, if its numbers cannot be used.
+        """Restore a `SavedState`; ValueError, half done, if its numbers are invalid.
 
-        Its outputs are not taken but computed: they follow from the state array.
+        Its outputs are not used but computed: they follow from the state array.
         """
         for name, reference, expected in self.constants:
             value = saved.values[reference]

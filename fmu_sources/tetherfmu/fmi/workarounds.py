@@ -9,7 +9,7 @@ from pathlib import Path
 
 
 def hold(*objects):
-    """Take a reference of each object for good: PythonFMU's library gives away one that it does not own.
+    """Increment the reference count of each object permanently: PythonFMU's library releases one that it does not own.
 
     One of the globals of the launcher script per instance; one of the slave, its class and its log when it refuses to start.
     """
@@ -27,9 +27,9 @@ def leave_search_path(resources):
 def free_interpreter_once(resources):
     """Let a Linux process end cleanly with PythonFMU's library loaded.
 
-    At the exit the library frees its interpreter state in a static destructor and then again in its unload function. An exit
-    handler registered now runs before both and takes the state away. glibc never unloads the library, because it has unique
-    symbols; `RTLD_NODELETE` says so for others, so that the handler stays valid.
+    At exit the library frees its interpreter state in a static destructor and then again in its unload function. An exit
+    handler registered now runs before both and removes the state. glibc never unloads the library, because it has unique
+    symbols; `RTLD_NODELETE` ensures this for others, so that the handler stays valid.
     """
     if sys.platform != "linux":
         return

@@ -1,7 +1,7 @@
 """Sizes of the flat arrays, views of a state and of the caller's work array.
 
-The work array holds what all solvers of a chain share (`shared_arrays`), then room that each solver divides and names for
-itself, in a record `Workspace` of its own.
+The work array begins with arrays that all solvers of a chain share (`shared_arrays`); each solver divides the room behind
+them in its own record `Workspace`.
 """
 
 from itertools import accumulate
@@ -19,7 +19,7 @@ outputs_size = kernel(at.outputs_size)
 
 
 def places_of(*sizes):
-    """First places of things of these sizes that stand one behind the other in an array, and the place behind them all."""
+    """First places of consecutive parts of these sizes in an array, and the place behind the last."""
     return tuple(accumulate(sizes, initial=0))
 
 
@@ -35,16 +35,16 @@ def positions_and_velocities(n, state):
 
 @kernel
 def shared_size(n):
-    """Length of what `shared_arrays` takes of the work array."""
+    """Length of `shared_arrays` in the work array."""
     return 2 * SEGMENT_RECORD * ((n + 1) // 2) + 28 * (n + 1)
 
 
 @view
 def shared_arrays(n, work):
-    """Views of what the solvers share: blocks of the matrix (three), records, node masses [kg]; and the room behind them.
+    """Views of the shared arrays: blocks of the matrix (three), records, node masses [kg]; and the room behind them.
 
     blocks : of `block_tridiagonal.Matrix`.  records : derivatives of the forces of all segments, see `assembly.record_of`.
-    Records begin at an even place, so that no pair of an interleaved array lies across two lines of the cache.
+    Records begin at an even place, so that no pair of an interleaved array crosses a cache line.
     """
     size = 9 * (n + 1)
     block = 2 * SEGMENT_RECORD * ((n + 1) // 2)
@@ -55,7 +55,7 @@ def shared_arrays(n, work):
 
 @view
 def behind(start, array):
-    """View of what an array has from a place on."""
+    """View of an array from a place on."""
     return part(array, start, len(array) - start)
 
 

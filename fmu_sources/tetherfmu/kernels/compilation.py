@@ -1,6 +1,6 @@
-"""How kernels are compiled: by numba, without exceptions or allocation. What numba lacks: `by_kind`, `power`, `flat_arrays`.
+"""Compilation of kernels by numba, without exceptions or allocation. Additions to numba: `by_kind`, `power`, `flat_arrays`.
 
-Rules of a kernel, so that its machine code can stand alone without Python: arguments are numbers, tuples and flat
+Rules of a kernel, so that its machine code is independent of Python: arguments are numbers, tuples and flat
 arrays; work space comes from the caller; a failure is a status code; other kernels are called by name only. Nothing
 is allocated, raised or received as a function.
 """
@@ -14,8 +14,8 @@ from numba.core.compiler import CompilerBase, DefaultPassBuilder
 from numba.core.targetconfig import ConfigStack
 from numba.extending import intrinsic, overload
 
-OPTIONS = {"error_model": "numpy", "no_cfunc_wrapper": True}  # which `entry_point` has all the same
-WITHOUT = {  # passes of numba for what no kernel has: closures, inlined functions, expressions of whole arrays
+OPTIONS = {"error_model": "numpy", "no_cfunc_wrapper": True}  # `entry_point` still has a C wrapper
+WITHOUT = {  # passes of numba for features that kernels lack: closures, inlined functions, array expressions
     "WithLifting",
     "InlineClosureLikes",
     "RewriteDynamicRaises",
@@ -33,14 +33,14 @@ WITHOUT = {  # passes of numba for what no kernel has: closures, inlined functio
 
 
 class KernelCompiler(CompilerBase):
-    """numba's compiler without the passes that change nothing in a kernel: an eighth of the time."""
+    """numba's compiler without the passes that have no effect on kernels: an eighth of the time."""
 
     def define_pipelines(self):
         """Passes of numba, in a list of one pipeline.
 
-        What a kernel calls inherits options that it does not set from its first caller, and an overload, such as `max`, is
-        compiled for each set of options that its callers have. That a `view` is inlined is hidden from what it calls, so
-        that the code of a function does not depend on what was compiled before.
+        A callee inherits options that it does not set from its first caller, and an overload, such as `max`, is
+        compiled for each set of options of its callers. Inlining of a `view` is hidden from its callees, so
+        that the code of a function does not depend on earlier compilations.
         """
         ConfigStack.top_or_none().forceinline = False
         pipeline = DefaultPassBuilder.define_nopython_pipeline(self.state)
@@ -52,7 +52,7 @@ class KernelCompiler(CompilerBase):
 def kernel(function):
     """Compile a function for other kernels (and for tests) at its first call, once for all constants of a kind."""
     compiled = njit(pipeline_class=KernelCompiler, **OPTIONS)(function)
-    if compiled is not function:  # as it is where numba is switched off
+    if compiled is not function:  # identical if numba is disabled
         compiled.get_call_template = partial(_template_for_any_constant, compiled.get_call_template)
     return compiled
 
@@ -72,9 +72,9 @@ def entry_point(signature, function):
 
 
 def by_kind(of_tuple, of_array):
-    """A kernel of two arguments: `of_tuple` where the first one is a tuple, `of_array` where it is an array.
+    """A kernel of two arguments: `of_tuple` if the first one is a tuple, `of_array` if it is an array.
 
-    Which one is known when the caller is compiled, and so are the numbers that `of_tuple` returns without a look at it.
+    The choice is made at compile time, and so are constants that `of_tuple` returns regardless of the argument.
     """
 
     def either(first, second):
@@ -90,9 +90,9 @@ def by_kind(of_tuple, of_array):
 
 @intrinsic
 def power(typing, base, exponent):
-    """base**exponent by `pow` of the C library, as Python has it, also where the compiler knows the exponent.
+    """base**exponent by `pow` of the C library, like Python, even for an exponent known at compile time.
 
-    It would make x*x of x**2, which in one of some 1000 cases differs in the last bit.
+    The compiler would turn x**2 into x*x, which differs in the last bit in one of some 1000 cases.
     """
 
     def code(context, builder, signature, values):

@@ -1,9 +1,9 @@
-"""The entry points: the only functions that shells call. Numbers and pointers to flat arrays, nothing else.
+"""The entry points: the only functions that shells call, with numbers and pointers to flat arrays as arguments.
 
 Each library has seven: segments, pack, complete, initialize, advance, outputs, fly; with nodes an eighth: energy.
-`runtime.kernel_library` has their signatures for callers, `plan_layout.py` the arrays. They return statuses (`status.py`),
-segments and fly a number. Which line a status is about stands in the plan at STATUS_LINE; INPUT_NOT_FINITE about ALL_LINES
-carries the number of a free point, whose load it is about, and NO_EQUILIBRIUM_OF_POINT that of the point.
+`runtime.kernel_library` defines their signatures for callers, `plan_layout.py` the arrays. They return statuses
+(`status.py`), segments and fly a number. The plan stores the line of a status at STATUS_LINE; INPUT_NOT_FINITE about
+ALL_LINES carries the number of the free point with the wrong load, and NO_EQUILIBRIUM_OF_POINT the number of its point.
 """
 
 from ctypes import c_double, c_int32, c_int64
@@ -50,14 +50,14 @@ def system_at(plan, parameters, inputs, state, work):
 def entry_points(lines):
     """Entry points of a library, functions to be compiled with `SIGNATURES`.
 
-    lines : what moves them: the module `variants.system`, or a tether alone, as `variants.tether` makes it of its variant.
+    lines : module that moves them: `variants.system`, or a single tether made by `variants.tether`.
     """
     declared = BY_NAME.get(lines.name, DYNAMIC)
     has_nodes, has_waves = declared.has_nodes, declared.has_waves
 
     @kernel
     def advance_with_outputs(system, step, before, outputs):
-        """A communication step, then the outputs (modified); on any status but OK states and outputs are those of before."""
+        """A communication step, then the outputs (modified); on any status except OK states and outputs are unchanged."""
         status = lines.advance(system, step, before)
         if status == OK:
             status = lines.take_outputs(system, outputs)
@@ -68,7 +68,7 @@ def entry_points(lines):
 
     @kernel
     def take_row(system, outputs, kept):
-        """Motion of all nodes into a row of a flight (modified), behind its outputs."""
+        """Write the motion of all nodes into a row of a flight (modified), behind its outputs."""
         place = outputs
         for k in range(lines_of(system)):
             state, size = state_of(system, k), 3 * (segments_of(system, k) + 1)
@@ -82,46 +82,46 @@ def entry_points(lines):
         return packing.count_segments(tethers, flat(quantities, packing.count_of_quantities(tethers, 0)), has_nodes)
 
     def pack(tethers, kites, quantities, tolerance, parameters):
-        """Parameters (modified) of as many segments as `segments` says; a status, and nothing is done on any but OK."""
+        """Parameters (modified) for the number of segments that `segments` returned; a status; unchanged except on OK."""
         given = flat(quantities, packing.count_of_quantities(tethers, kites))
         p = flat(parameters, parameters_size(packing.count_segments(tethers, given, has_nodes)))
         return packing.pack(tethers, kites, given, tolerance, has_nodes, has_waves, p)
 
     def complete(plan):
-        """Write into a plan (modified) what follows from the numbers that are given; returns OK."""
+        """Write the derived numbers of a plan (modified); returns OK."""
         lines.complete_plan(plan_at(plan))
         return OK
 
     def initialize(plan, parameters, inputs, state, outputs, work):
-        """First states and outputs of all lines (both modified); they have no meaning on any status but OK.
+        """Initial states and outputs of all lines (both modified); valid on OK only.
 
-        Free points start where the inputs of their lines say, as driven ones; where the plan says that a point is sought,
-        its position is found and written there (inputs modified).
+        Free points start at the inputs of their lines, like driven ones; the positions of points that the plan marks as
+        sought are solved and written there (inputs modified).
         """
         system = system_at(plan, parameters, inputs, state, work)
         status = lines.initialize(system)
         return lines.take_outputs(system, flat(outputs, system.plan[places.OUTPUTS_SIZE])) if status == OK else status
 
     def advance(plan, parameters, inputs, step, state, before, outputs, work):
-        """One communication step of `step` [s]: states and outputs (both modified), left as they were on any status but OK.
+        """One communication step of `step` [s]: states and outputs (both modified), unchanged on any status except OK.
 
-        before (modified) : room for all states; after a step that was done, those of before it.
+        before (modified) : room for all states; after a successful step, the earlier states.
         """
         system = system_at(plan, parameters, inputs, state, work)
         old, found = flat(before, len(system.state)), flat(outputs, system.plan[places.OUTPUTS_SIZE])
         return advance_with_outputs(system, step, old, found)
 
     def outputs(plan, parameters, inputs, state, outputs, work):
-        """Outputs of all lines (modified) that belong to their states; they have no meaning on any status but OK."""
+        """Outputs of all lines (modified) for their states; valid on OK only."""
         system = system_at(plan, parameters, inputs, state, work)
         return lines.take_outputs(system, flat(outputs, system.plan[places.OUTPUTS_SIZE]))
 
     def fly(plan, parameters, inputs, steps, step, every, outputs, state, before, rows, work):
-        """Do `steps` communication steps, until one is refused; returns how many were done. The states are modified.
+        """Run `steps` communication steps, until one is refused; returns their number. The states are modified.
 
         inputs : one row of inputs per step.  every : a row is kept after every so many steps; 0 for none.
         outputs : NEVER, AT_ROWS or ALWAYS (after each step) computed, see `TetherModel.fly`.  before : room for all states.
-        rows (modified) : zeros; of each kept step they get, unless NEVER, the outputs and of each line the largest
+        rows (modified) : zeros; each kept step writes, unless NEVER, the outputs and for each line the largest
         |kite_force| since the row before; then positions and velocities of all nodes, line by line.
         """
         system = system_at(plan, parameters, inputs, state, work)

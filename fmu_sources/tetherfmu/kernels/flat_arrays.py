@@ -1,8 +1,8 @@
-"""Flat arrays as the compiled kernels see them: an address and a length.
+"""Flat arrays of the compiled kernels: an address and a length.
 
-An array of numba has five fields more, which each use copies and the compiler has to remove again; and it counts a negative
-place from its end, which each use looks for. So the entry points make these of their pointers. A kernel that Python calls
-itself, in a test, gets arrays of numpy; constants are such arrays, too.
+A numba array has five more fields, which each use copies and the compiler has to remove again, and each use checks for
+negative indices. The entry points therefore make flat arrays of their pointers. A kernel that Python calls
+directly, in a test, gets numpy arrays; constants are numpy arrays, too.
 """
 
 import operator
@@ -16,7 +16,7 @@ from numba.np.arrayobj import make_view
 
 
 class FlatArray(types.Type):
-    """Type of an array of numbers that someone else owns: of neighbours, or of every second number of such an array."""
+    """Type of an array of numbers with another owner: contiguous, or every second number of such an array."""
 
     def __init__(self, dtype, stride=1):
         self.dtype, self.stride = dtype, stride
@@ -25,21 +25,21 @@ class FlatArray(types.Type):
 
 @register_model(FlatArray)
 class FlatArrayModel(models.StructModel):
-    """What is passed from kernel to kernel."""
+    """Representation that kernels pass to each other."""
 
     def __init__(self, manager, kind):
         super().__init__(manager, kind, [("data", types.CPointer(kind.dtype)), ("size", types.intp)])
 
 
 def fields(context, builder, kind, array):
-    """The fields of an array, or of one of numpy, in the code that is written."""
+    """Fields of a flat or numpy array in generated code."""
     if isinstance(kind, types.Array):
         return context.make_array(kind)(context, builder, array)
     return cgutils.create_struct_proxy(kind)(context, builder, array)
 
 
 def _made(context, builder, kind, data, size):
-    """A new array in the code that is written."""
+    """A new array in generated code."""
     array = fields(context, builder, kind, None)
     array.data, array.size = data, size
     return array._getvalue()
@@ -47,7 +47,7 @@ def _made(context, builder, kind, data, size):
 
 @intrinsic
 def flat(typing, pointer, size):
-    """Flat array of `size` numbers from an address on."""
+    """Flat array of `size` numbers at an address."""
 
     def code(context, builder, signature, values):
         return _made(context, builder, signature.return_type, *values)
@@ -57,9 +57,9 @@ def flat(typing, pointer, size):
 
 @intrinsic
 def part(typing, array, start, size):
-    """View of `size` numbers of a flat array from place `start` on, which must be there.
+    """View of `size` numbers of a flat array from place `start` on, without bounds checks.
 
-    Of an array of numpy, too, for which numba would also look for places that are negative or beyond the end.
+    Also for numpy arrays, for which numba would check for negative or excessive indices.
     """
 
     def code(context, builder, signature, values):
@@ -85,7 +85,7 @@ def _every_second(typing, array, start, size):
 
 
 def every_second(array, start, size):
-    """View of `size` numbers of a flat array from place `start` on, leaving out every other one."""
+    """View of `size` numbers of a flat array from place `start` on, every other one."""
     return array[start : start + 2 * size : 2]
 
 

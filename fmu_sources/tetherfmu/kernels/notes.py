@@ -1,4 +1,4 @@
-"""What is noted in the state of a line, once since the start, for one warning: `step/plausibility.py` and the solvers do."""
+"""Notes in the state of a line, once since the start, for one warning each: from `step/plausibility.py` and the solvers."""
 
 from math import sqrt
 
@@ -9,7 +9,7 @@ from .compilation import kernel
 
 @kernel
 def note(state, kind, square, limit):
-    """Keep the first value beyond a limit in the state (modified); `square` is that of the value."""
+    """Store the first value beyond a limit in the state (modified); `square` is the squared value."""
     if square > limit * limit and state[at.WARNED_VALUES + kind] == 0.0:
         state[at.WARNED_VALUES + kind] = sqrt(square)
         state[at.WARNINGS] += 1 << kind
@@ -17,5 +17,5 @@ def note(state, kind, square, limit):
 
 @kernel
 def note_peak(state, tension):
-    """Keep the largest tension of the internal steps [N] in the state (modified)."""
+    """Store the largest tension of the internal steps [N] in the state (modified)."""
     state[at.PEAK_SO_FAR] = max(state[at.PEAK_SO_FAR], tension)

@@ -1,7 +1,7 @@
-"""Parameters as they are declared: checked, and packed into the `parameters` array of the other kernels.
+"""Declared parameters: checked, and packed into the `parameters` array of the other kernels.
 
-The quantities are one flat array: for each of the tethers in series, ground first, those of `Tether`, then those of
-`Environment` and `Solver`, and where there is a free kite its mass, how it starts and its motion then: the order of
+The quantities are one flat array: first the fields of `Tether` for each tether in series, ground first, then those of
+`Environment` and `Solver`, and for a free kite its mass, its start and its initial motion: in the order of
 `variables.PARAMETERS`, whose limits are frozen here. A status carries the number of the wrong quantity in this array.
 """
 
@@ -65,20 +65,20 @@ def declaration(tethers, k):
 
 @kernel
 def refused(code, k):
-    """Status with this code that carries the number k."""
+    """Status with this code and the number k."""
     return k << 8 | code
 
 
 @kernel
 def is_whole(value):
-    """Whether a number of moderate size has no fraction."""
+    """Whether a number of moderate size is an integer."""
     return value == float(int(value))
 
 
 @kernel
 def check_quantity(value, k, number):
-    """Status: whether quantity k, which is declared under this number, has an allowed value."""
-    if not (MINIMA[number] <= value <= MAXIMA[number]):  # nor has NaN
+    """Status: whether quantity k, declared under this number, has an allowed value."""
+    if not (MINIMA[number] <= value <= MAXIMA[number]):  # also refuses NaN
         return refused(PARAMETER_OUT_OF_RANGE, k)
     if IS_REAL[number] or (is_whole(value) and value != NOT_IN_USE[number]):
         return OK
@@ -87,7 +87,7 @@ def check_quantity(value, k, number):
 
 @kernel
 def check_series(tethers, quantities, has_nodes):
-    """Status: whether tethers fit together, and have segments that are neither too many nor too short."""
+    """Status: whether tethers fit together, with an allowed number of segments of sufficient length."""
     for t in range(1, tethers):
         for i in range(len(SAME_IN_SERIES)):
             place = t * QUANTITIES_OF_TETHER + SAME_IN_SERIES[i]
@@ -125,13 +125,13 @@ def check(tethers, kites, quantities, has_nodes):
 
 @kernel
 def segments_of(quantities, first, has_nodes):
-    """Number of segments of the tether whose quantities begin at place `first`: one if the variant has no nodes."""
+    """Number of segments of the tether with quantities from place `first` on: one if the variant has no nodes."""
     return int(quantities[first + SEGMENTS]) if has_nodes else 1
 
 
 @kernel
 def count_segments(tethers, quantities, has_nodes):
-    """Number of segments of all tethers together; 0 if one of the numbers is not allowed."""
+    """Number of segments of all tethers together; 0 if a number is invalid."""
     n = 0
     for t in range(tethers):
         first = t * QUANTITIES_OF_TETHER
@@ -143,13 +143,13 @@ def count_segments(tethers, quantities, has_nodes):
 
 @kernel
 def line_density(quantities, first):
-    """Mass per unstretched length [kg/m] of a tether whose quantities begin at place `first`."""
+    """Mass per unstretched length [kg/m] of a tether with quantities from place `first` on."""
     return quantities[first + DENSITY] * pi * power(quantities[first + DIAMETER], 2.0) / 4.0
 
 
 @kernel
 def pack(tethers, kites, quantities, tolerance, has_nodes, has_waves, parameters):
-    """Fill the parameters (modified), without point masses but that of a free kite; a status, and nothing done but on OK.
+    """Fill the parameters (modified), without point masses except a free kite; a status; unchanged on any status except OK.
 
     tolerance : relative tolerance [-] of the importer, for a solver without one of its own; 0 for none.
     has_nodes, has_waves : of the variant. Without nodes a tether has one segment, without waves it has no damping.
@@ -168,7 +168,7 @@ def pack(tethers, kites, quantities, tolerance, has_nodes, has_waves, parameters
     for t in range(tethers):
         length += quantities[t * QUANTITIES_OF_TETHER + LENGTH]
     parameters[at.INITIAL_LENGTH] = length
-    if parameters[at.SLACK_STIFFNESS_RATIO] == 0.0:  # a damper alone would hold a slack rope up for seconds
+    if parameters[at.SLACK_STIFFNESS_RATIO] == 0.0:  # a damper alone would support a slack rope for seconds
         parameters[at.SLACK_DAMPING_RATIO] = 0.0
     if parameters[at.RELATIVE_TOLERANCE] == 0.0:
         parameters[at.RELATIVE_TOLERANCE] = tolerance if tolerance != 0.0 else DEFAULT_TOLERANCE

@@ -1,4 +1,4 @@
-"""From kernels to shared libraries, one per variant and platform: what the Python API, the studies and the FMUs all call.
+"""From kernels to shared libraries, one per variant and platform, for the Python API, the studies and the FMUs.
 
-`ready` finds them, and has them compiled where they are missing: once for each content of the sources.
+`ready` finds them, and has missing ones compiled: once for each content of the sources.
 """

@@ -36,14 +36,14 @@ TARGETS = {
 }
 
 
-CODE = "code.ll.gz"  # file beside the libraries: what numba has written, linked, for any target
+CODE = "code.ll.gz"  # file beside the libraries: linked code from numba, for any target
 
 
 def object_files(folder, variant, platforms, code=None):
-    """Object files of a variant: pairs (platform, bytes); RuntimeError if they need more than mathematics.
+    """Object files of a variant: pairs (platform, bytes); RuntimeError if they depend on more than mathematics.
 
-    code : `intermediate_code.Code`, which a folder needs once. What is found on the way is kept there: kernels for other
-    platforms need no numba, and platforms with the same processor share what is optimized. Equal code gives equal bytes.
+    code : `intermediate_code.Code`, generated once per folder and cached there: kernels for other
+    platforms need no numba, and platforms with the same processor share the optimized code. Equal code yields equal bytes.
     """
     plain = _kept(folder, CODE, lambda: whole_module(code))
     for platform in platforms:
@@ -95,7 +95,7 @@ def alike(platforms):
 
 
 def object_name(platform):
-    """Name of the file beside the library of a variant that has the kernels for a native FMU to be linked with."""
+    """Name of the object file beside the library of a variant, for linking a native FMU."""
     return f"{platform}.o"
 
 
@@ -107,15 +107,15 @@ def write(path, content):
 
 
 def main(arguments, more=None):
-    """Write the libraries of all variants; other processes optimize them while numba goes on with the next one.
+    """Write the libraries of all variants; other processes optimize them while numba continues with the next one.
 
-    more : function, after all variants, that returns a function and its arguments, for another process, too.
+    more : function, called after all variants, that returns a function and its arguments, for another process, too.
     """
     platforms, *variants = arguments
     at_once = signal.SIGINT, signal.SIG_DFL  # Ctrl-C ends a process also while LLVM works
     signal.signal(*at_once)
     with ProcessPoolExecutor(os.cpu_count(), get_context("spawn"), signal.signal, at_once) as pool:
-        waiting, left = [], Counter()  # of each variant, how many are left
+        waiting, left = [], Counter()  # number of remaining tasks of each variant
         folders = {variant: Path(place) for variant, _, place in (each.partition("=") for each in variants)}
         has_code = {variant: (folder / CODE).exists() for variant, folder in folders.items()}
         for variant in sorted(folders, key=has_code.get, reverse=True):  # those that need no numba first
@@ -141,6 +141,6 @@ def code_of(variant):
 
 
 if __name__ == "__main__":
-    from tetherfmu.libraries.ahead_of_time import main  # by this name the other processes find what they are to do
+    from tetherfmu.libraries.ahead_of_time import main  # other processes import their task by this name
 
     main(sys.argv[1:])

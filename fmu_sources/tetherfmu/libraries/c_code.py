@@ -1,8 +1,8 @@
 """C99 of the functions of a WebAssembly file, for any little-endian processor.
 
-The memory is an array of bytes that every function is given, so that each instance has its own; an address is a place in it.
-The stack of the file lies at the start of the memory; its top is an argument, too. Nothing is checked: the kernels are those
-of the libraries, and touch no more than those do. Operations are done in the order of the file, none is merged.
+The memory is an array of bytes, passed to every function, so that each instance has its own; an address is a place in it.
+The stack of the file is at the start of the memory; its top is an argument, too. There are no checks: the kernels equal
+those of the libraries, and access the same memory. Operations keep the order of the file, none is merged.
 
 Source: WebAssembly Core Specification, 2.0, chapter 4, "Execution".
 """
@@ -14,13 +14,13 @@ from .c_function import Writer
 from .c_operations import C_TYPES, CALL, COPY, FILL, GET_STACK, LOADS, SET_STACK, STORES
 from .wasm_file import read
 
-HEAD = Path(__file__).with_name("kernels_head.c")  # what a file begins with, and the small functions that it may need
+HEAD = Path(__file__).with_name("kernels_head.c")  # head of a file, with small functions that it may need
 
 
 def text(content, names):
-    """Text of a C file; content : bytes of a WebAssembly file.  names : dict of those of exported functions to those in C.
+    """Text of a C file; content : bytes of a WebAssembly file.  names : dict of exported functions to C names.
 
-    The functions that it exports take memory and stack, whether they need them or not.
+    Exported functions have memory and stack arguments, whether they need them or not.
     """
     file = read(content)
     first = len(file.imports)
@@ -47,7 +47,7 @@ def _memory(file):
 
 
 def _needs(file, exported):
-    """Of each function whether it needs the memory ("m") and the stack ("s"): itself, or what it calls; or as exported."""
+    """For each function whether it needs the memory ("m") and the stack ("s"), itself or in its callees; or as exported."""
     first = len(file.imports)
     memory = {*LOADS, *STORES, COPY, FILL}
     found = {k: [] for k in range(first)}
@@ -87,7 +87,7 @@ def _definition(file, place, needs, names, declared):
 
 
 def stack_size(content):
-    """Bytes that the stack needs at most: of the deepest of all chains of calls, of which none comes back to itself."""
+    """Maximum bytes of stack: of the deepest call chain; there is no recursion."""
     file = read(content)
     first = len(file.imports)
     deepest = dict.fromkeys(range(first), 0)
@@ -104,7 +104,7 @@ def stack_size(content):
 
 
 def _frame(body):
-    """Bytes of the stack that a function takes for itself."""
+    """Bytes of the stack frame of a function."""
     for (one, _), (two, size), (three, _) in zip(body, body[1:], body[2:], strict=False):
         if (one, two, three) == (GET_STACK, 0x41, 0x6B):
             return size

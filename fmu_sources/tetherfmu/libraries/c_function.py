@@ -1,7 +1,7 @@
-"""The statements of C that a function of a WebAssembly file becomes.
+"""Translates a function of a WebAssembly file to C statements.
 
-The stack of the file becomes expressions: what stands on it is written where it is used, or given a name before something
-that it reads changes. Blocks become labels.
+The stack of the file becomes expressions: a value is written where it is used, or stored in a variable before an operand
+changes. Blocks become labels.
 """
 
 import re
@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from . import c_operations as wasm
 
-LONGEST = 140  # characters of an expression; a longer one is given a name
+LONGEST = 140  # characters of an expression; a longer one is stored in a variable
 
 
 class Value(NamedTuple):
@@ -22,7 +22,7 @@ class Value(NamedTuple):
 
 
 class Label(NamedTuple):
-    """Where a branch goes."""
+    """Target of a branch."""
 
     name: str
     code: int  # BLOCK, LOOP or IF
@@ -36,7 +36,7 @@ class Writer:
         self.file, self.function, self.needs, self.names_of_functions = file, function, needs, names
         self.kinds = (*function.signature.arguments, *function.variables)
         self.lines, self.stack, self.labels = [], [], []
-        self.names, self.used = 0, set()  # names given; labels and variables that occur
+        self.names, self.used = 0, set()  # names in use; labels and variables that occur
 
     def fresh(self, letter):
         """A name that nothing has yet."""
@@ -44,7 +44,7 @@ class Writer:
         return f"{letter}{self.names}"
 
     def push(self, text, kind, variables=frozenset(), reads_memory=False):
-        """Put a value on the stack; a long expression is given a name."""
+        """Push a value onto the stack; a long expression is stored in a variable."""
         self.stack.append(Value(text, kind, variables, reads_memory))
         if len(text) > LONGEST:
             self.name(len(self.stack) - 1)
@@ -77,13 +77,13 @@ class Writer:
         return [value.text for value in taken], variables, any(value.reads_memory for value in taken)
 
     def place(self, text, operand, size):
-        """Expression of a place in the memory, of a number of so many bytes."""
+        """Expression of a place in the memory, for a number of this many bytes."""
         offset, aligned = operand
         assert aligned == size, "a number at no multiple of its size"
         return f"m + {text} + {offset}" if offset else f"m + {text}"
 
     def goto(self, depth):
-        """Statement that leaves so many blocks."""
+        """Statement that leaves this number of blocks."""
         if depth == len(self.labels):
             return self.leave()
         label = self.labels[-1 - depth]
@@ -96,7 +96,7 @@ class Writer:
 
     def write(self):
         """Lines of the body."""
-        dead = 0  # blocks that are open behind a branch that is always taken
+        dead = 0  # open blocks after an unconditional branch
         skipping = False
         for code, operand in self.function.body:
             if skipping:
@@ -113,7 +113,7 @@ class Writer:
         return [line for line, label in zip(self.lines, named, strict=True) if not label or label[1] in self.used]
 
     def instruction(self, code, operand):
-        """Write one instruction; whether what follows is never reached."""
+        """Write one instruction; returns whether the next one is unreachable."""
         if code in wasm.OPERATIONS:
             kind, template = wasm.OPERATIONS[code]
             texts, variables, reads = self.pop(2 if "{1}" in template else 1)
@@ -188,7 +188,7 @@ class Writer:
         self.push(name, signature.results[0])
 
     def control(self, code, operand):
-        """As `instruction`, of those that lead elsewhere."""
+        """As `instruction`, for branches."""
         if code in (wasm.BLOCK, wasm.LOOP, wasm.IF):
             self.open(code, operand)
         elif code == wasm.ELSE:
@@ -215,7 +215,7 @@ class Writer:
         """Begin a block."""
         assert kind is None, "a block with a result"
         condition = self.pop(1)[0][0] if code == wasm.IF else ""
-        self.keep(lambda value: value.variables or value.reads_memory)  # what may change
+        self.keep(lambda value: value.variables or value.reads_memory)  # variable values
         label = Label(self.fresh("L"), code, len(self.stack))
         self.labels.append(label)
         if code == wasm.LOOP:

@@ -1,7 +1,7 @@
-"""The kernels of a library as one file of C99, for processors that no library is compiled for.
+"""The kernels of a library as one C99 file, for processors without a compiled library.
 
-LLVM compiles them for WebAssembly, without lanes, and `c_code.py` writes that as C. All operations are those of the library,
-in the same order: with the same functions of mathematics the numbers are the same to the last bit.
+LLVM compiles them for WebAssembly, without lanes, and `c_code.py` translates that to C. All operations are those of the
+library, in the same order: with the same mathematical functions the numbers are identical to the last bit.
 
     python -m tetherfmu.libraries.c_kernels LIBRARY PATH     run by `c_kernels`
 """

@@ -37,7 +37,7 @@ CONSTANTS = {0x41: "i32", 0x42: "i64", 0x44: "f64"}
 
 
 def _operations():
-    """Of instructions that take numbers and give one: type of the result, template; by code."""
+    """For instructions from numbers to a number: type of the result, template; by code."""
     found = {0x45: ("i32", "(uint32_t)({0} == 0)"), 0x50: ("i32", "(uint32_t)({0} == 0)")}
     for kind, compared, arithmetic in (("i32", 0x46, 0x6A), ("i64", 0x51, 0x7C)):
         bits = kind[1:]

@@ -11,11 +11,11 @@ GRACE = 3.0  # seconds that they get to tidy up
 
 @contextmanager
 def ctrl_c_waits():
-    """Within the block, Ctrl-C is raised by the function that it gets, and nowhere else.
+    """Within the block, only the function that it receives raises Ctrl-C.
 
-    For what cannot be left just anywhere, such as an FMU in this process: its library would take the exception for one of
-    its own, tell it, and refuse the step.
-    Where Ctrl-C raises nothing, or elsewhere than in the main thread, all stays as it is.
+    For code that must not be interrupted anywhere, such as an FMU in this process: its library would treat the exception as
+    one of its own, report it, and refuse the step.
+    If Ctrl-C raises nothing, or outside the main thread, nothing changes.
     """
     pressed = []
 
@@ -36,10 +36,10 @@ def ctrl_c_waits():
 
 @contextmanager
 def child(command, **options):
-    """`subprocess.Popen` of a command; if an exception leaves the block, it ends with all that it started.
+    """`subprocess.Popen` of a command; if an exception leaves the block, it ends with all its children.
 
-    It has no input unless the options give it one.
-    Ctrl-C is such an exception. It does not reach the child, which has a group of its own, but by this process.
+    It has no input unless the options specify one.
+    Ctrl-C is such an exception. The child has a separate group, so it receives Ctrl-C only through this process.
     """
     group = {} if os.name == "nt" else {"process_group": 0}
     with ctrl_c_waits() as stop_if_pressed:
@@ -55,7 +55,7 @@ def child(command, **options):
 
 
 def _end(process):
-    """Interrupt a process and its children; what does not end by that is killed."""
+    """Interrupt a process and its children, then kill the survivors."""
     if os.name == "nt":  # Ctrl-C has reached all
         process.kill()
         return

@@ -1,4 +1,4 @@
-"""The examples: those of a checkout, or those that a wheel carries. Their rooms are packages in one folder."""
+"""The examples of a checkout or a wheel. Their rooms are packages in one folder."""
 
 import sys
 from importlib import import_module

@@ -1,14 +1,14 @@
-"""The intermediate code of the entry points, by a numba of which some internals are replaced, `write_only`.
+"""The intermediate code of the entry points, by a numba with some internals replaced, `write_only`.
 
-By default numba links, optimizes and compiles each function with copies of all that it calls, since Python may call it at
-once: two thirds of the time. Python calls none of these; `ahead_of_time.py` does all that once, at the end. Replaced are
+By default numba links, optimizes and compiles each function with copies of all its callees, because Python may call it
+immediately: two thirds of the time. Python calls none of these; `ahead_of_time.py` does this once, at the end. Replaced:
 
-- `JITCPUCodegen._library_class`, what a function is compiled to: it keeps its text and remembers what that calls;
+- `JITCPUCodegen._library_class`, the compilation result of a function: it stores its text and its callees;
 - `JITCPUCodegen.set_env`, which writes an address into machine code: there is none;
-- `Function.get_call_type`: numba works out anew at each place what an operator or function of plain numbers returns; asking
-  once saves a fifth of the time.
+- `Function.get_call_type`: numba infers at each place the result type of an operator or function of plain numbers; caching
+  saves a fifth of the time.
 
-That is for a process of its own: nothing that is compiled there can be called. The internals are those of numba.core,
+This requires a separate process: nothing compiled there can be called. The internals are those of numba.core,
 `codegen` and `types.functions`, of the versions in `ready.TESTED`.
 """
 
@@ -36,7 +36,7 @@ def write_only():
 
 
 def keep_texts():
-    """Let numba in this process keep the texts of functions; returns the class of its libraries, which have no addresses."""
+    """Make numba in this process keep the texts of functions; returns its library class, without addresses."""
     from numba.core import cgutils, codegen, types
     from numba.core.types.functions import Function
 
@@ -82,7 +82,7 @@ def code_of(variant):
 
 
 def texts_below(library):
-    """Texts of a library of numba and of all that it calls, callees first; without those of numba's own runtime."""
+    """Texts of a library of numba and of all its callees, callees first; without numba's own runtime."""
     from numba.core.runtime.nrt import rtsys
 
     seen, found = {rtsys._library}, []

@@ -1,8 +1,8 @@
-"""Link kernels without a C library: the linkers inside the package `ziglang`, and stubs that only name what is needed.
+"""Link kernels without a C library: the linkers inside the package `ziglang`, and stubs with symbol names only.
 
 No library is compiled, so an empty cache costs nothing. ELF: stub libraries with the symbol versions of glibc, made by the
 linker itself from lists of names. PE: import libraries made from lists of names; the Universal C Runtime is part of Windows.
-Mach-O: the names of libSystem come with the linker.
+Mach-O: the linker includes the names of libSystem.
 """
 
 import subprocess
@@ -21,7 +21,7 @@ ELF = {  # emulation of the linker, version of glibc's symbols, and the younger 
     "aarch64-linux": ("aarch64linux", "GLIBC_2.17", {}),
 }
 PE = "api-ms-win-crt-{}-l1-1-0"  # a library of Windows
-TARGETS = {  # what Zig calls the platforms
+TARGETS = {  # Zig's names of the platforms
     "x86_64-linux": "x86_64-linux-gnu.2.17",
     "aarch64-linux": "aarch64-linux-gnu.2.17",
     "x86_64-windows": "x86_64-windows-gnu",

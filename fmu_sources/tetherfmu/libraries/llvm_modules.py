@@ -46,7 +46,7 @@ RARE = (
 
 
 def whole_module(code):
-    """A module of all functions without what cannot happen; a second round alone would leave some of Python in."""
+    """A module of all functions without unreachable code; a second round alone would leave some Python code in it."""
     linked = _linked(code)
     optimize(linked, machine_of(ANY), level=1)
     return linked
@@ -62,7 +62,7 @@ def _linked(code):
             function.add_function_attribute("noinline")
         if _is_rare(function.name):
             function.add_function_attribute("optsize")
-    # the names that numba gives have counters and addresses in them
+    # numba's names contain counters and addresses
     for place, item in enumerate([*linked.global_variables, *linked.functions]):
         if not item.is_declaration and item.name not in code.names.values():
             item.linkage = "internal"
@@ -111,9 +111,9 @@ def for_target(text, target, machine):
 
 
 def optimize(module, machine, level):
-    """Run LLVM's passes of a level, without those that make one instruction of two statements.
+    """Run LLVM's passes of a level, without those that merge two statements into one instruction.
 
-    The numbers that it brings together for them wait for each other: with them fixed steps take a sixth longer.
+    The numbers of a merged instruction wait for each other: it makes fixed steps a sixth slower.
     """
     import llvmlite.binding as llvm
 

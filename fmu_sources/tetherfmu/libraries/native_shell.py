@@ -1,7 +1,7 @@
 """The shared library of a native FMU: the C shell in `runtime/native`, compiled for its variables, linked with the kernels.
 
-The C compiler inside the package `ziglang` compiles it for every platform; the headers of the C library are in the package,
-no C library is built. Nothing is kept: it takes a tenth of a second.
+The C compiler inside the package `ziglang` compiles it for every platform; the package contains the C library headers,
+no C library is built. Nothing is cached: it needs a tenth of a second.
 """
 
 import tempfile
@@ -12,7 +12,7 @@ from .sources import PACKAGE
 
 SHELL = PACKAGE / "runtime" / "native"
 PARTS = ("has_avx", "room", "messages", "sentences", "arrays", "saved_state", "derivatives", "instance")
-OF_WINDOWS = ("__stdio_common_vsprintf", "__acrt_iob_func")  # in the place of vsnprintf and stderr
+OF_WINDOWS = ("__stdio_common_vsprintf", "__acrt_iob_func")  # replace vsnprintf and stderr
 NEEDED = {
     ("libm.so.6", "math"): (*KERNELS_NEED["libm.so.6", "math"], "floor"),
     ("libc.so.6", "string"): ("memset", "strcmp", "strcspn", "strlen"),

@@ -20,16 +20,16 @@ from .whole_files import clear
 
 IN_WHEEL = PACKAGE / "libraries" / "compiled"
 TOOLS = ("llvmlite", "numba", "ziglang")
-LIBRARIES = (*VARIANTS, kernel_library.SYSTEM)  # all that there are; the later, the longer they take to compile
+LIBRARIES = (*VARIANTS, kernel_library.SYSTEM)  # all libraries; later ones need longer to compile
 # first and last version of numba whose internals are known, and that leaves nothing of Python in a library (0.65 leaves the
 # error of a `range` without a step); the extra `build` has the same, tests/libraries/ends_of_numba.py tries both
 TESTED = (0, 66), (0, 68)
-UNFINISHED = "partial-"  # begins the name of a folder in which a process compiles
+UNFINISHED = "partial-"  # prefix of a folder in which a process compiles
 TEMPORARY = ("TMPDIR", "TEMP", "TMP")  # environment variables that name the folder for temporary files
 FOR_NUMBA = {  # environment variables
     "NUMBA_CPU_NAME": "x86-64",  # the plainest processor, as the targets of `ahead_of_time` are
     "NUMBA_CPU_FEATURES": "",
-    "PYTHONHASHSEED": "0",  # the order of a set of names is that of some instructions
+    "PYTHONHASHSEED": "0",  # the order of a set of names determines the order of some
     "NUMBA_DISABLE_ERROR_MESSAGE_HIGHLIGHTING": "1",  # numba writes thousands of messages that nobody sees
 }
 
@@ -70,7 +70,7 @@ def compiled_in(root, variants, platforms, browser=None):
 
 
 def place(root, variant):
-    """Folder of the libraries of a variant below `root`, named by its sources: an edit never leaves old code behind."""
+    """Folder of the libraries of a variant below `root`, named by its sources: an edit never leaves old code in use."""
     return root / f"{variant}_{digest(variant)}"
 
 
@@ -80,7 +80,7 @@ def has_all(folder, variant, platforms):
 
 
 def cache_folder():
-    """Folder of what is compiled here, named by what compiles; RuntimeError if that is not installed."""
+    """Cache folder of compiled files, named by the compilers; RuntimeError if one is not installed."""
     try:
         tools = [f"{package} {version(package)}" for package in TOOLS]
     except PackageNotFoundError as error:
@@ -93,7 +93,7 @@ def cache_folder():
 
 
 def check_numba():
-    """RuntimeError unless the installed numba is one whose internals are known."""
+    """RuntimeError unless the internals of the installed numba version are known."""
     numba = version("numba")
     if not TESTED[0] <= tuple(map(int, numba.split(".")[:2])) <= TESTED[1]:
         first, last = (".".join(map(str, each)) for each in TESTED)
@@ -119,9 +119,9 @@ def _compile(folders, platforms, browser):
 
 
 def run(module, arguments, root):
-    """Run a module beside this one, which compiles below the folder `root` and writes a line for what is done.
+    """Run a module in this folder, which compiles below the folder `root` and writes a line of progress.
 
-    RuntimeError with what it wrote to stderr if it fails.
+    RuntimeError with its stderr if it fails.
     """
     began = monotonic()
     # -P: a file of the user with the name of a module that numba imports is not imported
@@ -130,7 +130,7 @@ def run(module, arguments, root):
     root.mkdir(parents=True, exist_ok=True)
     clear(root, f"{UNFINISHED}*")
     with (
-        tempfile.TemporaryDirectory(dir=root, prefix=UNFINISHED) as unfinished,  # also what is so when Ctrl-C ends the child
+        tempfile.TemporaryDirectory(dir=root, prefix=UNFINISHED) as unfinished,  # also if Ctrl-C ends the child
         tempfile.TemporaryFile("w+") as problems,
     ):
         own = {"PYTHONPATH": os.pathsep.join(path), **dict.fromkeys(TEMPORARY, unfinished)}

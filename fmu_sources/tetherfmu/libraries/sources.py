@@ -6,11 +6,11 @@ from functools import cache
 from pathlib import Path
 
 PACKAGE = Path(__file__).resolve().parents[1]
-HAS_AVX = PACKAGE / "runtime" / "native" / "has_avx.c"  # what asks for the kind of the processor
+HAS_AVX = PACKAGE / "runtime" / "native" / "has_avx.c"  # detects the processor
 # modules beside this one, how a library is made
 RECIPE = ("ahead_of_time", "intermediate_code", "linking", "llvm_modules", "processors")
 LONG = r'"{3}[^"\\]*(?:(?:\\.|"(?!""))[^"\\]*)*"{3}'
-# a text, which may contain a #, or what is left out: comments and empty lines
+# a text, which may contain a #, or parts to omit: comments and empty lines
 WORDS = re.compile(rf"""({LONG}|"(?:\\.|[^"\\\n])*"|'(?:\\.|[^'\\\n])*')|  #[^\n]*|#[^\n]*|\n *(?=\n|#)""", re.DOTALL)
 DOCSTRING = re.compile(rf"(\A|:\n\s*|\.__doc__ = ){LONG}", re.DOTALL)
 IMPORT = re.compile(r"^from (\.*)([\w.]*) import (?:\(([^)]*)\)|(.*))$", re.MULTILINE)
@@ -30,9 +30,9 @@ def code_in(path):
 
 
 def imported(path):
-    """Files of the package that a file imports at its top; `__init__` files of its rooms hold no code.
+    """Files of the package that a file imports at its top; `__init__` files contain no code.
 
-    Other packages do not count, although numba's files lie beside this package in an environment with the wheel.
+    Other packages do not count, although numba's files are beside this package in an environment with the wheel.
     """
     for dots, module, *names in IMPORT.findall(code_in(path)):
         base = path.parents[len(dots) - 1] if dots else PACKAGE.parent

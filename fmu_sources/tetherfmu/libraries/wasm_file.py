@@ -1,6 +1,6 @@
 """Read a WebAssembly file: its types, imports, functions, exports and data, and the instructions of a function.
 
-Source: WebAssembly Core Specification, 2.0, chapter 5, "Binary Format"; what LLVM does not write for kernels is refused.
+Source: WebAssembly Core Specification, 2.0, chapter 5, "Binary Format"; features absent from LLVM's kernels are refused.
 """
 
 import struct
@@ -36,7 +36,7 @@ class Function(NamedTuple):
     """One function of the file."""
 
     signature: Signature
-    variables: tuple  # types of those beside the arguments
+    variables: tuple  # types of local variables
     body: list  # of (code, operand); the operand of loads and stores is (offset, alignment) in bytes
 
 
@@ -44,7 +44,7 @@ class File(NamedTuple):
     """Contents of a WebAssembly file."""
 
     imports: list  # (name, Signature) of functions, in their order
-    functions: list  # `Function`; the first one has the number behind those of the imports
+    functions: list  # `Function`; numbered after the imports
     exports: dict  # name: number of a function
     constants: dict  # name: value of an exported global
     globals: list  # first values

@@ -59,7 +59,7 @@ def browser_file():
 
 
 def with_libraries():
-    """`browser_file`, and the libraries of all variants for all platforms; what is missing is compiled in one go."""
+    """`browser_file`, and the libraries of all variants for all platforms; missing ones are compiled together."""
     path = _place()
     ready.folders(ready.LIBRARIES, list(ahead_of_time.TARGETS), None if path.exists() else path)
     return browser_file()
@@ -70,9 +70,9 @@ def _place():
 
 
 def place_of(name, file, variants, recipe):
-    """Path of a file that is made of the kernels of variants: in the wheel, or else where it is to be kept.
+    """Path of a file made from the kernels of variants: in the wheel, or else in the cache.
 
-    Its folder has a name with a hash of what it is made from; recipe : paths of the modules that make it.
+    The name of its folder contains a hash of its sources; recipe : paths of the modules that make it.
     """
     texts = [*map(digest, variants), *(code_in(Path(each)) for each in recipe)]
     folder = f"{name}_{sha256(''.join(texts).encode('utf-8')).hexdigest()[:12]}"
@@ -107,7 +107,7 @@ def linked(content, exported, stack=65536):
 
 
 def _small(text):
-    """Intermediate code whose loops are not unrolled where that only makes it longer: a browser has to fetch the file."""
+    """Intermediate code without loop unrolling that only lengthens it: a browser has to download the file."""
     return re.sub(r"^(define .*\)[^{]*) \{$", r"\1 optsize {", text, flags=re.MULTILINE)
 
 
@@ -120,7 +120,7 @@ def _with_instructions(text):
 
 
 def _without_large_products(text):
-    """Intermediate code in which no product has 128 bits."""
+    """Intermediate code without 128-bit products."""
     if f"@{OVERFLOW}(" not in text:
         return text
     text = re.sub(rf"^declare .*@{re.escape(OVERFLOW)}\(.*$", "", text, flags=re.MULTILINE)
@@ -141,7 +141,7 @@ def _declared_once(text):
 
 
 def write(path, codes):
-    """Write the file for browsers; codes : `intermediate_code.Code` of each variant, of which equal texts are there once."""
+    """Write the file for browsers; codes : `intermediate_code.Code` of each variant; equal texts are stored once."""
     texts = dict.fromkeys(text for code in codes for text in code.texts)
     names = {name: exported for code in codes for name, exported in code.names.items()}
     text = str(llvm_modules.whole_module(Code(list(texts), names)))
@@ -160,6 +160,6 @@ def main(arguments):
 
 
 if __name__ == "__main__":
-    from tetherfmu.libraries.webassembly import main  # by this name the other processes find what they are to do
+    from tetherfmu.libraries.webassembly import main  # other processes import their task by this name
 
     main(sys.argv[1:])

@@ -1,4 +1,4 @@
-"""Files that are there as a whole or not at all, whoever else writes them, and what killed processes have left of them."""
+"""Files that exist complete or not at all, even with concurrent writers, and the remains of killed processes."""
 
 from contextlib import contextmanager, suppress
 from glob import escape
@@ -6,12 +6,12 @@ from shutil import rmtree
 from time import time
 from uuid import uuid4
 
-LEFT_BEHIND = 3600.0  # age [s] from which on nobody is at work any more on what is unfinished
+LEFT_BEHIND = 3600.0  # age [s] of unfinished files that are abandoned
 
 
 @contextmanager
 def whole(path):
-    """Path of a new file that takes the place of `path` when the block ends, and is gone if an exception ends it."""
+    """Path of a new file that replaces `path` when the block ends, and is removed if an exception ends it."""
     clear(path.parent, f"{escape(path.name)}.*.partial")
     unfinished = path.with_name(f"{path.name}.{uuid4().hex}.partial")
     try:
@@ -25,7 +25,7 @@ def whole(path):
 
 
 def clear(folder, pattern):
-    """Remove the files and folders of a pattern in a folder on which nobody is at work any more."""
+    """Remove abandoned files and folders of a pattern in a folder."""
     for path in folder.glob(pattern):
         with suppress(OSError):  # another process may clear, too
             if time() - path.lstat().st_mtime > LEFT_BEHIND:

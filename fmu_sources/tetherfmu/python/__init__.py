@@ -1,1 +1,1 @@
-"""The classes of the Python API: tethers and systems of them, what they are given, and what they give."""
+"""The classes of the Python API: tethers and systems of tethers, their arguments, and their results."""

@@ -1,4 +1,4 @@
-"""Many communication steps in one call of compiled code: what `fly` of a tether and of a system does."""
+"""Many communication steps in one call of compiled code: implementation of `fly` for tethers and systems."""
 
 from array import array
 from time import perf_counter
@@ -13,7 +13,7 @@ from tetherfmu.runtime.status import code
 from .results import Refusal
 
 ON_REFUSAL = ("raise", "stop", "skip")
-SPAN = 1000  # steps, about, whose rows are all kept at a time
+SPAN = 1000  # approximate number of steps with all rows in memory
 
 
 class Rows(NamedTuple):
@@ -88,9 +88,9 @@ def _refusal(instance, inputs, step, place):
 
 
 def _in_pieces(instance, inputs, step, winds, every, outputs, skip):
-    """Rows, and a tuple of the `Refusal` of each refused step; refused ones left out, steps [s] that differ, winds at nodes.
+    """Rows, and a tuple of the `Refusal` of each refused step; handles skipped steps, varying steps [s], winds at nodes.
 
-    A piece goes to the next refused step; it is one step if that or the winds differ.
+    A piece ends at the next refused step; it is one step if step or winds vary.
     """
     steps, longest = np.broadcast_to(step, len(inputs)), 1 if np.ndim(step) or winds is not None else len(inputs)
     span, refusals = max(every, SPAN - SPAN % every) if every else max(1, len(inputs)), []
@@ -123,7 +123,7 @@ def put_node_winds(instance, winds, line=0):
 
 
 def _every(instance, rows, every, outputs):
-    """Of the rows of all steps those after every so many, with the largest peaks since the row before."""
+    """Of the rows of all steps every n-th one, with the largest peaks since the row before."""
     if not every:
         return rows
     kept = rows[every - 1 :: every].copy()

@@ -1,9 +1,9 @@
-"""Energy of a chain and the powers that change it: a diagnostic, no part of a step.
+"""Energy of a chain and the powers that change it: a diagnostic, not part of a step.
 
     d/dt (kinetic + elastic + potential) = power at the ends + winch + material + wind - losses (damping, drag, ground)
 
-Every term is written out in docs/models/theory.md, "Energy", and computed in `kernels/step/power_balance.py`. What the
-powers do not explain appeared from nowhere; `EnergyAudit` follows that residual along a run.
+docs/models/theory.md, "Energy" defines every term, and `kernels/step/power_balance.py` computes it. The
+residual of this equation is a numerical error, which `EnergyAudit` integrates along a run.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from tetherfmu.runtime.inputs import by_name
 from tetherfmu.runtime.instance import address
 from tetherfmu.runtime.naming import check_names
 
-# inputs that powers depend on, beside the motion of the ends
+# inputs on which powers depend, in addition to the motion of the ends
 WITH_POWER = ("reel_out_speed", "wind_velocity", "kite_load", "winch_force")
 
 
@@ -92,9 +92,9 @@ POWERS = tuple(field.name for field in fields(Energy) if field.name.endswith(("_
 
 
 def account(instance, line=0, **given):
-    """Of a line of a started `Instance`, with nodes: `Energy`, tensions of the segments [N], velocities of the nodes [m/s].
+    """For a line of a started `Instance`, with nodes: `Energy`, segment tensions [N], node velocities [m/s].
 
-    given : other values of inputs in `WITH_POWER` than those of the last step, by name; None is none.
+    given : other values of inputs in `WITH_POWER` than in the last step, by name; None is omitted.
     """
     check_names("the energy", given, WITH_POWER)
     inputs, state = np.array(instance.values[: instance.outputs_at]), instance.state_of(line)
@@ -104,7 +104,7 @@ def account(instance, line=0, **given):
     for name, value in {**known, **{name: value for name, value in given.items() if value is not None}}.items():
         columns[name][:] = value
     segments = instance.counts[line]
-    more = int(state[at.LET_GO])  # a segment that holds nothing
+    more = int(state[at.LET_GO])  # the additional segment without load
     places = np.cumsum((len(fields(Energy)), segments, more))
     found = np.zeros(places[1] + 1 + 3 * (segments + 2))
     plan, parameters, state_at, work = map(address, (instance.plan, instance.parameters, instance.state, instance.work))
@@ -168,6 +168,6 @@ class EnergyAudit:
 
     @property
     def drum_residual(self) -> float:
-        """The same for the drum of a force-controlled winch [J]."""
+        """Residual of the drum of a force-controlled winch [J]."""
         gains = self.work["drum_power"] + self.work["motor_power"] - self.work["friction_loss"]
         return self.now.drum - self.start.drum - gains

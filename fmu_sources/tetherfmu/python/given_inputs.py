@@ -1,4 +1,4 @@
-"""Inputs of a tether of the Python API that are given by name: checked, and put into its arrays."""
+"""Named inputs of a tether in the Python API: checked, and written to its arrays."""
 
 from typing import NamedTuple, TypedDict
 
@@ -16,15 +16,15 @@ from . import compiled_flight
 
 
 class Receiver(NamedTuple):
-    """The tether that they are given to."""
+    """The tether with the inputs."""
 
     name: str  # of its class, for messages
     variant: Variant
-    instance: Instance  # whose values and parameters are modified
+    instance: Instance  # its values and parameters are modified
     inputs: np.ndarray  # a view of its values, with the wind at the wind points
     places: memoryview  # of its values: faster than an array for a few numbers
     wind_profile: int  # of its `Environment`
-    wind_points: int  # at which the wind is given, 0 for none
+    wind_points: int  # number of wind inputs, 0 for none
 
 
 class Inputs(TypedDict, total=False):
@@ -63,12 +63,12 @@ OF_FREE_KITE = tuple(each.name for each in (*INPUT_TABLE, WIND_AT) if each.of !=
 
 
 def starts(wind_points):
-    """All inputs as they are at a start where they are not given, a dict by name."""
+    """Default values of all inputs at a start, a dict by name."""
     given = {each.name: each.start if each.size > 1 else each.start[0] for each in INPUT_TABLE}
     return given | {WIND_AT.name: np.zeros((wind_points, 3))} if wind_points else given
 
 
-LEADS = {  # the inputs that lead a winch: their choice of `winch_control`
+LEADS = {  # inputs that control a winch, with their choice of `winch_control`
     "reel_out_speed": at.WINCH_BY_SPEED,
     "winch_force": at.WINCH_BY_FORCE,
     "winch_length": at.WINCH_BY_LENGTH,
@@ -76,9 +76,9 @@ LEADS = {  # the inputs that lead a winch: their choice of `winch_control`
 
 
 def check_effect(name, value, parameters, at_start=False, label=""):
-    """ValueError if an input is given, is not 0, and has no effect with these parameters.
+    """ValueError if a nonzero input has no effect with these parameters.
 
-    value : a number or an array.  at_start : where a winch takes `reel_out_speed` in any case.  label : its name there.
+    value : a number or an array.  at_start : when a winch always uses `reel_out_speed`.  label : its name there.
     """
     if value is None:
         return
@@ -90,15 +90,15 @@ def check_effect(name, value, parameters, at_start=False, label=""):
     elif name in ("kite_velocity", "ground_velocity") and parameters[at.END_VELOCITIES] == at.DERIVED:
         at_kite = name == "kite_velocity" and parameters[at.KITE_IS_FREE] != 0.0
         why = "" if at_kite else "end_velocities is 2 (derived); it must be 1 (given)"
-    if why and np.any(value) and np.all(np.isfinite(value)):  # what is not finite the start or the step refuses
+    if why and np.any(value) and np.all(np.isfinite(value)):  # the start or the step refuses values that are not finite
         shown = np.asarray(value).item() if np.size(value) == 1 else value
         raise ValueError(f"{label or name} is {shown!r} and has no effect: {why}")
 
 
 def put(to, given, at_start=False):
-    """Set those inputs that are not None; ValueError if a shape is wrong, TypeError if there is no such input.
+    """Set the inputs that are not None; ValueError if a shape is wrong, TypeError for an unknown input.
 
-    given : dict by name.  at_start : whether a free kite has a position and a velocity among them.
+    given : dict by name.  at_start : whether a free kite has position and velocity inputs.
     """
     check_names(to.name, given, OF_FREE_KITE if to.variant.kite_is_free and not at_start else OF_ANY)
     numbers = {name: value for name, value in given.items() if name not in ("wind_velocity", WIND_AT.name)}
@@ -139,9 +139,9 @@ def wind_at_points(to, wind, before):
 
 
 def rows(to, inputs, wind_at):
-    """Inputs of many steps with the wind at the wind points, as `compiled_flight.fly` takes them.
+    """Inputs of many steps with the wind at the wind points, in the form for `compiled_flight.fly`.
 
-    inputs : (steps, INPUTS).  wind_at : [m/s], (steps, wind_points, 3); None for that of before in all steps.  ValueError
+    inputs : (steps, INPUTS).  wind_at : [m/s], (steps, wind_points, 3); None for the present wind in all steps.  ValueError
     for another shape.
     """
     inputs = np.ascontiguousarray(inputs, dtype=float)
@@ -158,7 +158,7 @@ def rows(to, inputs, wind_at):
 
 
 def node_winds(to, winds, steps):
-    """Winds at the nodes in so many steps [m/s], array, or None; ValueError if they have another shape."""
+    """Winds at the nodes in this number of steps [m/s], array, or None; ValueError for another shape."""
     if winds is None:
         return None
     if not to.variant.has_nodes or to.wind_points:

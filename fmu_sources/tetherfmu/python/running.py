@@ -24,7 +24,7 @@ class Running:
 
     _instance: Instance
     _runs: bool = False
-    _kernels: Kernels | None = None  # other ones than those of the installation
+    _kernels: Kernels | None = None  # kernels that replace those of the installation
     _made: tuple = ()  # attributes that `_make` makes, so anew in a copy
 
     def __getstate__(self):
@@ -41,7 +41,7 @@ class Running:
             self.set_state(state)
 
     def __deepcopy__(self, memo):
-        """One of its own, in the same state; both share their kernels, which hold none."""
+        """An independent copy in the same state; both share their stateless kernels."""
         memo[id(self._kernels)] = self._kernels
         memo[id(self)] = other = object.__new__(type(self))
         other.__setstate__(deepcopy(self.__getstate__(), memo))
@@ -50,7 +50,7 @@ class Running:
     __copy__ = deepcopy
 
     def __reduce_ex__(self, protocol):
-        """For pickle; PicklingError with other kernels than those of the installation."""
+        """For pickle; PicklingError if the kernels are not those of the installation."""
         if self._kernels is not None:
             raise PicklingError(
                 f"this {type(self).__name__} was made with its own kernels; only without them can it be pickled"
@@ -80,7 +80,7 @@ class Running:
 
     @contextmanager
     def _all_or_nothing(self):
-        """Inputs and parameters are as they were before where what is done with them is refused."""
+        """Restore inputs and parameters if the block is refused."""
         instance = self._instance
         before = instance.values[: instance.outputs_at], instance.parameters[:]
         try:
@@ -109,15 +109,15 @@ class Running:
         return moving[:, : segments + 1]
 
     def _warn(self, deeper=0):
-        """Warn the caller of a public method of what is implausible, each once since the start.
+        """Warn the caller of a public method of implausible behaviour, each once since the start.
 
-        deeper : calls between that method and the one that calls this.
+        deeper : number of calls between that method and the caller of this.
         """
         for sentence in self._instance.warnings():
             warn(sentence, PlausibilityWarning, stacklevel=3 + deeper)
 
     def _fly(self, inputs, step, every, when, on_refusal, flown_of, winds=None):
-        """Implementation of `fly`; flown_of : makes its result from that of `compiled_flight.fly` and the times of rows."""
+        """Implementation of `fly`; flown_of : converts the result of `compiled_flight.fly` and the times of rows."""
         if on_refusal not in compiled_flight.ON_REFUSAL:
             names = ", ".join(map(repr, compiled_flight.ON_REFUSAL))
             raise ValueError(f"on_refusal is {on_refusal!r}; it must be one of {names}")

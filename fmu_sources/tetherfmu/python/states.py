@@ -1,7 +1,7 @@
-"""States of the Python API: one flat array with all that a tether needs to continue, and with what tells it from others.
+"""States of the Python API: one flat array with everything to continue a tether, and to identify it.
 
-The state of `layout.py`, then the inputs, the number of the variant, and the parameters. A state is for the tether that it
-was taken from, or one with the same properties; environment and solver may be others.
+The state of `layout.py`, then the inputs, the number of the variant, and the parameters. A state belongs to its
+tether, or one with the same properties; environment and solver may differ.
 """
 
 from array import array

@@ -97,7 +97,7 @@ class TetherSystem(Running):
         self._take(System(type(self).__name__, points, lines, environment, solver, ground, winches, wind_points))
 
     def _take(self, system):
-        """Be as a `System` says."""
+        """Adopt the properties of a `System`."""
         self._system = system = checked_system(system)
         self.points, self.lines, self.winches = system.points, system.lines, system.winches
         self.wind_points: int = system.wind_points
@@ -127,7 +127,7 @@ class TetherSystem(Running):
 
     @contextmanager
     def _all_or_nothing(self):
-        """Also what winches are told is as it was before where that is refused."""
+        """Also restore winch inputs on refusal."""
         told = self._arrays.turned.told
         try:
             with super()._all_or_nothing():
@@ -303,7 +303,7 @@ class TetherSystem(Running):
         return self._present()
 
     def _present(self):
-        """`SystemOutputs` as they were computed last."""
+        """Latest `SystemOutputs`."""
         values = self._arrays.outputs_by_line(np.array(self._instance.values[self._instance.outputs_at :]))
         portions = self._arrays.lines
         motion = [self._motion(k) for k in range(len(portions))]

@@ -46,10 +46,10 @@ def instance_of(system):
 
 
 class Arrays:
-    """The `Instance` of a `System`, and views of its arrays: `inputs` and `state`, as `plan_layout.py` has them.
+    """The `Instance` of a `System`, and views of its arrays: `inputs` and `state`, see `plan_layout.py`.
 
-    lines : portions of its lines, as those of the instance.  vectors : places of inputs by the names of FMI, without the
-    index of an element, arrays (copies, numbers): all lines at a point have its motion.
+    lines : portions of its lines, in the order of the instance.  vectors : places of inputs by FMI name, without the
+    index of an element, arrays (copies, numbers): all lines at a point share its motion.
     """
 
     def __init__(self, system):
@@ -72,7 +72,7 @@ class Arrays:
         inputs[..., where] = np.reshape(numbers, (*steps, 1, where.shape[1]))
 
     def topology(self):
-        """Copy of the plan without what the kernels write and which points the start has found, and ratios of winches."""
+        """Copy of the plan without data from the kernels and sought points, and ratios of winches."""
         found = self.plan.copy()
         found[places.STATUS_LINE] = 0
         rows = found[places.PLAN_HEADER :].reshape(-1, places.LINE_NUMBERS)
@@ -80,19 +80,19 @@ class Arrays:
         return np.concatenate([found, self.turned.ratios.ravel()])
 
     def winds(self):
-        """Places in the parameters of all lines: pairs of that of the wind profile, and of the wind at nodes, a slice."""
+        """Places in the parameters of all lines: pairs of the wind profile, and of the winds at nodes, a slice."""
         for k, segments in enumerate(self.instance.counts):
             first = self.plan[places.PLAN_HEADER + places.LINE_NUMBERS * k + places.PARAMETERS_AT]
             winds = first + at.node_winds_at(segments)
             yield first + at.WIND_PROFILE, slice(winds, winds + 3 * (segments + 1))
 
     def put_profile(self):
-        """Let all lines have the wind profile of the environment again, but those with wind points."""
+        """Restore the wind profile of the environment in all lines without wind points."""
         for (profile, _), line in zip(self.winds(), self.instance.lines, strict=True):
             self.instance.parameters[profile] = at.AT_NODES if line.wind_points else self.system.environment.wind_profile
 
     def without_winds(self, parameters):
-        """Copy of parameters of all lines without what is part of their states: the wind at nodes, and that it is there."""
+        """Copy of the parameters of all lines without parts of their states: winds at nodes, and their flag."""
         found = np.array(parameters)
         for profile, nodes in self.winds():
             found[nodes] = 0.0
@@ -100,12 +100,12 @@ class Arrays:
         return found
 
     def seek(self, names):
-        """Let the next start find the free points with these names, and no others."""
+        """Make the next start solve for the free points with these names, and no others."""
         rows = self.plan[places.PLAN_HEADER :].reshape(-1, places.LINE_NUMBERS)
         for row, line in zip(rows, self.lines, strict=True):
             row[[places.START_IS_SOUGHT, places.END_IS_SOUGHT]] = line.start in names, line.end in names
 
     def outputs_by_line(self, outputs):
-        """Outputs of each portion by its name, from those of all (..., outputs)."""
+        """Outputs of each portion by its name, from all outputs (..., outputs)."""
         ends = np.cumsum([line.outputs_size for line in self.instance.lines])
         return dict(zip([line.name for line in self.lines], np.split(outputs, ends[:-1], axis=-1), strict=True))

@@ -1,4 +1,4 @@
-"""Inputs of a system of tethers that are given by the names of points and lines: into the rows of its arrays."""
+"""Inputs of a system of tethers, by the names of points and lines: written to the rows of its arrays."""
 
 import reprlib
 from collections.abc import Mapping
@@ -56,7 +56,7 @@ _KNOWN = ("positions", "velocities", "loads", *_WINCHES, "wind_velocity", "wind_
 
 
 def starts(system):
-    """All inputs but the motion of points as they are at a start where they are not given, a dict by name."""
+    """Default values of all inputs at a start, except the motion of points, a dict by name."""
     winches = {}
     for each, name in _WINCHES.items():
         alone = [line for line in system.lines if name == RELEASE or not system.holding(line.name)]
@@ -68,7 +68,7 @@ def starts(system):
 
 
 def check_dicts(given):
-    """TypeError unless inputs that are given exist, and are dicts by the names of points and lines, where they must be."""
+    """TypeError unless inputs exist, and are dicts by the names of points and lines where required."""
     check_names("TetherSystem", given, _KNOWN)
     for name, value in given.items():
         if name != "wind_velocity" and not isinstance(value, Mapping | None):
@@ -76,7 +76,7 @@ def check_dicts(given):
 
 
 def completed(given, before):
-    """Inputs by name where they are given, and as they were `before` where they are not; names of points and lines alike."""
+    """Inputs by name, completed by those of `before`, likewise for names of points and lines."""
     found = dict(before)
     for name, value in given.items():
         if value is not None:
@@ -85,12 +85,12 @@ def completed(given, before):
 
 
 def put(given, arrays, inputs=None, at_start=False):
-    """Set the inputs that are given; ValueError if a name does not exist or a value has another shape.
+    """Set the given inputs; ValueError if a name does not exist or a value has another shape.
 
-    given : arguments of `TetherSystem.step` by name; None is none.  arrays : `Arrays` of the system, whose inputs are
-    modified unless others are given.  inputs : array (steps, inputs) to be set instead of those of the next step.  Returns
-    what the winches that hold several lines are told then, an array (steps, winches) or (winches,).
-    at_start : of free points, too.  TypeError if there is no such argument.
+    given : arguments of `TetherSystem.step` by name; None is omitted.  arrays : `Arrays` of the system, whose inputs are
+    modified unless others are given.  inputs : array (steps, inputs) to set instead of the next step.  Returns
+    the inputs of the shared winches, an array (steps, winches) or (winches,).
+    at_start : of free points, too.  TypeError for an unknown argument.
     """
     check_dicts(given)
     given = {name: value for name, value in given.items() if value is not None}
@@ -148,7 +148,7 @@ def put(given, arrays, inputs=None, at_start=False):
 
 
 def _put_wind(wind, arrays, inputs, first, at_start):
-    """Set the wind [m/s] of all lines, (3,), or at each node of some, a dict by name; errors as those of `put`.
+    """Set the wind [m/s] of all lines, (3,), or at each node of some, a dict by name; errors as in `put`.
 
     first : first portions of lines by name.
     """

@@ -201,7 +201,7 @@ class SystemFlown(NamedTuple):
 
 
 def end_of(outputs):
-    """Motion of what is or was at the end of a line, (..., 2, 3), from its outputs (..., outputs_size)."""
+    """Motion at the end of a line, or of its released point, (..., 2, 3), from its outputs (..., outputs_size)."""
     return outputs[..., at.OUTPUT_KITE_POSITION : at.OUTPUT_KITE_POSITION + 6].reshape(*outputs.shape[:-1], 2, 3)
 
 

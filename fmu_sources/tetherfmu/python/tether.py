@@ -99,7 +99,7 @@ class TetherModel(Running):
         self._make()
 
     def _make(self):
-        """Make the arrays, and what leads into them."""
+        """Allocate the arrays and the maps into them."""
         self._variant = BY_NAME[self.variant]
         kernels = self._kernels or ready.kernels(library_of(self.variant))
         self._instance = instance = Instance(kernels, (line_of_tether(self._points, self.wind_points),))
@@ -223,7 +223,7 @@ class TetherModel(Running):
         return self._present()
 
     def _advance(self, step, tether_length):
-        """Do a communication step [s] with the inputs as they are set, to this length [m] at its end unless that is None."""
+        """Do a communication step [s] with the present inputs, to this length [m] at its end unless it is None."""
         continuation = self._parameters[at.INPUT_CONTINUATION]
         if tether_length is not None:
             by_speed = self._parameters[at.WINCH_CONTROL] == at.WINCH_BY_SPEED
@@ -350,5 +350,5 @@ class TetherModel(Running):
         return energy.account(self._instance, **given)
 
     def _present(self):
-        """`Outputs` as they were computed last."""
+        """Latest `Outputs`."""
         return outputs_of(self._outputs.copy())

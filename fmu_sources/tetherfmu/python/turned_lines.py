@@ -1,4 +1,4 @@
-"""Lines of a system as its shared winches turn them, and what those winches give."""
+"""Lines of a system driven by its shared winches, and the results of those winches."""
 
 from dataclasses import replace
 
@@ -13,10 +13,10 @@ from .system_results import WinchEnergy, WinchOutputs
 
 
 class Turned:
-    """Lines of a `System` as its shared winches turn them.
+    """Lines of a `System` driven by its shared winches.
 
-    told (modified) : what each winch is told now, its input, an array.  ratios : of the lines that winches hold (lines,
-    winches); they tell systems apart.
+    told (modified) : present input of each winch, an array.  ratios : of lines and winches (lines,
+    winches); they distinguish systems.
     """
 
     def __init__(self, system):
@@ -35,10 +35,10 @@ class Turned:
                 terms.setdefault(place, []).append((winches[owner][0], factor))
 
     def put(self, inputs, told, speeds=None):
-        """Let the lines be turned as winches are told, (..., winches).
+        """Set the inputs of lines from the inputs of winches, (..., winches).
 
-        inputs : (..., size) of all lines (modified).  speeds : with which winches start that are not controlled by speed,
-        likewise; None if they have started.
+        inputs : (..., size) of all lines (modified).  speeds : start speeds of winches without speed control,
+        likewise; None after the start.
         """
         for place, terms in self._terms.items():
             inputs[..., place] = sum((factor * told[..., j] for j, factor in terms), start=self._first.get(place, 0.0))
@@ -56,9 +56,9 @@ class Turned:
 
 
 def energies_of(winches, energies, states):
-    """`WinchEnergy` of the winches that are controlled by force, by name.
+    """`WinchEnergy` of the force-controlled winches, by name.
 
-    energies, states : of lines by name, those of its first portion.
+    energies, states : of lines by name, from the first portion.
     """
     found = {}
     for name, carrier in carriers_of(winches).items():
@@ -71,5 +71,5 @@ def energies_of(winches, energies, states):
 
 
 def without_drum(energy):
-    """`Energy` of a line that a winch holds, which has no drum of its own."""
+    """`Energy` of a line on a shared winch, without a drum of its own."""
     return replace(energy, drum=0.0, drum_power=0.0, motor_power=0.0, friction_loss=0.0)

@@ -1,4 +1,4 @@
-"""Outputs and energies of whole lines, from those of the portions that run over sheaves."""
+"""Outputs and energies of whole lines, from the portions over sheaves."""
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from .system_results import PortionOutputs, SheaveEnergy
 
 
 def along(arrays):
-    """Node vectors (..., nodes, 3) of portions as those of the whole line, nodes at sheaves once."""
+    """Node vectors (..., nodes, 3) of portions joined to the whole line, without duplicate nodes at sheaves."""
     first, *others = arrays
     return np.concatenate([first, *(each[..., 1:, :] for each in others)], axis=-2)
 
@@ -24,7 +24,7 @@ def own_outputs(portion, values):
 
 
 def whole_outputs(line, values):
-    """Outputs of a line (..., outputs) from those of its portions by name: the end and the shape are those of all of it."""
+    """Outputs of a line (..., outputs) from its portions by name: end and shape are those of the whole line."""
     portions = portions_of(line)
     if not line.through:
         return values[line.name]
@@ -51,9 +51,9 @@ def portions_in(line, values):
 
 
 def energy_of(line, energies, states):
-    """`Energy` of a line from those of its portions, and `SheaveEnergy`, None of a line that runs over none.
+    """`Energy` of a line from its portions, and `SheaveEnergy`, None without sheaves.
 
-    What a portion gives to its sheaves is no power of the winch, which has that of new material, too.  states : of the
+    Power from a portion to its sheaves is not winch power, which also includes that of new material.  states : of the
     portions.
     """
     if not line.through:

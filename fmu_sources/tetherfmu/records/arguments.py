@@ -34,21 +34,21 @@ def records_of(name, given, kind):
 
 
 def check_release(value, label="release"):
-    """ValueError unless a release, a number or an array, is true or false; what is not finite a step refuses."""
+    """ValueError unless a release, a number or an array, is true or false; a step refuses values that are not finite."""
     for each in np.ravel(np.asarray(value, dtype=float)):
         if each not in (0.0, 1.0) and np.isfinite(each):
             raise ValueError(f"{label} is {each:g}; it must be true or false")
 
 
 def check_wind(environment, wind_points):
-    """ValueError if a wind profile is given, and has no effect as the wind is given at points."""
+    """ValueError if a wind profile is given without effect, because the wind is specified at points."""
     if wind_points and environment.wind_profile != at.UNIFORM:
         profile = environment.wind_profile
         raise ValueError(f"wind_profile is {profile} and has no effect with wind_points; it must be 1 (uniform)")
 
 
 def with_quantities(model, given, tethers, *records):
-    """Tethers and records with the quantities (a dict) in the place of theirs; TypeError if one does not exist."""
+    """Tethers and records with replaced quantities (a dict); TypeError if one does not exist."""
     owners = {name: kind for kind in RECORDS for name, _ in can_be_given(kind)}
     check_names(model, given, owners, "argument")
     parts = {kind: {name: value for name, value in given.items() if owners[name] is kind} for kind in set(owners.values())}
@@ -58,12 +58,12 @@ def with_quantities(model, given, tethers, *records):
 
 
 def doubts(*records):
-    """Sentences on quantities of records that were probably given in another unit, without doubles."""
+    """Sentences on quantities of records with probably wrong units, without duplicates."""
     return dict.fromkeys(said for record in records for said in doubts_of(record))
 
 
 def idle_breaking(variant, tethers):
-    """Sentences on what cannot break, one or none."""
+    """Sentences on breaking forces without effect, one or none."""
     forces = [each.breaking_force for each in tethers if each.breaking_force and "breaking_force" in variant.ignored]
     return [IDLE_BREAKING.format(value=force) for force in forces[:1]]
 
@@ -104,7 +104,7 @@ def motion_of_nodes(positions, velocities, segments):
 
 
 def length_with(slack, chord, segments):
-    """Unstretched length [m] of a tether with so much slack [-] over its chord [m], (3,); ValueError if out of range."""
+    """Unstretched length [m] of a tether with this slack [-] over its chord [m], (3,); ValueError if out of range."""
     slack = number("slack", slack, "-")
     length = (1.0 + slack) * np.linalg.norm(chord)
     least = at.MIN_SEGMENT_LENGTH * segments
@@ -114,9 +114,9 @@ def length_with(slack, chord, segments):
 
 
 def numbers_at(given):
-    """Numbers of inputs that are given: triples (first place, place behind, array); ValueError names a wrong one.
+    """Numbers of given inputs: triples (first place, end place, array); ValueError names a wrong one.
 
-    given : dict of names of inputs to their values, or None.
+    given : dict of input names to values, or None.
     """
     found = []
     for name, value in given.items():
@@ -142,7 +142,7 @@ def number(name, value, unit):
 
 
 def tether_length(value, has_waves, by_speed):
-    """Unstretched length [m] at the end of a step; ValueError for a tether or a winch that takes none.
+    """Unstretched length [m] at the end of a step; ValueError for a tether or a winch without this argument.
 
     by_speed : whether `winch_control` is speed.
     """
@@ -154,7 +154,7 @@ def tether_length(value, has_waves, by_speed):
 
 
 def steps(name, value, count):
-    """Communication steps [s] of so many rows, array (count,); ValueError for another shape."""
+    """Communication steps [s] of all rows, array (count,); ValueError for another shape."""
     found = np.asarray(value, dtype=float)
     if found.shape != (count,):
         raise ValueError(f"{name} has the shape {found.shape}; it must be a number or {(count,)}")

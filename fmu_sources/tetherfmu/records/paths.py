@@ -90,7 +90,7 @@ class MovingEnd:
 
 
 def end_along(name, given, times, step):
-    """Positions [m] and velocities [m/s] of an end at times [s] that are a step apart, two arrays (times, 3).
+    """Positions [m] and velocities [m/s] of an end at equidistant times [s], two arrays (times, 3).
 
     given : as an end of `inputs_along`.  ValueError for anything else.
     """
@@ -100,7 +100,7 @@ def end_along(name, given, times, step):
     if callable(given):
         raise ValueError(f"{name} is a function; make a MovingEnd of it")
     positions = values_along(name, given, times, 3, "or a MovingEnd")
-    if not np.all(np.isfinite(positions)):  # of which differences would be blamed
+    if not np.all(np.isfinite(positions)):  # otherwise the error would blame the differences
         k, i = np.argwhere(~np.isfinite(positions))[0]
         raise ValueError(f"{name} is {positions[k, i]} in row {k}, column {i}, counted from 0; it must be a finite number")
     if np.ndim(given) == 1 or len(times) < 2:
@@ -109,9 +109,9 @@ def end_along(name, given, times, step):
 
 
 def values_along(name, given, times, size, otherwise="or a function of the time"):
-    """Numbers of an input at times [s], array (times, size): constant, a row for each, or those of a function.
+    """Numbers of an input at times [s], array (times, size): constant, a row for each, or from a function.
 
-    ValueError for another shape; otherwise : what else is allowed, in words.
+    ValueError for another shape; otherwise : other permitted forms, in words.
     """
     constant, rows = ((size,), (len(times), size)) if size > 1 else ((), (len(times),))
     try:

@@ -1,4 +1,4 @@
-"""Whether points, lines and shared winches fit together, and what the lines of a winch count in its payout."""
+"""Checks points, lines and shared winches for consistency, and computes the shares of lines in a winch payout."""
 
 from dataclasses import replace
 
@@ -10,11 +10,11 @@ from tetherfmu.wiring.winches import SharedWinch, check_winches, check_with_shea
 
 from . import arguments
 
-DEPENDENT = 1e-9  # a singular value of the matrix of ratios below this part of the largest is none
+DEPENDENT = 1e-9  # a singular value of the matrix of ratios below this part of the largest counts as zero
 
 
 def checked_system(system):
-    """A `System` with the shares of its winches; TypeError or ValueError, in words, if what it has does not fit together."""
+    """A `System` with the shares of its winches; TypeError or ValueError, in words, if it is inconsistent."""
     kinds = {"points": Point, "lines": Line, "winches": SharedWinch}
     given = {name: arguments.records_of(name, getattr(system, name), kind) for name, kind in kinds.items()}
     system = replace(system, **given)
@@ -33,9 +33,9 @@ def checked_system(system):
 
 
 def shares_of(winches):
-    """Names of the lines that winches hold, ratios (lines, winches) and shares (winches, lines).
+    """Names of the lines on shared winches, ratios (lines, winches) and shares (winches, lines).
 
-    ValueError if winches hold the same lines in the same ratios.
+    ValueError if winches have the same lines in the same ratios.
     """
     held = list(dict.fromkeys(name for each in winches for name in each.lines))
     ratios = np.zeros((len(held), len(winches)))

@@ -1,8 +1,8 @@
 """Dependencies of the outputs at the end of initialization: `dependencies` of FMI's InitialUnknowns.
 
 A dependency is the name of an input or a parameter: of a vector, which stands for its components, or of one component, where
-`[*]` is the same component as that of the output. `outputs` declares them for the dynamic tether, `variants` where another
-tether differs. A test sets every input and parameter to another value and looks which outputs change.
+`[*]` is the same component as in the output. `outputs` declares them for the dynamic tether, `variants` declares the
+differences of other tethers. A test changes every input and parameter and checks which outputs change.
 """
 
 from .inputs import BY_NAME, DRIVEN_KITE, WITHOUT_EFFECT, components, wind_at_names
@@ -37,7 +37,7 @@ def depends_on(variant, output, element, shape_points, wind_points=0):
     """
     *point, component = element.removeprefix(output.name).strip("[]").split(",")
     declared = variant.depends_on.get(element, variant.depends_on.get(output.name, output.depends_on))
-    if point:  # of the shape; its ends are those of the tether, which are given
+    if point:  # of the shape; its ends are the given ends of the tether
         kite = variant.depends_on.get("kite_position", ("kite_position[*]",))
         declared = {shape_points: kite, 1: ("ground_position[*]",)}.get(int(point[0]), declared)
     if variant.kite_is_free and "kite_position" in declared:
@@ -52,7 +52,7 @@ def depends_on(variant, output, element, shape_points, wind_points=0):
 
 
 def _components(variant, name, component):
-    """FMI names that the name of a dependency stands for; component : index in the output, for `[*]`."""
+    """FMI names for the name of a dependency; component : index in the output, for `[*]`."""
     vector = name.partition("[")[0]
     known = BY_NAME.get(vector)
     names = components(name, known.size) if known and name == vector else (name.replace("*", component),)

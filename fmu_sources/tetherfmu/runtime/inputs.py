@@ -12,7 +12,7 @@ EVERY_TETHER, DRIVEN_KITE, FREE_KITE = "every tether", "driven kite", "free kite
 # the unit in which a directional derivative measures a change of an input; see `scale_of` in native/derivatives.c
 SEGMENT_LENGTH, SEGMENT_PER_STEP, FAST_WIND, STIFFNESS = SCALES = (
     "SEGMENT_LENGTH",  # unstretched, of a segment [m]
-    "SEGMENT_PER_STEP",  # speed [m/s] of a segment length in the step, at most that of a fast end
+    "SEGMENT_PER_STEP",  # speed [m/s] of one segment length per step, at most the speed of a fast end
     "FAST_WIND",  # speed [m/s]
     "STIFFNESS",  # E A of the first segment [N]
 )
@@ -29,7 +29,7 @@ class Input:
     name: str  # of the FMI variable, of the argument in Python; its place has this name in capitals
     unit: str
     meaning: str
-    terminal: str = ""  # of FMI 3 and name there, "kite.position"; "" for none
+    terminal: str = ""  # FMI 3 terminal and name there
     start: tuple = (0.0,)  # as many numbers as it has
     of: str = EVERY_TETHER  # or DRIVEN_KITE, FREE_KITE
     kind: str = "Real"  # or "Boolean": 0 or 1 in the array
@@ -47,7 +47,7 @@ class Input:
 
     @property
     def group(self):
-        """Group of variables, see `wiring/selection.py`: that of its terminal, of both ends "motion"."""
+        """Group of variables, see `wiring/selection.py`: the group of its terminal, of both ends "motion"."""
         terminal = self.terminal.partition(".")[0]
         return self.own_group or ("motion" if terminal in ("kite", "ground") else terminal)
 
@@ -92,7 +92,7 @@ INPUT_TABLE = (
         own_group="breaking",
     ),
 )
-# with the build option --wind-points: at each point its wind; behind the inputs of the table in the array
+# with the build option --wind-points: the wind at each point, after the inputs of the table
 _OF_POINTS = "points on the tether at equal unstretched spacing, ground first: wind, linear in between"
 WIND_AT = Input("wind_at", "m/s", _OF_POINTS, "wind.at", ZERO)
 # inputs and parameters that then have no effect
@@ -108,12 +108,12 @@ def components(name, size):
 
 
 def wind_at_names(wind_points):
-    """FMI names of the wind at so many points, by their places."""
+    """FMI names of the wind at this number of points, by place."""
     return tuple(f"{WIND_AT.name}[{k},{i}]" for k in range(1, wind_points + 1) for i in (1, 2, 3))
 
 
 def inputs_of(kite_is_free):
-    """The inputs of a tether with a free or a driven kite end in the order of its FMI variables: those of the kite first."""
+    """The inputs of a tether with a free or a driven kite end in the order of its FMI variables: kite inputs first."""
     wanted = (EVERY_TETHER, FREE_KITE if kite_is_free else DRIVEN_KITE)
     listed = [each for each in INPUT_TABLE if each.of in wanted]
     return sorted(listed, key=lambda each: each.of == EVERY_TETHER)

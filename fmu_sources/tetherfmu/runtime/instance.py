@@ -1,4 +1,4 @@
-"""Running lines, one tether or a system of them: the entry points, their flat arrays, and what they say when they refuse.
+"""Running lines, one tether or a system: the entry points, their flat arrays, and their refusal messages.
 
 The FMI slaves and the Python API run them. Arrays: `plan_layout.py`.
 """
@@ -24,7 +24,7 @@ _KITE_MOTION = range(at.KITE_POSITION, at.KITE_VELOCITY + 3)  # places of the mo
 
 
 def zeros(count):
-    """Array of so many doubles."""
+    """Array of `count` doubles."""
     return array("d", bytes(8 * count))
 
 
@@ -46,13 +46,13 @@ class RunningLine(NamedTuple):
     name: str  # in messages; "" of a tether alone
     inputs: tuple  # names of its inputs by their places
     shape_points: int
-    wind_points: int = 0  # at which the wind is an input; 0 for none, at least 2 otherwise
+    wind_points: int = 0  # number of points with a wind input; 0 for none, at least 2 otherwise
     start_point: int = places.DRIVEN  # number of the free point at its start
     end_point: int = places.DRIVEN
-    is_through: bool = False  # whether it goes on over a sheave at its end as the next line
+    is_through: bool = False  # whether it continues over a sheave at its end as the next line
     is_portion: bool = False  # whether it is a portion of such a line
-    may_carry_drum: bool = False  # whether it may carry a drum that turns beside sheaves, or that holds several lines
-    words: tuple = ()  # pairs of what a sentence on a tether says, and what that is called in the system
+    may_carry_drum: bool = False  # whether it may carry a drum that is shared or used with sheaves
+    words: tuple = ()  # pairs of a phrase about a tether and its replacement in the system
 
     @property
     def outputs_size(self):
@@ -64,13 +64,13 @@ class Instance:
     """Lines that are set up, started, and advanced step by step; a refused start or step keeps states and outputs.
 
     kernels : `kernel_library.Kernels`.  lines : tuple of `RunningLine`.  free : names of the free points, a tuple.
-    band : of their matrix, see `wiring/ordering.py`.  room : places for the caller behind inputs and outputs in `values`.
+    band : of their matrix, see `wiring/ordering.py`.  room : places for the caller after inputs and outputs in `values`.
 
-    values : array of inputs, outputs (from `outputs_at` on) and `room` places (from `parameters_at` on), at the same address
-    for life. The caller sets the inputs.
-    plan, parameters, state, before, work : arrays; `before` has the states of before the last start or step. A `set_up` for
-    other numbers of segments makes new ones.
-    counts, segments : those of each line, a tuple, and of all together; empty and 0 before they are set up.
+    values : array of inputs, outputs (from `outputs_at` on) and `room` places (from `parameters_at` on), at a fixed
+    address. The caller sets the inputs.
+    plan, parameters, state, before, work : arrays; `before` contains the states before the last start or step. A `set_up`
+    for other numbers of segments makes new ones.
+    counts, segments : of each line, a tuple, and of all together; empty and 0 before they are set up.
     status : of the last start or step, see `status.py`.
     """
 
@@ -98,7 +98,7 @@ class Instance:
         return range(places.PLAN_HEADER, len(self.plan), places.LINE_NUMBERS)
 
     def set_up(self, counts, parameters, sought=()):
-        """Take segments and parameters of all lines, see `packing`, and make the arrays; they are to be started next.
+        """Set segments and parameters of all lines, see `packing`, and allocate the arrays; a start must follow.
 
         sought : pairs of a place in the plan and whether the free point there is sought.
         """
@@ -123,12 +123,12 @@ class Instance:
         self._found = self._changing[0], *self._changing[2:]
 
     def state_size(self, segments):
-        """Length of the state array of so many segments in all lines together."""
+        """Length of the state array for this total number of segments."""
         empty = sum(at.state_size(0, line.wind_points) for line in self.lines)
         return empty + at.state_size(segments) - at.state_size(0)
 
     def parameters_of(self, k):
-        """View of the parameters of line k, and of what follows them."""
+        """View of the parameters of line k and all later ones."""
         return memoryview(self.parameters)[self.plan[self._rows()[k] + places.PARAMETERS_AT] :]
 
     def inputs_at(self, k):
@@ -140,7 +140,7 @@ class Instance:
         return self.state[slice(*(*self.states_at, len(self.state))[k : k + 2])]
 
     def start(self):
-        """Find the first shapes between the ends that the inputs give. Returns what is wrong, or None."""
+        """Find the initial shapes between the input ends. Returns the problem, or None."""
         values = self.values[: self.parameters_at]
         self.before[:] = self.state
         self.status = self.kernels.initialize(*self._fixed, *self._found)
@@ -153,7 +153,7 @@ class Instance:
         return problem
 
     def advance(self, step):
-        """Do a communication step of `step` [s] with the inputs at its start. Returns what is wrong, or None."""
+        """Do a communication step of `step` [s] with the inputs at its start. Returns the problem, or None."""
         self.status = self.kernels.advance(*self._fixed, step, *self._changing)
         return None if self.status == status.OK else self.sentence(self.status, step)
 
@@ -162,9 +162,9 @@ class Instance:
         return self.kernels.outputs(*self._fixed, *self._found)
 
     def take(self, state):
-        """Continue from states, an array of their size; there is no second warning of what was implausible in them.
+        """Continue from states, an array of their size; implausible behaviour noted in them causes no second warning.
 
-        ValueError, and nothing is changed, if it says so in numbers that no state has.
+        ValueError, with no change, if its notes contain invalid numbers.
         """
         own = [state[first:end] for first, end in zip(self.states_at, (*self.states_at[1:], len(state)), strict=True)]
         for each in own:
@@ -173,7 +173,7 @@ class Instance:
         self.state[:] = state
 
     def warnings(self):
-        """Sentences on what has been implausible since the start, each once of a line, named by its worst portion."""
+        """Sentences on implausible behaviour since the start, each once per line, with the name of its worst portion."""
         said = []
         for portions in self._portions:
             if any(self.state[self.states_at[k] + at.WARNINGS] != self._warned[k] for k in portions):
@@ -187,7 +187,7 @@ class Instance:
         return [each for portions in self._portions for each in self._said_of(portions, [0])]
 
     def _said_of(self, portions, warned):
-        """Of the portions of a line, a list, what has not been said of any; warned : sets of bits."""
+        """Of the portions of a line, a list, the unreported notes; warned : sets of bits."""
         states = {k: self.state_of(k) for k in portions}
         worst = plausibility.worst(states, reduce(or_, warned))
         return [self._about(k, each) for k in portions for each in plausibility.sentences(states[k], worst[k])]

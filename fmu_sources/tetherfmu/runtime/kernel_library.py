@@ -73,9 +73,9 @@ def platform_of(library):
 
 @lru_cache
 def load(folder, variant):
-    """Entry points of a variant, from its library for this platform in a folder; OSError says what is missing.
+    """Entry points of a variant, from its library for this platform in a folder; OSError names a missing file.
 
-    Loaded once: all instances share them (they hold no state), and the folder may vanish afterwards.
+    Loaded once: all instances share them (they are stateless), and the folder may vanish afterwards.
     """
     libraries = {platform_of(path): path for path in sorted(Path(folder).glob(f"{variant}-*"))}
     if this_platform() not in libraries:

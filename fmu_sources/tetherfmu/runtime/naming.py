@@ -1,11 +1,11 @@
-"""Names that users give, and that do not exist: what was probably meant; and what an error is about."""
+"""Suggestions for unknown names from users, and prefixes for error messages."""
 
 import re
 from contextlib import contextmanager
 from dataclasses import fields
 from functools import wraps
 
-# what others call a name that may be one here; of several, those that are known are meant
+# other programs' names for possible names here; known ones are suggested
 OTHERS = {
     "step": "dt",
     "fixed_step": "dt",
@@ -37,14 +37,14 @@ OTHERS = {
 }
 WORDS_OF_OTHERS = " ".join(OTHERS.values()).split()
 ELSEWHERE = {each: " ".join(name for name, words in OTHERS.items() if each in words.split()) for each in WORDS_OF_OTHERS}
-MOST, SHORTEST = 4, 3  # names that are asked for, letters of a word that is cut short
+MOST, SHORTEST = 4, 3  # number of suggested names; letters of a shortened word
 LONGEST_NAME = 100  # characters: file systems allow some 255 for the name of a file, which has more than this in it
 WORDS = re.compile("[a-z0-9]+")
 
 
 @contextmanager
 def prefixed(text, kind=ValueError):
-    """A ValueError of the block becomes one of a kind whose message begins with a text: what it is about."""
+    """Convert a ValueError of the block to another class, with a prefix that names its subject."""
     try:
         yield
     except ValueError as problem:
@@ -68,13 +68,13 @@ def candidates(name, known):
 
 
 def meant(name, known):
-    """Words that ask for the known name which was probably meant; "" if none is near."""
+    """Text that suggests a similar known name; "" if there is none."""
     *others, last = candidates(name, known) or [""]
     return f"; did you mean {' or '.join([*([', '.join(others)] if others else []), last])}?" if last else ""
 
 
 def meant_or_all(name, known, shown="there are {}"):
-    """Words that ask for the known name which was probably meant, or say which there are, as it is `shown`."""
+    """Text that suggests a similar known name, or lists all known names, as `shown`."""
     return meant(name, known) or f"; {shown.format(', '.join(known))}"
 
 
@@ -85,16 +85,16 @@ def shortened(name):
 
 
 def check_names(owner, given, known, what="input"):
-    """TypeError if a class or a function has no `what` of a name among those that are given; known : those that it has."""
+    """TypeError if a class or a function has no `what` with one of the given names; known : its names."""
     for name in given:
         if name not in known:
             raise TypeError(f"{owner} has no {what} {name!r}{meant_or_all(name, known)}")
 
 
 def names_checked(record, known=None):
-    """Let the constructor of a record (modified) say which name it has not, and which was probably meant; the record.
+    """Make the constructor of a record (modified) report unknown names with a suggestion; returns the record.
 
-    known : the names that it has, None for those of its fields.
+    known : its names, None for its fields.
     """
     make, known = record.__init__, known or [each.name for each in fields(record) if each.init]
 

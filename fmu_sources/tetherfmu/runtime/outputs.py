@@ -1,7 +1,7 @@
-"""The outputs of a tether, each declared once: unit, meaning, what it depends on, limits.
+"""The outputs of a tether, each declared once: unit, meaning, dependencies, limits.
 
-The `outputs` array (`layout.py`), the FMI variables, what the Python API gives and its docstring, the dependencies and the
-interface page are made from this record. To add an output, declare it here as the last one and let the kernels write it.
+The `outputs` array (`layout.py`), the FMI variables, the results of the Python API and their docstring, the dependencies and
+the interface page follow from this record. To add an output, declare it here as the last one and write it in the kernels.
 """
 
 from dataclasses import dataclass, replace
@@ -53,22 +53,22 @@ def output(
 
 
 def force(meaning, **more) -> Any:
-    """The same for a force or a tension."""
+    """`output` for a force or a tension."""
     return output("N", meaning, FORCE, group="forces", **more)
 
 
 def coupling(unit, meaning, depends_on=FORM) -> Any:
-    """The same for a number that coupling depends on, at least 0."""
+    """`output` for a coupling coefficient, at least 0."""
     return output(unit, meaning, depends_on, NOT_NEGATIVE, group="coupling")
 
 
 def motion(unit, meaning, what) -> Any:
-    """The same for the position or the velocity of the kite end."""
+    """`output` for the position or the velocity of the kite end."""
     return output(unit, meaning, (f"kite_{what}[*]",), shape=VECTOR, terminal=f"kite.{what}", group="motion")
 
 
 def counter(meaning) -> Any:
-    """Field of the record for a number that says how the solver works, and nothing of the tether."""
+    """Field of the record for a solver statistic, which says nothing about the tether."""
     return output("", meaning, (), COUNTED, is_local=True, group="solver")
 
 

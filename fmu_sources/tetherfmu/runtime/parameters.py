@@ -1,6 +1,6 @@
-"""Constant records of a tether and its surroundings. `packing.py` makes of them what the kernels read.
+"""Constant records of a tether and its surroundings. `packing.py` converts them to kernel parameters.
 
-Each quantity: default, unit, meaning, minimum, maximum (of an enumeration its choices).
+Each quantity: default, unit, meaning, minimum, maximum (for an enumeration its choices).
 """
 
 from dataclasses import dataclass, replace
@@ -30,10 +30,10 @@ STOPS_CROSSED = "shortest_length is {shortest_stop!r} m; it must be less than lo
 
 
 def in_density(given, diameter):
-    """Quantities of a tether (dict), with the density [kg/m3] in the place of a `mass_per_length` [kg/m] if they have one.
+    """Quantities of a tether (dict), with the density [kg/m3] in place of a `mass_per_length` [kg/m] if they have one.
 
-    diameter [m] : where they have none.  ValueError if both are given, or the mass is out of the range that follows from
-    that of the density.
+    diameter [m] : if they have none.  ValueError if both are given, or the mass is outside the range that follows from
+    the density range.
     """
     if "mass_per_length" not in given:
         return given
@@ -51,10 +51,10 @@ def in_density(given, diameter):
 
 
 def of_material(given, tether):
-    """Quantities that are given (dict) instead of those of a tether, with those that follow from them.
+    """Given quantities (dict) that replace fields of a tether, with the quantities that follow from them.
 
-    A diameter alone scales stiffness and damping with the area; a `mass_per_length` is a density. ValueError names the
-    quantity that is out of range.
+    A diameter alone scales stiffness and damping with the area; a `mass_per_length` is converted to a density. ValueError
+    names a quantity out of range.
     """
     given = in_density(given, tether.diameter)
     if "diameter" not in given or all(name in given for name in SCALED):
@@ -66,7 +66,7 @@ def of_material(given, tether):
 
 
 def by_material(record):
-    """Let the constructor of `Tether` (modified) complete what it is given by `of_material`; the record."""
+    """Make the constructor of `Tether` (modified) complete its arguments by `of_material`; returns the record."""
     make, names = record.__init__, [name for name, _ in quantities(record)]
 
     @wraps(make)
@@ -145,7 +145,7 @@ class Tether:
 
 
 def allowed_by(diameter):
-    """For what follows from a diameter [m]: ValueError names it, whether it or what follows is out of range."""
+    """ValueError that names a diameter [m], if it or a quantity that follows from it is out of range."""
     checked("diameter", diameter, dict(quantities(Tether))["diameter"])
     return prefixed(f"diameter is {diameter!r} m (4 mm are 0.004): with it ")
 
@@ -339,12 +339,12 @@ class FreeKite:
         check(self)
 
 
-RECORDS = (Tether, Environment, Solver, Winch, Ground)  # in the order in which the kernel `pack` takes their quantities
+RECORDS = (Tether, Environment, Solver, Winch, Ground)  # in the order of quantities in the kernel `pack`
 QUANTITIES_OF_TETHER = len(quantities(Tether))  # how many quantities each of the tethers in series has
 
 
 def numbers_of(tethers, environment, solver, winch=Winch(), ground=Ground()):
-    """The quantities of records in the order in which the kernel `pack` takes them, a list."""
+    """The quantities of records in the order of the kernel `pack`, a list."""
     return [
         getattr(record, name) for record in (*tethers, environment, solver, winch, ground) for name, _ in quantities(record)
     ]

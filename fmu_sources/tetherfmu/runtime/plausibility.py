@@ -18,11 +18,11 @@ SHALLOW = 0.01  # of the length: how far below the ground a tether without groun
 UNDER = DEEPEST_START  # the ground, where there is ground contact [m]
 NEARBY = 10.0  # such an excess that nobody need hear of [m]: loads are set down, and drones land near their winch
 LARGEST_PART_OF_DAMPING = 0.1  # E A h of backward Euler with fixed steps h over the damping of a segment [-]
-MOST_OFF_CHORD = 0.05  # of its load, by which that on the shape of a catenary differs from that along its chord [-]
+MOST_OFF_CHORD = 0.05  # largest relative difference between the load on a catenary's shape and along its chord [-]
 MOST_FALLBACKS = 0.01  # part of the last 1000 fixed steps that may be of lower order [-]
-LARGEST_JUMP = 1e-3  # of the length, by which the first step may begin beside where the initialization was [-]
-MOST_OFF_BALANCE = 0.2  # of its force, by which the tension of the start may move a winch without mass [-]
-STANDARD_GRAVITY = 9.81  # [m/s2] for what a tether weighs
+LARGEST_JUMP = 1e-3  # largest distance of the first step from the initialization, over the length [-]
+MOST_OFF_BALANCE = 0.2  # largest difference of the initial tension from the force of a massless winch, relative [-]
+STANDARD_GRAVITY = 9.81  # [m/s2] for the weight of a tether
 LONGEST_USUAL_STEP = 10.0  # [s]
 FASTEST_WINCH = 50.0  # [m/s]: several times as fast as winches of kites, cranes and gliders are
 STATE_IMPOSSIBLE = "contains impossible numbers"
@@ -176,7 +176,7 @@ def facts(kind):
 
 
 def bits(number, count):
-    """A number of a state as a set of so many bits; ValueError if no state holds such a number."""
+    """A number of a state as a set of so many bits; ValueError for an invalid number."""
     if not (0.0 <= number < 1 << count and number == int(number)):
         raise ValueError(STATE_IMPOSSIBLE)
     return int(number)
@@ -188,7 +188,7 @@ def kinds(state):
 
 
 def worst(states, warned):
-    """Of states, a dict, sets of bits of what was implausible in each more than in all others, but for bits in `warned`."""
+    """For states (dict), sets of bits of the notes for which each is the worst state, except bits in `warned`."""
     found = dict.fromkeys(states, 0)
     for kind in SENTENCES:
         values = {k: state[at.WARNED_VALUES + kind] for k, state in states.items() if kinds(state) >> kind & 1}
@@ -198,7 +198,7 @@ def worst(states, warned):
 
 
 def sentences(state, new):
-    """Sentences on what was implausible since the start of a state, of the kinds with a bit in `new`."""
+    """Sentences on implausible behaviour since the start of a state, for kinds with a bit in `new`."""
     return [
         sentence.format(
             **facts(kind),

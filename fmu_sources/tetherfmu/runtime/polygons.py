@@ -1,9 +1,9 @@
-"""Whether the positions of an end come in polygons, as importers give them that interpolate linearly between wide rows.
+"""Detects polygonal input paths of an end, from importers that interpolate linearly between widely spaced rows.
 
-With steps of a part 1/m of the spacing of the rows, the way of a step is that of the step before, but for every m-th one,
-which is a corner. That is judged: `CORNERS` corners in a row, always after the same number of steps, at least 2, with
-nothing but rounding in between. No smooth motion does that, nor noise, nor a staircase. A motion whose corners the given
-velocities explain is meant.
+If a step is 1/m of the row spacing, its displacement equals the one before, except for every m-th step, which is a corner.
+The criterion: `CORNERS` corners in a row, always after the same number of steps, at least 2, with only rounding differences
+in between. Smooth motion, noise and staircases never satisfy it. A motion whose corners agree with the given velocities is
+intended.
 """
 
 from math import dist, hypot
@@ -12,9 +12,9 @@ from . import layout as at
 
 CORNERS = 8  # in a row
 ROUNDING = 1e-11  # of a position, part of its magnitude
-BENT = 1e-6  # a corner: change of the way over the way; between it and rounding nothing is known
+BENT = 1e-6  # a corner: relative change of the displacement; between this and rounding it is undecided
 JUDGED = 400  # steps with motion, after which nothing is looked for any more
-ALIKE = 1e-9  # steps that differ by less of their size are equal
+ALIKE = 1e-9  # steps with a smaller relative difference are equal
 
 SENTENCE = (
     "{name} comes in polygons: it has a corner in every step number {period}, and is straight in between, as if rows were "
@@ -63,14 +63,14 @@ class Watch:
 
 
 class Watched(Watch):
-    """The same for the kite end of an `Instance` of one tether, whose steps it does."""
+    """Checks the kite end of an `Instance` of one tether, whose steps it runs."""
 
     def __init__(self, instance):
         super().__init__()
         self._instance, self._found = instance, 0
 
     def advance(self, step):
-        """One communication step [s]. Returns what is wrong, or None."""
+        """One communication step [s]. Returns the problem, or None."""
         values = self._instance.values
         position, velocity = (tuple(values[first : first + 3]) for first in (at.KITE_POSITION, at.KITE_VELOCITY))
         self._found = self.period(position, velocity, step)

@@ -22,7 +22,7 @@ class Quantity:
     # of an enumeration: meanings of its choices by name, in the order of its numbers 1, 2, ...; "" names one not in use
     choices: dict = field(default_factory=dict, hash=False)
     display: tuple = ()  # (unit, factor) for people: shown value = factor times value
-    # smallest and largest value that is probably meant, beside 0, and what to say beyond; () for none
+    # smallest and largest plausible value, apart from 0, and the doubt beyond; () for none
     usual: tuple = ()
 
     @property
@@ -47,7 +47,7 @@ class Quantity:
         return "; ".join(found) or self.range()
 
     def allows(self, value):
-        """Whether a value lies in the allowed range; never for NaN, infinities and what is no number, as a text."""
+        """Whether a value is in the allowed range; never for NaN, infinities and texts."""
         if isinstance(value, str | bytes):
             return False
         try:
@@ -60,7 +60,7 @@ class Quantity:
 
 
 def doubts_in(name, quantity):
-    """Of a quantity that may be given in another unit: (side, limit, sentence) where a value beyond the limit is doubtful.
+    """Of a quantity in a possibly wrong unit: (side, limit, sentence) for doubtful values beyond the limit.
 
     side : 1.0 above it, -1.0 below it (but not 0).  The sentence has the field `value`.
     """
@@ -76,18 +76,18 @@ def is_beyond(value, side, limit):
 
 
 def doubts(name, value, quantity):
-    """Sentences on a value that was probably given in another unit: one or none."""
+    """Sentences on a value with a probably wrong unit: one or none."""
     return [said.format(value=value) for *bound, said in doubts_in(name, quantity) if is_beyond(value, *bound)]
 
 
 def doubts_of(record, prefix=""):
-    """The same of all quantities of a record; prefix : of their names."""
+    """`doubts` of all quantities of a record; prefix : of their names."""
     pairs = quantities(record)
     return [said for name, declared in pairs for said in doubts(prefix + name, getattr(record, name), declared)]
 
 
 def checked(name, value, quantity):
-    """The value, or ValueError that names the variable, the value and what is allowed."""
+    """The value, or ValueError with the name of the variable, the value and the allowed range."""
     if not quantity.allows(value):
         raise ValueError(OUT_OF_RANGE.format(name=name, value=value, range=quantity.range()))
     return value
@@ -109,7 +109,7 @@ def quantities(record):
 
 
 def can_be_given(record):
-    """Pairs (name, Quantity) of what a record takes: its quantities, and those of its `instead`, which stand for one."""
+    """Pairs (name, Quantity) of the arguments of a record: its quantities, and its `instead`, which replace one."""
     return [*quantities(record), *getattr(record, "instead", {}).items()]
 
 
@@ -126,7 +126,7 @@ def documented(record):
 
 
 def check(record):
-    """Check every quantity of a record, and number what an enumeration names; ValueError names one out of range."""
+    """Check every quantity of a record, and replace names in enumerations by numbers; ValueError names one out of range."""
     for name, declared in quantities(record):
         value = getattr(record, name)
         if isinstance(value, str) and value in declared.numbers:
@@ -139,7 +139,7 @@ def check(record):
 
 
 def places_of(declared):
-    """Place of the first number of each input or output of a table in the array that holds them all, by its name."""
+    """Place of the first number of each input or output of a table in its array, by name."""
     places, first = {}, 0
     for each in declared:
         places[each.name] = first

@@ -1,4 +1,4 @@
-"""Sentences of an FMU on calls that it refuses or warns of; what the kernels say is in `status.py` and `plausibility.py`.
+"""Sentences of an FMU on calls that it refuses or warns of; `status.py` and `plausibility.py` have the kernels' sentences.
 
 The PythonFMU slave fills them in with `str.format`, the native one with the same names (`native/messages.c`).
 """
@@ -17,7 +17,7 @@ STOP_BEFORE_START = "the stop time is {stop} s; it must not be before the start 
 TOLERANCE_NOT_USED = "the importer's tolerance {tolerance} is not used; it must be greater than 0"
 TIME_NOT_FINITE = "the communication point is {time}; it must be a finite number"
 TIME_JUMPS = "the communication point is {time} s, the last step ended at {end} s; the FMU continues from there"
-JUMP_OF_STEP, JUMP_OF_TIME = 1e-3, 1e-9  # parts of step and time by which a communication point may be off without a word
+JUMP_OF_STEP, JUMP_OF_TIME = 1e-3, 1e-9  # parts of step and time: tolerance of communication points without a warning
 STEP_REFUSED = "the step from {time} s is refused: {problem}"
 PAST_THE_END = "a step of {step} s from {time} s would go beyond the stop time of {stop} s"
 

@@ -1,6 +1,6 @@
 """A saved state as bytes: header, facts, all FMI values, and the state array once the tether is initialized.
 
-What it holds is checked before it is used: a checksum can be right and the numbers wrong.
+Its content is checked before use: a checksum can be right and the numbers wrong.
 """
 
 import struct
@@ -60,10 +60,10 @@ def to_bytes(saved):
 
 
 def from_bytes(blob, variant, count, state_size=at.state_size):
-    """The record in bytes of `to_bytes`.
+    """The record from bytes of `to_bytes`.
 
     variant : of the FMU that reads.  count : number of its FMI values.  state_size : function of the number of segments, the
-    length of the state array.  ValueError says what is wrong with the bytes.
+    length of the state array.  ValueError describes a problem of the bytes.
     """
     smallest = HEADER.size + FACTS.size
     if not isinstance(blob, bytes) or len(blob) < smallest or not blob.startswith(MAGIC):

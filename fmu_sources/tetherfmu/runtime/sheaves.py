@@ -1,4 +1,4 @@
-"""Declarations of sheaves, over which lines of a system run: the parameters of each."""
+"""Declarations of the sheaves of a system's lines: the parameters of each."""
 
 from .quantities import Quantity
 

@@ -1,4 +1,4 @@
-"""Status codes of the kernels, and the sentence that each of them says.
+"""Status codes of the kernels, and the sentence for each of them.
 
 A kernel returns one 32-bit number: the code in the low byte, above it an index (of an input or of a parameter).
 """
@@ -39,7 +39,7 @@ NO_EQUILIBRIUM_OF_KITE = 24
 NO_BALANCE_AT_START = 25
 KITE_AND_WINCH_SOUGHT = 26
 START_UNDER_GROUND = 27
-# of a line that lets go
+# of a released line
 RELEASED_WITHOUT_MASS = 28
 # of lines over sheaves, and of lines whose winch is controlled by force in a system with these or with shared winches
 SHEAVES_WITH_STRETCH_RATE = 29

@@ -1,4 +1,4 @@
-"""The variants of the tether: what each has, what it ignores, and how people spell them."""
+"""The variants of the tether: the features of each, the inputs it ignores, and the spellings of its name."""
 
 from dataclasses import dataclass, field, replace
 
@@ -8,18 +8,18 @@ from .naming import meant
 
 @dataclass(frozen=True)
 class Variant:
-    """One variant of the tether; what a field says of outputs and dependencies is where it differs from the dynamic one."""
+    """One variant of the tether; its outputs and dependencies list differences from the dynamic tether."""
 
     name: str  # of its module in `kernels.variants`, or of no module if it uses the library of another
     description: str  # of the FMU
     has_nodes: bool
     has_waves: bool  # if not, it is in equilibrium at each instant
     colour: str  # in all pictures, see `console.colours`
-    # largest deviation from the reference of the evidence set, as a part of the largest value: what the solver makes at its
-    # default tolerance; where nothing is integrated, only the digits of the files are left
+    # largest deviation from the reference of the evidence set, relative to the largest value: solver error at its
+    # default tolerance; without integration, only the digits of the files
     evidence_deviation: float
     evidence_tolerance: float | None = None  # relative tolerance of that run; None for the default
-    library: str = ""  # the variant whose compiled library it uses; "" for its own
+    library: str = ""  # the variant with its compiled library; "" for its own
     kite_is_free: bool = False
     has_kink: bool = True  # of the forces, where `slack_segments` changes
     ignored: dict = field(default_factory=dict)  # parameters without effect, and why
@@ -154,14 +154,14 @@ def class_name(variant):
 
 
 def library_of(variant):
-    """The variant whose compiled library serves a variant: its own, or that of the driven one."""
+    """The variant with the compiled library of a variant: itself, or its driven counterpart."""
     return BY_NAME[variant].library or variant
 
 
 def variant_of(text, variants=EVERY_VARIANT, others=""):
-    """Which of some variants a text names, as "quasi_steady", "quasi-steady" or "TetherQuasiSteady"; ValueError if none.
+    """The variant that a text names, as "quasi_steady", "quasi-steady" or "TetherQuasiSteady"; ValueError if none.
 
-    others : what else one may choose, in words.
+    others : other choices, in words.
     """
     letters = "".join(character for character in text.lower() if character not in "_- ").removeprefix("tether")
     for variant in variants:

@@ -1,7 +1,7 @@
 """Declarations of the tethers for the page, a dict for JSON, from the same sources as the FMU.
 
-Parameters, inputs and outputs with units and limits, their places in the flat arrays, what a status or a warning says, the
-variants, the flights and scenes, and the wing of the kite that flies free.
+Parameters, inputs and outputs with units and limits, their places in the flat arrays, texts of statuses and warnings, the
+variants, the flights and scenes, and the wing of the free kite.
 """
 
 import csv
@@ -30,14 +30,14 @@ ASSETS = Path(__file__).with_name("assets")
 with (ASSETS / "usual.csv").open(encoding="utf-8") as _file:
     USUAL = {row.pop("name"): sorted(map(float, row.values())) for row in csv.DictReader(_file)}
 DEGREES = {"rad": ["deg", quantities.DEGREES[1]], "rad/s": ["deg/s", quantities.DEGREES[1]]}  # as people read angles
-TITLES = {"reel": "pumping cycle", "logged": "log of a flight"}  # of scenes whose title is not their name
+TITLES = {"reel": "pumping cycle", "logged": "log of a flight"}  # of scenes with a title that differs from their name
 FIRST = ("figure_of_eight", "circle", "reel")  # scenes at the head of the list
 
 
 def usual(name, start, declared):
-    """Between what a slider runs: minimum, maximum and whether it is logarithmic, a list, within what is allowed.
+    """Range of a slider: minimum, maximum and whether it is logarithmic, a list, within the allowed range.
 
-    Where `USUAL` does not say it, from a tenth of the default to ten times as much.
+    Without an entry in `USUAL`, from a tenth of the default to ten times the default.
     """
     lower, upper = USUAL.get(name) or sorted((0.1 * start, 10.0 * start))
     lower, upper = max(lower, declared.minimum), min(upper, declared.maximum)
@@ -45,7 +45,7 @@ def usual(name, start, declared):
 
 
 def described(name, start, declared, kind="Real"):
-    """One quantity, a dict; limits that are none are None, as JSON has no infinity."""
+    """One quantity, a dict; missing limits are None, as JSON has no infinity."""
     found = {"name": name, "kind": kind, "unit": declared.unit, "meaning": declared.meaning}
     found["minimum"] = None if declared.minimum == -inf else declared.minimum
     found["maximum"] = None if declared.maximum == inf else declared.maximum
@@ -62,7 +62,7 @@ def of_record(kind, left_out=()):
 
 
 def of_parameters():
-    """The parameters of all tethers in the order in which the kernel `pack` takes them, each with its group."""
+    """The parameters of all tethers in the order of the kernel `pack`, each with its group."""
     groups = {item.name: kind.__name__ for kind in records_of("dynamic_free") for item in fields(kind)}
     listed = (each for each in PARAMETERS if each.name in groups)
     return [described(each.name, each.start, each.quantity, each.kind) | {"group": groups[each.name]} for each in listed]
@@ -125,7 +125,7 @@ def of_sentences():
 
 
 def of_flights():
-    """The kinds of flights: what they are and their quantities. That of a free kite has its wing and its controller, too."""
+    """The kinds of flights: descriptions and quantities; for a free kite also its wing and its controller."""
     found = {
         name: {"about": kind.__doc__.partition("\n")[0], "free": kind.kite_is_free, "quantities": of_record(kind)}
         for name, kind in KINDS.items()
@@ -140,7 +140,7 @@ def of_flights():
 
 
 def scene_of(path):
-    """A scene file as the page takes it: its first comment, its duration and what differs from the defaults, in SI units."""
+    """A scene file for the page: its first comment, its duration and its differences from the defaults, in SI units."""
     text = path.read_text(encoding="utf-8")
     table = tomllib.loads(text)
     title, about = TITLES.get(path.stem, path.stem.replace("_", " ")), text.partition("\n")[0].removeprefix("# ")
@@ -160,7 +160,7 @@ def scene_of(path):
 
 
 def scene_of_log(path, table):
-    """The flight of a log, which the page makes smooth itself; of the scene it takes the tether.  path : of the CSV file."""
+    """The flight of a log, which the page smooths itself, with the tether of the scene.  path : of the CSV file."""
     tether, duration = record(Tether, table["tether"], "tether"), value_of(files.Scene, "duration", table["duration"], "")
     parameters_of_log = {key: getattr(tether, key) for key in table["tether"]}
     flown = {"duration": duration, "kind": "log", "flight": {}, "parameters": parameters_of_log, "wind": {}}

@@ -1,6 +1,6 @@
-"""Flights of the page besides scene files: a kite that follows the pointer, a free kite, a hanging load.
+"""Flights of the page in addition to scene files: a kite that follows the pointer, a free kite, a hanging load.
 
-And what a person sets by hand while it flies.
+Also the settings that a user changes during a run.
 """
 
 import tomllib

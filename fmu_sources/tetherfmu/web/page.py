@@ -17,14 +17,14 @@ PAGE, SCRIPT, KERNELS = "index.html", "page.js", "tetherfmu.wasm"
 
 
 def modules():
-    """Modules of the script by name: dict of name to text, each behind those that it imports."""
+    """Modules of the script by name: dict of name to text, each after its imports."""
     texts = {path.stem: path.read_text(encoding="utf-8") for path in sorted((ASSETS / "script").glob("*.js"))}
     needed = {name: [each for _, each in IMPORT.findall(text)] for name, text in texts.items()}
     return {name: texts[name] for name in TopologicalSorter(needed).static_order()}
 
 
 def script():
-    """The one script: each module a function that returns what it exports, so that their names stay their own."""
+    """The script: each module a function that returns its exports, so that names remain local."""
     parts = []
     for name, text in modules().items():
         inside = EXPORT.sub("", IMPORT.sub(r"const { \1 } = \2;\n", text)).strip()

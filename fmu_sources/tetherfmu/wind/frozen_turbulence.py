@@ -2,16 +2,16 @@
 
     v(x, t) = U(z) e + R u(q),   q = R^T (x - o) - U t (1, 0, 0),   U(z) = U (z/h)^alpha
 
-e direction of the mean wind, R turns the axes of the box into those of space (e, left of it, up), o origin of the box at
-t = 0, u its fluctuations, trilinear between the points of the grid. All of the box is carried with the mean wind U at the
-reference height h. A gust is felt at the distance d downwind d/U later.
+e direction of the mean wind, R rotates the axes of the box into space (e, left of it, up), o origin of the box at
+t = 0, u its fluctuations, trilinear between the grid points. The whole box moves with the mean wind U at the
+reference height h. A gust arrives at the distance d downwind d/U later.
 
-A box of TurbSim contains its mean wind: within its heights its numbers are the wind, and it is carried with its own U. What
-is beyond them gets v = box + U(z) - U(z of the row that was read).
+A TurbSim box contains its mean wind: within its heights its numbers are the wind, and it moves with its own U. Beyond
+them v = box + U(z) - U(z of the row that was read).
 
-Outside. Periodic: the box is repeated along, across and upwards, n points on n spacings; between the last plane and the next
-first one the wind is interpolated, too. Refused: a sentence on the point that is outside. A box whose file says that it is
-not periodic ends along the wind: beyond its ends a point is refused, unless the box is to be repeated all the same.
+Outside. Periodic: the box is repeated along, across and upwards, n points on n spacings; the wind is also interpolated
+between the last plane and the next first one. Refused: a sentence names the point outside. A box that its file declares
+not periodic ends along the wind: a point beyond its ends is refused, unless the box is explicitly repeated.
 """
 
 from collections.abc import Iterator
@@ -35,9 +35,9 @@ OUTSIDE = {
 }
 MAKE_IT_PERIODIC, REPEAT = 'make it periodic (in TurbSim UsableTime = "ALL")', "(outside = 3; in Python repeated=True)"
 EDGE = 1e-9  # of a spacing: rounding at the faces of a box
-BOTH = np.array((0, 1))[:, None, None]  # from the point before a place to those before and behind it
+BOTH = np.array((0, 1))[:, None, None]  # offsets from the lower to both neighbouring points
 AXES = ("along the wind", "across the wind", "upwards")
-SPAN = 10_000  # points whose wind is read from a box at once
+SPAN = 10_000  # points per read from a box
 
 
 class MeanWind(NamedTuple):
@@ -55,7 +55,7 @@ class MeanWind(NamedTuple):
 
 @dataclass(frozen=True)
 class Reading:
-    """How a box is read: what is beyond it, and the grid of a Mann box, whose files do not say it."""
+    """Interpretation of a box: treatment of points outside, and the grid of a Mann box, which its files lack."""
 
     outside: int = quantity(PERIODIC, "", "behaviour outside the box", choices=OUTSIDE)
     points_along: int = quantity(0, "", "of a Mann box: number of points along the wind, 0 for other files", 0, MOST_POINTS)
@@ -69,7 +69,7 @@ class Reading:
 
 
 def turbulence(file, reading, mean, origin):
-    """`FrozenTurbulence` of a file (None: the mean wind alone), read as a `Reading` says; WrongBox if it is none.
+    """`FrozenTurbulence` of a file (None: the mean wind alone), interpreted by a `Reading`; WrongBox if it is invalid.
 
     mean : `MeanWind`.  origin : of the box [m], (3,).
     """
@@ -141,7 +141,7 @@ class FrozenTurbulence:
                 self._rows += profile(mean, self._first[2] + box.spacing[2] * np.arange(box.points[2]))
 
     def doubts(self) -> Iterator[str]:
-        """Sentences on a box that is repeated although its file says that it is not periodic."""
+        """Sentences on a box that is repeated although its file declares it not periodic."""
         if self.box and self.box.has_seam and self.periodic and self.repeated:
             length = self.box.points[0] * abs(self.box.spacing[0])
             yield (
@@ -188,7 +188,7 @@ class FrozenTurbulence:
     def _interpolated(self, ends, shares):
         """Trilinear velocity in the axes of the box (3, K).
 
-        ends : what each axis adds to the numbers of the points before and behind a place (2, 3, K).
+        ends : index contributions of each axis for the lower and upper points (2, 3, K).
         shares : of both (2, 3, K).
         """
         number = ends[:, None, None, 0] + ends[None, :, None, 1] + ends[None, None, :, 2]  # (2, 2, 2, K)
@@ -206,9 +206,9 @@ class FrozenTurbulence:
         return velocity
 
     def _mean_beyond(self, height, place, rows, shares):
-        """Mean wind [m/s] that is to be added to what the box has (K,); 0 within the heights of a box that contains it.
+        """Mean wind [m/s] to be added to the box (K,); 0 within the heights of a box that contains it.
 
-        rows : below and above a place (2, K).  shares : of both (2, K).
+        rows : lower and upper (2, K).  shares : of both (2, K).
         """
         beyond = profile(self.mean, height)
         if self.box.mean:

@@ -1,18 +1,18 @@
 """Boxes of wind on a grid in space, read from files: TurbSim (`.bts`), Mann and HAWC2 (`u.bin v.bin w.bin`), numpy (`.npz`).
 
-A box is mapped into memory and never read as a whole: a file of many gigabytes opens at once, and what is read of it is
-what is asked for. So the file must not change while it is open.
+A box is memory-mapped and never read as a whole: a file of many gigabytes opens immediately, and only the requested
+parts are read. The file must not change while it is open.
 
-Axes of a box: along the mean wind (downwind), across it (to the left when looking downwind), up. The velocities are along
+Axes of a box: along the mean wind (downwind), across it (to the left when looking downwind), up. The velocities use
 these axes, too. Along the wind, 0 is at the front of the box, the plane that arrives first; across, it is in the middle.
 
-    TurbSim  planes in the order of their arrival, dt apart, so U dt apart along the wind, U the mean wind at the hub;
+    TurbSim  planes in order of arrival, dt apart, so U dt apart along the wind, U the mean wind at the hub;
              height of the lowest row from the file; contains the mean wind
-    Mann     planes in the order of space, downwind: the last one is the front; the lowest row is at height 0
+    Mann     planes in spatial order, downwind: the last one is the front; the lowest row is at height 0
     numpy    as Mann
 
 Sources: TurbSim User's Guide v2.00 (B. Jonkman, NREL 2014), appendix on the binary full-field format; manual of HAWC2 (DTU),
-`mann`: float32, the index upwards changes fastest, then that across, then that along the wind.
+`mann`: float32, the vertical index changes fastest, then the lateral, then the longitudinal one.
 """
 
 import math
@@ -34,11 +34,11 @@ MOST_POINTS = 10_000_000  # of a box along an axis
 LARGEST_SPACING = 1e5  # of the points of a box [m], and of its planes in time [s]
 LONGEST_DESCRIPTION = 10_000  # bytes in a TurbSim file
 LARGEST_SPEED = 150.0  # of any wind in a box [m/s]; more is no wind
-LOCAL_HEADER = struct.Struct("<26xHH")  # of a member of a zip archive: lengths of its name and of what follows that
+LOCAL_HEADER = struct.Struct("<26xHH")  # of a member of a zip archive: lengths of its name and of the extra field
 
 
 class WrongBox(ValueError):
-    """Why a file is no wind box, or a box cannot give the wind that is asked for: a sentence that names the file."""
+    """An invalid wind box, or a wind that a box cannot provide: a sentence with the name of the file."""
 
 
 class Box(NamedTuple):
@@ -52,8 +52,8 @@ class Box(NamedTuple):
     spacing: tuple  # from a point to the next (3,) [m]; negative along the wind where the planes are in order of arrival
     offset: tuple = (0.0, 0.0, 0.0)  # velocity [m/s] = (stored number - offset)/scale
     scale: tuple = (1.0, 1.0, 1.0)
-    mean: tuple | None = None  # mean wind [m/s] that the box contains, and at which height [m]; None: fluctuations only
-    has_seam: bool = False  # whether the file says that the wind jumps where the box begins again
+    mean: tuple | None = None  # mean wind [m/s] in the box, and its height [m]; None: fluctuations only
+    has_seam: bool = False  # whether the file declares a wind jump between repetitions
 
 
 def open_box(file: str | os.PathLike, points: Sequence[int] = (0, 0, 0), spacing: Sequence[float] = (0.0, 0.0, 0.0)) -> Box:
@@ -82,7 +82,7 @@ def open_box(file: str | os.PathLike, points: Sequence[int] = (0, 0, 0), spacing
 
 
 def turbsim_box(file):
-    """The `Box` in a TurbSim file; WrongBox says what is wrong with it."""
+    """The `Box` in a TurbSim file; WrongBox describes a problem."""
     size = size_of(file)
     if size < HEADER.size:
         raise WrongBox(f"{file} is not a TurbSim file: it has {size} bytes; the header alone must have {HEADER.size}")
@@ -114,9 +114,9 @@ def turbsim_box(file):
 
 
 def mann_box(file, points, spacing):
-    """The `Box` in three files of 32-bit numbers, as the Mann generators of HAWC2 write them; WrongBox says what is wrong.
+    """The `Box` in three files of 32-bit numbers, from the Mann generators of HAWC2; WrongBox describes a problem.
 
-    file : that of u; its name without the ending ends in u, those of the others in v and w.  points, spacing [m] : along,
+    file : of u; its name without the ending ends in u, the others in v and w.  points, spacing [m] : along,
     across and up.
     """
     if not any(points):
@@ -133,9 +133,9 @@ def mann_box(file, points, spacing):
 
 
 def numpy_box(file):
-    """The `Box` in a file of `numpy.savez`; WrongBox says what is wrong with it.
+    """The `Box` in a file of `numpy.savez`; WrongBox describes a problem.
 
-    Its arrays, of 32 or 64-bit numbers: `velocity` (along, across, up, 3) [m/s], fluctuations in the order of space,
+    Its arrays, of 32 or 64-bit numbers: `velocity` (along, across, up, 3) [m/s], fluctuations in spatial order,
     downwind; `spacing` (3,) [m].
     """
     size = size_of(file)
@@ -159,13 +159,13 @@ def numpy_box(file):
 
 
 def of_space(file, components, strides, points, spacing):
-    """`Box` whose planes are in the order of space: the last one is at 0 along the wind."""
+    """`Box` with planes in spatial order: the last one is at 0 along the wind."""
     first = (-(points[0] - 1) * spacing[0], -0.5 * (points[1] - 1) * spacing[1], 0.0)
     return Box(file, tuple(components), tuple(strides), tuple(points), first, tuple(spacing))
 
 
 def member(archive, name, file, size):
-    """An array in an open archive of `numpy.savez` and its file of so many bytes, mapped."""
+    """An array in an open archive of `numpy.savez` with this file size in bytes, memory-mapped."""
     found = archive.getinfo(name)
     if found.compress_type != zipfile.ZIP_STORED:
         raise WrongBox(f"{file} is compressed and cannot be mapped into memory; write it with numpy.savez")
@@ -200,7 +200,7 @@ def size_of(file):
 
 
 def check_grid(file, points, spacing=()):
-    """WrongBox unless the numbers of points along, across and up are those of a box, and their spacing [m], if given."""
+    """WrongBox unless the numbers of points along, across and up are valid, and their spacing [m], if given."""
     for axis, count in zip(AXES, points, strict=True):
         check_number(file, f"number of points {axis}", count, 2, MOST_POINTS)
     for axis, distance in zip(AXES, spacing, strict=len(spacing) > 0):

@@ -1,6 +1,6 @@
 """Variables of an FMU and their places in the flat arrays of the kernels (`plan_layout.py`).
 
-A record for a tether alone and for a system of them: the slave runs with it, the tables of native FMUs are made of it.
+A record for a single tether or a system: the slave uses it, and the tables of native FMUs are generated from it.
 References are value references; -1 is none.
 """
 
@@ -47,7 +47,7 @@ FORCES = ("ground_force", "kite_force", "force", "tension_from", "tension_to")  
 
 
 class Wiring(NamedTuple):
-    """One FMU. What has a default is empty for a tether alone, whose inputs and outputs are the arrays of the kernels."""
+    """One FMU. Fields with a default are empty for a single tether, whose inputs and outputs are the kernel arrays."""
 
     name: str  # in saved states
     record: Variant | None  # of a tether alone, None for a system
@@ -61,17 +61,17 @@ class Wiring(NamedTuple):
     outputs: tuple = ()  # (reference, places): the sum of the numbers there
     motion: tuple = ()  # of free points: (reference, line, 1 at its end, component from 0 to 5)
     starts: tuple = ()  # (place in the plan, reference) of the starts of free points
-    held: tuple = ()  # terms of inputs of lines that shared winches hold: as those of `inputs`, with a factor
-    turned: tuple = ()  # terms of their outputs: (reference, place, factor, reference of what is subtracted)
+    held: tuple = ()  # terms of inputs of lines on shared winches: like `inputs`, with a factor
+    turned: tuple = ()  # terms of their outputs: (reference, place, factor, subtracted reference)
     checked: tuple = ()  # variables of parameters that the kernel `pack` does not check
     free: tuple = ()  # names of the free points
     band: int = 0  # of their matrix
     holders: tuple = ()  # rows (line, place in its parameters, number), see `holders_of`
-    sheaves: tuple = ()  # of each line `layout.IS_PORTION`, and of the numbers behind it the references, -1 for the default
+    sheaves: tuple = ()  # for each line `layout.IS_PORTION`, and the references of the next numbers, -1 for the default
 
     @property
     def is_direct(self):
-        """Whether inputs and outputs of the FMU are the arrays of the kernels: those of a tether alone."""
+        """Whether inputs and outputs of the FMU are the kernel arrays, as for a single tether."""
         return self.record is not None
 
     @property
@@ -81,13 +81,13 @@ class Wiring(NamedTuple):
 
     @property
     def constants(self):
-        """Triples (name, reference, value) of inputs and parameters that it goes without."""
+        """Triples (name, reference, value) of inputs and parameters that it omits."""
         known = {each.place for each in self.shown}
         return [(v.name, v.place, float(v.start)) for v in self.table if v.place not in known and v.start is not None]
 
     @property
     def doubtful(self):
-        """What is doubtful of parameters: (reference, side, limit, sentence), see `quantities.doubts_in`."""
+        """Doubtful ranges of parameters: (reference, side, limit, sentence), see `quantities.doubts_in`."""
         fixed = [each for each in self.table if each.causality == PARAMETER]
         found = [(each.place, *row) for each in fixed for row in doubts_in(each.name, each.quantity)]
         own = {each.name: each.place for each in fixed}
@@ -119,7 +119,7 @@ def of_tether(variant, options):
 def of_system(system, left_out=(), starts=()):
     """`Wiring` of a `system.System`: the value reference of a variable is its place in the table.
 
-    left_out : names of variables that the FMU goes without.  starts : pairs (name, start value) that replace those of the
+    left_out : names of variables that the FMU omits.  starts : pairs (name, start value) that replace values of the
     system.
     """
     table = with_starts(table_of_system(system), starts)
@@ -179,7 +179,7 @@ def lines_of(system):
 
 
 def names_of_inputs(system, portion):
-    """Names of the inputs of the system that are those of a line or a portion, by their places, but for its wind points."""
+    """Names of system inputs that are inputs of a line or a portion, by place, without wind points."""
     for name in INPUT_NAMES:
         yield (told_by(system, portion.line, name) if portion.number == 0 else None) or input_name(name, portion)
 
@@ -201,15 +201,15 @@ def words_of(system, portion):
 
 
 def told_by(system, line, name):
-    """Names of the inputs, and start speeds, of shared winches that make an input of a line, "" if none does."""
+    """Names of the inputs, and start speeds, of shared winches that determine an input of a line, "" if none does."""
     holding = (each for each in system.holding(line.name) if name in (each.input, SPEED))
     return " and ".join(f"{each.name}.{name}" for each in holding if system.carriers.get(each.name, line.name) == line.name)
 
 
 def drums_of(system):
-    """Lines that may carry a drum that turns beside sheaves, or that holds several lines: a dict of what it holds.
+    """Lines that may carry a drum that is shared or used with sheaves: dict of the lines that it drives.
 
-    Pairs of a line and its ratio; lines as numbers. A line that no shared winch holds carries its own.
+    Pairs of a line and its ratio; lines as numbers. A line without shared winch carries its own.
     """
     first = {each.line.name: k for k, each in enumerate(all_portions(system.lines)) if each.number == 0}
     by_force = [each for each in system.winches if each.name in system.carriers]
@@ -221,7 +221,7 @@ def drums_of(system):
 
 
 def holders_of(system):
-    """Numbers in the parameters of lines that say which drums hold them: rows (line, place, number)."""
+    """Numbers in the parameters of lines that specify the drums driving them: rows (line, place, number)."""
     found, counts = [], {}
     for carrier, held in drums_of(system).items():
         for line, ratio in held:
@@ -233,9 +233,9 @@ def holders_of(system):
 
 
 def carried(system):
-    """Of each line the names of the free points at its start and its end whose mass it carries, None for none.
+    """For each line the names of the free points at its start and its end whose mass it carries, None for none.
 
-    The first line at a point does.
+    The first line at a point carries it.
     """
     free, found = set(system.free), []
     for line in all_portions(system.lines):
@@ -246,9 +246,9 @@ def carried(system):
 
 
 def _quantities_of(system, portion, places):
-    """Quantities of a line or a portion; what the system has no variable for has its default.
+    """Quantities of a line or a portion; defaults where the system has no variable.
 
-    The winch is that of the first portion. places : references by name, as below.
+    The winch is on the first portion. places : references by name, as below.
     """
     found, line = [], portion.line
     held = system.holding(portion.name)  # by winches with the same control
@@ -272,9 +272,9 @@ def _sheaves_of(system, places):
 
 
 def inputs_of(system):
-    """Rows (place, name, line, place among its inputs) of inputs; of a load -1 and its place among the loads.
+    """Rows (place, name, line, place among its inputs) of inputs; for a load -1 and its place among the loads.
 
-    Free points have the motion of their start there.  What shared winches give is in `held_of`.
+    For free points, the motion is their start.  Inputs from shared winches are in `held_of`.
     """
     first, winches = 0, {each.name for each in system.winches}
     for k, line in enumerate(lines_of(system)):
@@ -288,7 +288,7 @@ def inputs_of(system):
 
 
 def held_of(system):
-    """Terms of inputs of lines that shared winches hold, rows as those of `inputs_of` with a factor.
+    """Terms of inputs of lines on shared winches, rows as in `inputs_of` with a factor.
 
     `winch_length` begins with the initial length.
     """
@@ -321,7 +321,7 @@ def _turned_of(system, places):
 def _outputs_of(system, places):
     """Rows of outputs.
 
-    The force on a point is that of its lines in their order, and of each line that of its start before that of its end.
+    The force on a point sums its lines in order, the start of each line before its end.
     """
     *firsts, _ = accumulate((line.outputs_size for line in lines_of(system)), initial=0)
     found = {}
@@ -330,7 +330,7 @@ def _outputs_of(system, places):
         for end, point in each.ends:
             for i, name in enumerate(components(f"{point}.force", 3)):
                 found.setdefault(name, []).append(first + outputs.PLACES[f"{end}_force"] + i)
-        # those of a line over sheaves are in its first portion, but for its last tension
+        # a line over sheaves has them in its first portion, except its last tension
         for name, own in OF_A_LINE.items():
             if each.number == 0 or (name == "kite_tension" and not each.is_through):
                 found[f"{line.name}.{own}"] = [first + outputs.PLACES[name]]

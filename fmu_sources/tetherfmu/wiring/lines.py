@@ -1,4 +1,4 @@
-"""Points and lines of a system, also over sheaves: what users say of them, as constant records with their checks.
+"""Points and lines of a system, also over sheaves: user specifications, as constant records with their checks.
 
 The Python API, files, FMUs and C tables read these.
 """
@@ -21,7 +21,7 @@ MASS = dict(quantities(FreeKite))["kite_mass"]
 
 
 def given_in(form, unit="", default=None):
-    """Field of a record that is no quantity: how files give it, "vector", "numbers", "list" or "names", and its unit."""
+    """Field of a record without quantity: its form in files, "vector", "numbers", "list" or "names", and its unit."""
     return field(default=default, metadata={"form": form, "unit": unit})
 
 
@@ -50,7 +50,7 @@ def record_of(model, given, kind):
 
 
 def vector(name: str, value: Sequence[float]) -> Vector:
-    """Three finite numbers; ValueError names what is something else."""
+    """Three finite numbers; ValueError otherwise."""
     try:
         found = (
             () if isinstance(value, str) or any(isinstance(each, Iterable) for each in value) else tuple(map(float, value))
@@ -199,7 +199,7 @@ def numbers_in(line, name):
 
 
 def check_sheaves(line):
-    """ValueError if what a line says of sheaves cannot be; what has no effect is refused."""
+    """ValueError if sheaves of a line are inconsistent; arguments without effect are refused."""
     if isinstance(line.through, str):
         raise ValueError(f'{line.name}.through is {line.through!r}; it must be a list of names of points, as ["block"]')
     object.__setattr__(line, "through", tuple(line.through))
@@ -225,7 +225,7 @@ def check_sheaves(line):
 
 
 def check_portions(line):
-    """ValueError unless the portions that are given are those of the line."""
+    """ValueError unless the given portions match the line."""
     given, whole, count = tuple(line.initial_portions), line.tethers[0].initial_length, len(line.through) + 1
     if len(given) != count or not all(LENGTH.allows(each) and each > 0.0 for each in given):
         raise ValueError(f"{line.name}.initial_portions is {list(given)!r}; it must be {count} lengths above 0")

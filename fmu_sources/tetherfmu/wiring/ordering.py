@@ -1,4 +1,4 @@
-"""An order of the free points in which those that a line joins have near numbers.
+"""An order of the free points in which points on a common line have close numbers.
 
 By distances along lines from a point at the rim of the network, backwards (reverse Cuthill-McKee).
 Source: George and Liu, Computer Solution of Large Sparse Positive Definite Systems, section 4.3.

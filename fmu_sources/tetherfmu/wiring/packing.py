@@ -17,10 +17,10 @@ _SHORTEST, _LONGEST = _NAMES.index("shortest_length"), _NAMES.index("longest_len
 
 
 def pack(kernels, numbers, tethers=1, kites=0, tolerance=0.0):
-    """Number of segments as the variant knows them, and the `parameters` array; ValueError if a number is not allowed.
+    """Number of segments for the variant, and the `parameters` array; ValueError if a number is not allowed.
 
     kernels : `kernel_library.Kernels` of the variant.  numbers : quantities of tethers in series, of the environment and the
-    solver, with kites = 1 also those of a free kite, in the order of `variables.PARAMETERS`.  tolerance : the importer's
+    solver, with kites = 1 also of a free kite, in the order of `variables.PARAMETERS`.  tolerance : the importer's
     relative tolerance [-], for a solver without one of its own; 0 for none.
     """
     quantities = array("d", numbers)
@@ -40,10 +40,10 @@ def put_ends(segments, parameters, free_ends, point_masses=()):
 
 
 def pack_lines(kernels, lines, tolerance=0.0, kites=0):
-    """Numbers of segments of lines, a tuple, and their parameters, one array; ValueError names a line that has a name.
+    """Numbers of segments of lines, a tuple, and their parameters, one array; ValueError names a named line.
 
-    lines : of each its name, the numbers that `pack` takes, how many tethers these are, whether its start and its end are
-    free points, and the masses of these [kg] that it carries: all of it in the first line at a point, 0 in the others.
+    lines : for each its name, the numbers for `pack`, the number of tethers, whether its start and its end are
+    free points, and the masses of these [kg] that it carries: all in the first line at a point, 0 in the others.
     """
     counts, found = (), array("d")
     for name, numbers, tethers, free_ends, (first, last) in lines:
@@ -56,9 +56,9 @@ def pack_lines(kernels, lines, tolerance=0.0, kites=0):
 
 
 def put_sheaves(counts, parameters, sheaves):
-    """Say in the parameters of all lines (modified) what portions they are, and what sheaves are at their ends.
+    """Write portions and sheaves into the parameters of all lines (modified).
 
-    counts : segments of each line.  sheaves : of each line None, or the numbers from `layout.IS_PORTION` on.
+    counts : segments of each line.  sheaves : for each line None, or the numbers from `layout.IS_PORTION` on.
     """
     first = 0
     for segments, numbers in zip(counts, sheaves, strict=True):
@@ -69,7 +69,7 @@ def put_sheaves(counts, parameters, sheaves):
 
 
 def put_holders(counts, parameters, holders):
-    """Say in the parameters of all lines (modified) which drums hold those whose winch is controlled by force.
+    """Write the drums that drive lines with force-controlled winches into the parameters of all lines (modified).
 
     counts : segments of each line.  holders : rows (line, place from `layout.HELD_BY` on, number).
     """

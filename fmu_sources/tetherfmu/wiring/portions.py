@@ -6,11 +6,11 @@ from ..runtime.inputs import wind_at_names
 
 
 class Portion(NamedTuple):
-    """A portion of a line, or all of a line that runs over no sheave.
+    """A portion of a line, or a whole line without sheaves.
 
-    line : the `lines.Line`.  number : from 0.  name : of the line; of a
-    portion but the first one no name of a variable.  start, end : names of its points.  is_through : whether the line goes
-    on over a sheave at its end.  is_portion : whether it is not all of the line.
+    line : the `lines.Line`.  number : from 0.  name : of the line; later
+    portions have no variable names.  start, end : names of its points.  is_through : whether the line continues
+    over a sheave at its end.  is_portion : whether it is only a part of the line.
     """
 
     line: Any
@@ -22,7 +22,7 @@ class Portion(NamedTuple):
     is_portion: bool
 
     def wind_at_names(self, count):
-        """Names of the wind at so many points of it: of the line, which has those of its portions one after the other."""
+        """Names of the wind at its wind points: the line numbers the points of its portions consecutively."""
         own = wind_at_names((self.number + 1) * count)[3 * self.number * count :]
         return tuple(f"{self.line.name}.{name}" for name in own)
 
@@ -48,6 +48,6 @@ def all_portions(lines):
 
 
 def joined(lines, values):
-    """Lists of the values of the portions of each line, from those of all portions in their order."""
+    """Lists of the values of the portions of each line, from the values of all portions in order."""
     given = iter(values)
     return [[next(given) for _ in portions_of(line)] for line in lines]

@@ -1,6 +1,6 @@
-"""Which variables an FMU has, in groups, and in which order people see them. Value references stay those of the full FMU.
+"""Selection of the variables of an FMU, in groups, and their displayed order. Value references stay as in the full FMU.
 
-What it goes without keeps its start value: a constant.
+An omitted variable keeps its start value: a constant.
 """
 
 from dataclasses import replace
@@ -29,12 +29,12 @@ FIRST = (
 
 
 def own_name(name):
-    """Name of a variable without that of its point or line, and without the index of an element."""
+    """Name of a variable without its point or line, and without the index of an element."""
     return name.partition("[")[0].rpartition(".")[2]
 
 
 def in_order(table):
-    """The variables of a table as a model description lists them: parameters by group, those of `FIRST` before."""
+    """The variables of a table in the order of a model description: parameters by group, `FIRST` before the others."""
     groups = (*GROUPS, "")
 
     def place(variable):
@@ -47,7 +47,7 @@ def in_order(table):
 
 
 def shown(table, left_out):
-    """The table of an FMU that goes without some variables, on which no output depends; left_out : their names."""
+    """The table of an FMU that omits some variables, on which no output depends; left_out : their names."""
     kept = (each for each in table if each.name not in left_out)
     return in_order(
         each if each.depends_on is None else replace(each, depends_on=tuple(n for n in each.depends_on if n not in left_out))

@@ -1,6 +1,6 @@
-"""A system: points, lines and shared winches, and what surrounds them, described once.
+"""A system: points, lines and shared winches, and their surroundings, described once.
 
-`TetherSystem`, the file of a system and its FMU have one; JSON holds it in an FMU. What it has no number for is read off.
+`TetherSystem`, system files and system FMUs contain one; an FMU stores it as JSON.
 """
 
 import hashlib
@@ -25,11 +25,11 @@ def values_of(*records):
 
 @dataclass(frozen=True)
 class System:
-    """Points, lines and shared winches that fit together, and what all lines have in common.
+    """Consistent points, lines and shared winches, with the common quantities of all lines.
 
-    wind_points : of each portion of a line, at which the wind is an input; 0 for none.  shape_points : of each portion; None
-    is one at each node.  shares : of each winch pairs of a line and what it counts in the payout, see `wiring/winches.py`.
-    starts : of free points without a position those where they are in equilibrium [m], dict by name.
+    wind_points : number of wind inputs per portion of a line; 0 for none.  shape_points : per portion; None
+    is one at each node.  shares : for each winch pairs of a line and its share of the payout, see `wiring/winches.py`.
+    starts : equilibrium positions [m] of free points without a position, dict by name.
     """
 
     name: str
@@ -61,15 +61,15 @@ class System:
 
     @cached_property
     def carriers(self):
-        """Names of the lines in whose arrays the drums of winches stand, dict by the names of those controlled by force."""
+        """Names of the lines whose arrays contain the drums of winches, dict by the names of force-controlled winches."""
         return carriers_of(self.winches)
 
     def holding(self, line):
-        """The shared winches that hold a line with this name."""
+        """The shared winches that drive a line with this name."""
         return holding(self.winches, line)
 
     def shape_points_of(self, line):
-        """How many points the shape of a line has, or that of each of its portions."""
+        """Number of points in the shape of a line, or of each of its portions."""
         return sum(each.segments for each in line.tethers) + 1 if self.shape_points is None else self.shape_points
 
     def position_of(self, point):
@@ -77,14 +77,14 @@ class System:
         return point.position or self.starts.get(point.name)
 
     def winch_of(self, line):
-        """The `Winch` of a line: its own, or one with the control of those that hold it, and their drum if it has that."""
+        """The `Winch` of a line: its own, or one with the control of its shared winches, and the drum that it carries."""
         held = self.holding(line.name)
         carried = next((each for each in held if self.carriers.get(each.name) == line.name), None)
         return carried.drum if carried else Winch(winch_control=CONTROL[held[0].control]) if held else line.winch
 
     @cached_property
     def hash(self):
-        """Text of 15 letters that tells systems apart which cannot have the same state."""
+        """Text of 15 letters that distinguishes systems with incompatible states."""
         facts = [[(point.name, not point.is_driven) for point in self.points], list(self.free), self.band]
         facts.append([(line.name, line.start, line.end, self.shape_points_of(line)) for line in self.lines])
         if self.wind_points:
@@ -97,7 +97,7 @@ class System:
 
 
 def in_json(system):
-    """What JSON can hold of a `System`, a dict; of a record that has more without that."""
+    """JSON representation of a `System`, a dict; subclass records are reduced."""
     own = {each.name for each in fields(System)}
     return {name: value for name, value in asdict(system).items() if name in own}
 

@@ -1,7 +1,7 @@
-"""The FMI variables of a system of tethers, and where each of them stands in the flat arrays (`plan_layout.py`).
+"""FMI variables of a system of tethers, and their places in the flat arrays (`plan_layout.py`).
 
-Points have `NAME.position`, lines have `NAME.reel_out_speed`; what the whole system has goes without a name. A quantity is
-declared where that of a single tether is; here it gets the name of its point or line. The value reference of a variable is
+Points have `NAME.position`, lines have `NAME.reel_out_speed`; variables of the whole system have no prefix. A quantity has
+the declaration of a single tether; here it gets the name of its point or line. The value reference of a variable is
 its place in the array of all values: inputs, outputs, parameters.
 """
 
@@ -29,7 +29,7 @@ def inputs_at(*terminals):
 
 ENDS = ("ground", "kite")  # of the tether of a line: its start and its end
 OF_THE_SYSTEM = (Environment, Solver, Ground)
-RECORDS_OF_A_LINE = (Tether, Winch)  # whose quantities it has as parameters
+RECORDS_OF_A_LINE = (Tether, Winch)  # records with the parameters of a line
 # outputs of a tether that a line has, and their names there
 _OF_ENDS = {"ground_tension": "tension_from", "kite_tension": "tension_to"}
 _OTHERS = ("max_tension", "peak_tension", "slack_segments", "grounded_length", "broken", "break_time")
@@ -38,7 +38,7 @@ MEANINGS = {
     "tension_from": "tension of the first segment, at {}; with winch_control = force where the line leaves the winch",
     "tension_to": "tension of the last segment, at {}",
 }
-SPEED = "reel_out_speed"  # an input of those by speed; of others a parameter, with which they start
+SPEED = "reel_out_speed"  # an input of speed-controlled winches; otherwise a parameter, the start speed
 TOLD = {  # inputs of shared winches
     "reel_out_speed": "speed at which {} pays out a line with the ratio 1; positive pays out",
     "winch_length": "length of a line with the ratio 1 that {} is to pay out from the start",
@@ -58,15 +58,15 @@ OF_SHEAVES = {
     "sheave_payout": ("m", "rope that has run over sheave {} from the portion before it since the start"),
     "sheave_speed": ("m/s", "rate of the rope that runs over sheave {}"),
 }
-SUMMED = ("solver_iterations",)  # of all lines; the others are those of the first line
+SUMMED = ("solver_iterations",)  # summed over all lines; others are from the first line
 GIVEN_TO_ALL = inputs_at("wind")  # vectors that all lines share
 GIVEN = inputs_at("winch")  # inputs of a tether that a line has: of its winch
-RELEASE = "release"  # and the one with which it lets go
+RELEASE = "release"  # and the release input
 MOTION = inputs.BY_NAME["kite_load"].group  # of variables of points
 
 
 def input_name(name, line):
-    """Name of an input of a tether as one of the system, as that of a line or a portion.
+    """Name of a tether input as input of a line or a portion of the system.
 
     "kite_position[1]" is "KITE.position[1]".
     """
@@ -81,13 +81,13 @@ def input_name(name, line):
 
 
 def _vector(name, causality, declared, group, start=(None, None, None), known=(None, None, None)):
-    """Variables of the components of a vector; start : values, known : what they depend on."""
+    """Variables of the components of a vector; start : values, known : their dependencies."""
     for (each, meaning), first, those in zip(elements(name, declared.meaning, VECTOR, 0), start, known, strict=True):
         yield Variable(each, causality, "Real", replace(declared, meaning=meaning), 0, first, those, group)
 
 
 def _inputs(system):
-    """Inputs: motion of driven points, loads on free ones, those of the winches of lines, wind."""
+    """Inputs: motion of driven points, loads on free ones, winches of lines, wind."""
     motion = [each for each in inputs.INPUT_TABLE if each.of == DRIVEN_KITE]
     load = next(each for each in inputs.INPUT_TABLE if each.of == FREE_KITE)
     for point in system.points:
@@ -201,10 +201,10 @@ _QUANTITIES_OF_A_LINE = frozenset(name for record in RECORDS_OF_A_LINE for name,
 
 
 def _known(system, line, output, element, known):
-    """Names of what an output of a line depends on when initialization ends; None for anything.
+    """Names of the dependencies of a line output when initialization ends; None for anything.
 
-    Between driven points each line has its own shape; where a free one is sought, all lines together have one, and so do
-    those of drums that are sought. known : names of inputs and parameters.
+    Between driven points each line has its own shape; sought free points couple all lines, and so
+    do sought drums. known : names of inputs and parameters.
     """
     found = depends_on(DYNAMIC, output, element, system.shape_points_of(line), system.wind_points)
     if (
@@ -224,7 +224,7 @@ def _together(listed):
 
 
 def _outputs(system, known):
-    """Outputs: forces on driven points, motion of free ones, what a line has, the work of the solver."""
+    """Outputs: forces on driven points, motion of free ones, outputs of lines, solver work."""
     for point in system.points:
         if not point.is_driven:
             for what in ("position", "velocity"):

@@ -1,9 +1,9 @@
-"""The table of FMI variables, made from the declarations. One table for every tether.
+"""The table of FMI variables, built from the declarations. One table for every tether.
 
-Inputs are declared in `inputs`, outputs in `outputs`, parameters in the records of `parameters`; `variants` says what a
-tether has of them. The value reference of a variable is its place in `Instance.values`: that in the `inputs` array, then
-those of the `outputs` array, then the parameters. The motion of a free kite end is an output; it stands where it is an input
-in the other tethers, so that all have the same value references.
+Inputs are declared in `inputs`, outputs in `outputs`, parameters in the records of `parameters`; `variants` selects those
+of a tether. The value reference of a variable is its place in `Instance.values`: first the `inputs` array, then
+the `outputs` array, then the parameters. The motion of a free kite end is an output at the place of the input of
+other tethers, so that all have the same value references.
 """
 
 from dataclasses import dataclass, fields, replace
@@ -31,9 +31,9 @@ class Variable:
     causality: str  # INPUT, OUTPUT, LOCAL or PARAMETER
     kind: str  # "Real", "Integer", "Enumeration" or "Boolean"
     quantity: Quantity
-    place: int  # its value reference; of what `parameters_of` gives its number
+    place: int  # its value reference; in `parameters_of` its number
     start: float | None = None  # of inputs and parameters
-    depends_on: tuple | None = None  # of an output, names of what it depends on when initialization ends; None: on anything
+    depends_on: tuple | None = None  # names of the dependencies of an output when initialization ends; None: anything
     group: str = ""  # see `wiring/selection.py`
 
 
@@ -56,7 +56,7 @@ def line_of_tether(shape_points, wind_points=0):
 
 
 def elements(name, meaning, shape, shape_points):
-    """Pairs of FMI name and meaning: of a scalar, of the components of a vector, of those of all points of the shape."""
+    """Pairs of FMI name and meaning: of a scalar, of vector components, or of all points of the shape."""
     if shape == SCALAR:
         return [(name, meaning)]
     if shape == VECTOR:
@@ -106,7 +106,7 @@ def names_of(table, causality):
 
 
 def records_of(variant):
-    """Records whose quantities are the parameters of a variant."""
+    """Records with the parameters of a variant."""
     return (*RECORDS, FreeKite) if BY_NAME[variant].kite_is_free else RECORDS
 
 
@@ -125,7 +125,7 @@ def parameters_of(record_classes, starts=None):
 
 
 def without_effect(variable, has_wind_points, name=None):
-    """A `Variable`, which says so if it has no effect beside wind points; name : of its vector."""
+    """The `Variable`, documented as without effect if wind points replace it; name : of its vector."""
     if not has_wind_points or (name or variable.name) not in WITHOUT_EFFECT:
         return variable
     meaning = f"{variable.quantity.meaning} {IGNORED_WITH_WIND_AT}"
@@ -150,7 +150,7 @@ def _parameter_variables(variant, starts, wind_points=0):
     return variables
 
 
-# what any tether has, a free kite last, in the order in which the kernel `pack` takes them
+# quantities of any tether, a free kite last, in the order of the kernel `pack`
 PARAMETERS = tuple(_parameter_variables(BY_NAME["dynamic_free"], {}))
 PARAMETERS_WITHOUT_KITE = len(parameters_of(RECORDS))  # how many of them are not about a free kite
 

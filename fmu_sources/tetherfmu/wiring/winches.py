@@ -1,11 +1,11 @@
-"""Winches that hold several lines of a system, each with a ratio: the drum turns all of them.
+"""Winches that drive several lines of a system, each with a ratio: one drum turns all of them.
 
-A winch that turns at the speed w pays out a line at ratio w; what several winches pay out of a line adds up. So with the
-matrix R of ratios (lines, winches) the reel-out speeds of lines are R w, their lengths initial_length + R p, with the
+A winch at the speed w pays out a line with a ratio r at r w; payouts of several winches on a line are summed. With
+the matrix R of ratios (lines, winches) the reel-out speeds of lines are R w, their lengths initial_length + R p, with the
 payouts p of the winches. These follow from the lines with the shares S = (R^T R)^-1 R^T: p = S (length - initial_length).
 
-A winch that is controlled by force turns as the tensions T of its lines decide, m w' = R^T T - W - c w - F sign(w); the
-kernels have its drum with one of its lines, its carrier.
+The tensions T of its lines drive a force-controlled winch: m w' = R^T T - W - c w - F sign(w); the
+kernels store its drum with one of its lines, its carrier.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from ..runtime.quantities import quantities
 from .lines import Line, check_inputs, checked_name, first_input
 
 BY_SPEED, BY_FORCE, BY_LENGTH = "speed", "force", "length"
-GIVEN = {BY_SPEED: "reel_out_speed", BY_FORCE: "winch_force", BY_LENGTH: "winch_length"}  # its input, by what controls it
+GIVEN = {BY_SPEED: "reel_out_speed", BY_FORCE: "winch_force", BY_LENGTH: "winch_length"}  # input of each control
 QUANTITIES_OF_A_WINCH = dict(quantities(Winch))
 CONTROL = QUANTITIES_OF_A_WINCH["winch_control"].numbers
 SMALLEST_RATIO, LARGEST_RATIO = 1e-3, 1e3
@@ -113,7 +113,7 @@ class SharedWinch:
 
     @property
     def drum_names(self) -> tuple[str, ...]:
-        """Names of the quantities of its drum, none of one that is not controlled by force."""
+        """Names of the quantities of its drum, empty unless it is force-controlled."""
         return OF_A_DRUM if self.control == BY_FORCE else ()
 
     @property
@@ -123,12 +123,12 @@ class SharedWinch:
 
 
 def holding(winches, line):
-    """The winches that hold a line with this name."""
+    """The winches that drive a line with this name."""
     return [each for each in winches if line in each.lines]
 
 
 def check_winches(winches: Sequence[SharedWinch], lines: Sequence[Line], taken: Sequence[str]) -> None:
-    """ValueError, in words, unless winches fit to the lines of a system; taken : names of points and lines."""
+    """ValueError, in words, unless winches match the lines of a system; taken : names of points and lines."""
     known, names = [line.name for line in lines], [*taken, *(each.name for each in winches)]
     for winch in winches:
         if names.count(winch.name) > 1:
@@ -180,7 +180,7 @@ def carriers_of(winches):
 
 
 def check_with_sheaves(lines, winches):
-    """ValueError if a system whose lines run over sheaves, or are held by winches by force, has what it cannot have yet."""
+    """ValueError if a system with sheaves or force-controlled shared winches uses unsupported features."""
     name = next((line.name for line in lines if line.through), None)
     why = f"{name} runs over sheaves"
     if name is None:
@@ -198,14 +198,14 @@ def check_with_sheaves(lines, winches):
 
 
 def check_turned(line, why):
-    """ValueError if a tether of a line is none that a drum turns beside sheaves, or with others; why : it is one."""
+    """ValueError if the tether of a line cannot be driven by a shared drum or one with sheaves; why : the reason."""
     for tether in line.tethers:
         if tether.damping_law != at.STRAIN_RATE:
             raise ValueError(f"{line.name}.damping_law is stretch_rate, and {why}; it must be strain_rate")
 
 
 def check_drum(line, why):
-    """ValueError if the drum of a line has what it cannot have yet in a system with sheaves; why : it has these."""
+    """ValueError if the drum of a line has unsupported features in a system with sheaves; why : the reason."""
     if line.winch.winch_control != at.WINCH_BY_FORCE:
         return
     for name in ("shortest_length", "longest_length"):

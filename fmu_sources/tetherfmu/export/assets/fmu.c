@@ -3,7 +3,7 @@
 Define FMI${fmi}_FUNCTION_PREFIX, as ${name}_ or another name for each FMU, to link several FMUs into one program. Define MAX_SEGMENTS to give an instance less
 room than that for $segments segments. */
 #if defined(__GNUC__)
-#pragma GCC diagnostic ignored "-Wunused-parameter" /* the standard has functions with more of them than are needed */
+#pragma GCC diagnostic ignored "-Wunused-parameter" /* functions of the standard have unused parameters */
 #endif
 #include <float.h>
 #include <math.h>
@@ -36,7 +36,7 @@ room than that for $segments segments. */
 #define OWN(name) PREFIXED(${name}_, name)
 #endif
 #if defined(__GNUC__) && !defined(_WIN32)
-#pragma GCC visibility push(hidden) /* but for the functions of FMI */
+#pragma GCC visibility push(hidden) /* except the functions of FMI */
 #endif
 #include "names.h"
 #include "tables.h"

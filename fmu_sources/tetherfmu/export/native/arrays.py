@@ -6,7 +6,7 @@ COMPONENTS = 3  # of a vector
 
 
 class Array(NamedTuple):
-    """A variable of FMI 3; its value reference is that of its first element in FMI 2."""
+    """A variable of FMI 3; its value reference is that of its first FMI 2 element."""
 
     name: str
     reference: int
@@ -23,7 +23,7 @@ def arrays(wiring):
 
 
 def dimensions_of(elements):
-    """Dimensions of a variable: of a scalar none; of a vector how many elements it has; of vectors at points also these."""
+    """Dimensions of a variable: none for a scalar; for a vector its number of elements; for vectors at points also these."""
     first, count = elements[0].name, len(elements)
     if not first.endswith("]"):
         return ()

@@ -1,4 +1,4 @@
-"""Model description of a native FMU for FMI 2.0: the variables of the PythonFMU slave, and what the shell is capable of."""
+"""Model description of a native FMU for FMI 2.0: the variables of the PythonFMU slave, and the capabilities of the shell."""
 
 from xml.etree.ElementTree import Element, SubElement
 

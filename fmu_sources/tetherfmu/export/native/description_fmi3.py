@@ -39,9 +39,9 @@ TERMINALS = {
 
 
 def text(model, token, sources=()):
-    """Text of modelDescription.xml; the arguments are those of `description.text`.
+    """Text of modelDescription.xml; arguments as for `description.text`.
 
-    sources : not needed, FMI 3 has a file of its own for them.
+    sources : unused, FMI 3 has a separate file for them.
     """
     table = model.wiring.shown
     root = Element("fmiModelDescription", fmiVersion="3.0", instantiationToken=token, **facts(model))
@@ -65,7 +65,7 @@ def terminals(table):
     known = {variable.name.partition("[")[0] for variable in table if variable.causality in (INPUT, OUTPUT)}
     if WIND_AT.name in known:
         known -= set(WITHOUT_EFFECT)
-    # motion, then force, then what only a free kite end is given
+    # motion, then force, then inputs of a free kite end only
     declared = (*inputs_of(kite_is_free=False), WIND_AT, *OUTPUT_TABLE, *inputs_of(kite_is_free=True))
     named = {tuple(each.terminal.split(".")): each.name for each in declared if each.terminal and each.name in known}
     return _buses(
@@ -101,7 +101,7 @@ def _bus_of_point(point):
 
 
 def _bus_of_winch(line):
-    """The same of the winch of a line, whose name it has."""
+    """Bus of the winch of a line, with the name of the line."""
     declared = [(each, INPUTS[each].terminal) for each in GIVEN]
     declared += [(own, OUTPUTS[each].terminal) for each, own in OF_A_LINE.items()]
     members = [(terminal.partition(".")[2], f"{line.name}.{own}") for own, terminal in declared if terminal]
@@ -109,7 +109,7 @@ def _bus_of_winch(line):
 
 
 def _bus_of_shared_winch(winch):
-    """The same of a winch that holds several lines."""
+    """Bus of a shared winch."""
     members = [(INPUTS[winch.input].terminal.partition(".")[2], f"{winch.name}.{winch.input}")]
     members += [(own, f"{winch.name}.{own}") for own in TURNED]
     return winch.name, f"the winch {winch.name} of {', '.join(winch.lines)}", members
@@ -144,7 +144,7 @@ def _variable(array):
 
 
 def _structure(listed):
-    """ModelStructure: outputs, and what they depend on when initialization ends: an array on what its elements do."""
+    """ModelStructure: outputs, and their dependencies when initialization ends: for an array those of its elements."""
     element = Element("ModelStructure")
     references = {variable.name: array.reference for array in listed for variable in array.variables}
     outputs = [array for array in listed if array.variables[0].causality == OUTPUT]

@@ -43,7 +43,7 @@ class Model(NamedTuple):
 def build(name, folder, options=None, fmi=2, with_header=None, with_sources=False):
     """Build one native FMU and return its path; RuntimeError if a compiler or the linker fails.
 
-    The arguments are those of `archive.build`; fmi : version, 2 or 3.  with_header, with_sources : as in `written`.
+    Arguments as for `archive.build`; fmi : version, 2 or 3.  with_header, with_sources : as for `written`.
     """
     options = options or BuildOptions()
     variant = SLAVES[name]
@@ -57,12 +57,12 @@ def build(name, folder, options=None, fmi=2, with_header=None, with_sources=Fals
 
 
 def written(files, model, folder, platforms, fmi, with_header=None, with_sources=False, purpose=None):
-    """Write a native FMU to a folder, made if missing; returns its path.
+    """Write a native FMU to a folder, created if missing; returns its path.
 
-    files : beside the model, dict of path in the archive to bytes (modified).  model : `Model`.  platforms : as in
-    `BuildOptions`.  with_header : what the names of a C header for hosts begin with that is written beside it, None
+    files : other than the model, dict of path in the archive to bytes (modified).  model : `Model`.  platforms : as in
+    `BuildOptions`.  with_header : prefix of the names in a C header for hosts that is written beside it, None
     for no header, see `host_header`.  with_sources :
-    whether the FMU can also be compiled by its importer, see `sources`.
+    whether its importer can also compile the FMU, see `sources`.
     """
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
@@ -113,9 +113,9 @@ def functions_of(fmi):
 
 
 def universal(libraries):
-    """Bytes of a universal library of macOS, of which the system takes the part that fits its processor.
+    """Bytes of a universal library of macOS, from which the system loads the part for its processor.
 
-    libraries : bytes, each for one processor; they stay as they are and signed.
+    libraries : bytes, each for one processor; they are unchanged and signed.
     """
     page = 1 << PAGE_BITS
     head, body = struct.pack(">2I", MAGIC, len(libraries)), b""

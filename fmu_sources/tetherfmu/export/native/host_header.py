@@ -31,7 +31,7 @@ def text(file, identifier, wiring, fmi, token, prefix):
     """Text of the header of a native FMU.
 
     file : name of the FMU without ending.  identifier : model identifier.  wiring : `wiring.fmu.Wiring`.  fmi : 2 or 3.
-    token : guid of FMI 2, instantiation token of FMI 3.  prefix : what the names begin with.
+    token : guid of FMI 2, instantiation token of FMI 3.  prefix : of the names.
     """
     listed, named = arrays(wiring), partial(c_name, prefix=prefix)
     parts = [_enumeration(HEADS[causality], _references(wiring, listed, fmi, causality, named)) for causality in HEADS]
@@ -55,7 +55,7 @@ def text(file, identifier, wiring, fmi, token, prefix):
 
 
 def write(fmu, identifier, wiring, fmi, token, prefix):
-    """Write the header of a native FMU beside it; fmu : its path.  The others are the arguments of `text`."""
+    """Write the header of a native FMU beside it; fmu : its path.  Other arguments as for `text`."""
     made = text(fmu.stem, identifier, wiring, fmi, token, prefix)
     fmu.with_suffix(".h").write_text(made, encoding="utf-8", newline="\n")
 
@@ -88,7 +88,7 @@ def _choices(table, named):
 
 
 def _enumeration(head, rows):
-    """A C enumeration of triples (name, number, comment), or an empty text where there are none."""
+    """A C enumeration of triples (name, number, comment), or an empty text if there are none."""
     lines = [f"    {name} = {number},{f' /* {comment} */' if comment else ''}" for name, number, comment in rows]
     lines[-1:] = [line.replace(",", "", 1) for line in lines[-1:]]
     return "\n".join([f"enum {{ /* {head} */", *lines, "};"]) if lines else ""

@@ -1,6 +1,6 @@
 """The folder `sources` of a native FMU: the C shell and the kernels as C, to be compiled for any processor.
 
-One file, `fmu.c`, takes in all others, so that a compiler needs no more than its name.
+One file, `fmu.c`, includes all others, so that a compiler needs only its name.
 """
 
 import re
@@ -14,16 +14,16 @@ from ..texts import filled, xml_text
 
 FOLDER = "sources"
 FILE = "fmu.c"
-NOT_IN_C = {"has_avx": None, "room": "room_in_c"}  # parts of the shell that are left out or replaced
+NOT_IN_C = {"has_avx": None, "room": "room_in_c"}  # parts of the shell that are omitted or replaced
 DATA = ("AN_INSTANCE", "A_SAVED_STATE", "CATEGORY")
 PROTOTYPE = re.compile(r"^(?!static|typedef|extern)\w[\w *]*?(\w+)\([^;]*\);", re.MULTILINE)
 
 
 def sources(name, library, tables, room, fmi, headers):
-    """Files of the folder: dict of path in the archive to bytes; RuntimeError if the kernels cannot be made.
+    """Files of the folder: dict of path in the archive to bytes; RuntimeError if the kernels cannot be generated.
 
     name : of the FMU.  library : of its kernels.  tables : text of `tables.h`.  room : text of `tables.room_of`.
-    fmi : 2 or 3.  headers : folder with those of FMI.
+    fmi : 2 or 3.  headers : folder with the FMI headers.
     """
     parts = [NOT_IN_C.get(part, part) for part in (*PARTS, f"fmi{fmi}") if NOT_IN_C.get(part, part)]
     included = "\n".join(f'#include "{part}.c"' for part in parts)
@@ -38,7 +38,7 @@ def sources(name, library, tables, room, fmi, headers):
 
 
 def names():
-    """Text of a header that gives all functions of the shell names with the prefix of the FMU, or its name, in front."""
+    """Text of a header that prefixes all functions of the shell with the prefix or the name of the FMU."""
     found = [each for path in sorted(SHELL.glob("*.h")) for each in PROTOTYPE.findall(path.read_text(encoding="utf-8"))]
     listed = sorted({*found, *DATA} - {"KERNEL"})
     return "\n".join(

@@ -1,6 +1,6 @@
-"""The tables of a native FMU as a C header, made from the declarations that the PythonFMU slave runs with.
+"""The tables of a native FMU as a C header, generated from the declarations of the PythonFMU slave.
 
-Places in the flat arrays, variables, parameters with their ranges, sentences: what the headers in `runtime/native` include.
+Places in the flat arrays, variables, parameters with their ranges, sentences, for the headers in `runtime/native`.
 """
 
 import re
@@ -63,7 +63,7 @@ def c_rows(declared, rows, size=None, empty=""):
 
 
 def _constants(wiring, token):
-    """Names of the layout with AT_ in front, those of the plan with PLAN_, and what this FMU is."""
+    """Names of the layout with the prefix AT_, of the plan with PLAN_, and properties of this FMU."""
     places = {f"AT_{name}": value for name, value in vars(layout).items() if name.isupper() and isinstance(value, int)}
     fractions = {f"AT_{name}": value for name, value in vars(layout).items() if name.isupper() and isinstance(value, float)}
     plan = {name: value for name, value in vars(plan_layout).items() if name.isupper()}
@@ -96,7 +96,7 @@ def _constants(wiring, token):
 
 
 def _sizes(wiring):
-    """Sizes of the arrays; that of the state is a macro of the number of segments in all lines."""
+    """Sizes of the arrays; the size of the state is a macro of the number of segments in all lines."""
     given, end, values = wiring.ends
     sizes = {"INPUTS": given, "OUTPUTS_AT": given, "PARAMETERS_AT": end, "PARAMETERS": values - end, "VALUES": values}
     sizes |= {"TIME": values, "LINES": len(wiring.lines), "FREE_POINTS": len(wiring.free)}
@@ -116,7 +116,7 @@ def _inputs(wiring):
     names = [line.inputs for line in wiring.lines]
     own = {each.place: each.name for each in wiring.table}
     if wiring.is_direct:
-        own |= dict(enumerate(names[0]))  # also of what another tether has
+        own |= dict(enumerate(names[0]))  # also quantities of other tethers
     return [
         c_enumeration({f"SCALE_{name}": number for number, name in enumerate(inputs.SCALES)}),
         c_numbers("unsigned char INPUT_SCALE", numbers),
@@ -135,9 +135,9 @@ def _words(wiring):
 
 
 def room_of(kernels, wiring):
-    """Text that says how much room the arrays of lines with equal numbers of segments need at most."""
+    """Text with the maximum room for the arrays of lines with equal numbers of segments."""
     beside = [plan_layout.PARAMETERS_SIZE, plan_layout.WORK_SIZE]
-    if not wiring.is_direct:  # inputs and outputs of the lines are not those of the FMU
+    if not wiring.is_direct:  # inputs and outputs of the lines differ from those of the FMU
         beside += [plan_layout.INPUTS_SIZE, plan_layout.OUTPUTS_SIZE]
     states, others = [], []
     for n in range(1, layout.MAX_SEGMENTS + 1):
@@ -156,7 +156,7 @@ def _given_plan(wiring):
 
 
 def most_room(states, others):
-    """Text that says how much room the arrays need at most; states, others : lengths with 1, 2, ... segments."""
+    """Text with the maximum room for the arrays; states, others : lengths with 1, 2, ... segments."""
     head = "#ifndef MAX_SEGMENTS", f"#define MAX_SEGMENTS {len(states)}", "#endif"
     return "\n".join([*head, _most("MOST_STATE", states), _most("MOST_OTHERS", others), ""])
 
@@ -169,7 +169,7 @@ def _most(name, sizes):
 
 
 def _parameters(wiring, listed):
-    """Names of the parameters and what is allowed; of each line where the quantities stand that the kernel `pack` takes."""
+    """Names and allowed ranges of the parameters; for each line the places of its quantities for the kernel `pack`."""
     rows = ((c_text(each.name), c_text(each.quantity.range()), str(KINDS[each.kind])) for each in listed)
     doubts = ((str(place), repr(side), repr(limit), c_text(said)) for place, side, limit, said in wiring.doubtful)
     first, *_ = wiring.quantities
@@ -191,7 +191,7 @@ def _parameters(wiring, listed):
 
 
 def _lines(wiring):
-    """Names of the lines, value references of what each has, and of forces."""
+    """Names of the lines, value references of their variables, and of forces."""
     own = {each.name: each.place for each in wiring.table}
     prefixes = (f"{line.name.partition('[')[0]}." if line.name else "" for line in wiring.lines)  # also of a portion
     slack, forces = (f"{prefix}slack_segments" for prefix in prefixes), (name for name in own if own_name(name) in FORCES)
@@ -208,7 +208,7 @@ def _table(name, members, rows):
 
 
 def _maps(wiring):
-    """Where inputs, outputs, motion and masses stand in the arrays of the kernels, and the plan as it is given."""
+    """Places of inputs, outputs, motion and masses in the arrays of the kernels, and the given plan."""
     outputs = [(reference, place) for reference, places in wiring.outputs for place in places]
     counts = {"INPUTS_FROM": wiring.inputs, "OUTPUTS_FROM": outputs, "MOTIONS": wiring.motion}
     counts |= {"HOLDERS": wiring.holders}
@@ -236,14 +236,14 @@ def _maps(wiring):
 
 
 def limits_of(quantity):
-    """Smallest and largest number that a quantity allows, those of an enumeration without gaps; all here are finite."""
+    """Smallest and largest allowed number of a quantity; enumerations have no gaps; all are finite."""
     if quantity.choices:
         return 1.0, float(len(quantity.choices))
     return float(quantity.minimum), float(quantity.maximum)
 
 
 def variable_texts(table, widths, count):
-    """Name, kind and width by value reference, of which there are so many; last the time."""
+    """Name, kind and width of each value reference; the time is last."""
     kinds, names = [0] * count, [""] * count
     for variable in table:
         reference = variable.place

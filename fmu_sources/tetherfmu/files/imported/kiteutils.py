@@ -28,7 +28,7 @@ from .written import Imported, number, row
 HAS_IT = re.compile(r"^tether\s*:", re.MULTILINE)
 SCALE_HEIGHT, ZERO_CELSIUS, STANDARD = 8550.0, 273.15, 15.0  # [m], [K], temperature of rho_0 [degrees Celsius]
 LAWS = {0: UNIFORM, 1: POWER_LAW, 2: LOGARITHMIC, 3: EXPLOG}  # `profile_law`: `wind_profile`
-# quantity: names that versions have for its key, of which a file may give one, and the factor to its unit
+# quantity: its keys in different versions, at most one per file, and the factor to its unit
 TETHER = {
     "diameter": (("d_tether",), 1e-3),
     "density": (("rho_tether",), 1.0),
@@ -44,14 +44,14 @@ ENVIRONMENT = {
 OF_AIR = ("air_density", "wind_profile")
 LENGTHS, STIFFNESS = ("l_tethers", "l_tether"), ("axial_stiffness", "unit_stiffness", "c_spring")
 DIAMETERS = ("power_tether_diameter", "steering_tether_diameter")  # of the first line, of the others
-ELEVATION = 60.0  # of the kite where the file has none [degrees]
+ELEVATION = 60.0  # default elevation of the kite [degrees]
 DRUM = ("inertia_total", "gear_ratio", "drum_radius")
 
 
 class Settings:
-    """The pairs of a file, as "section.key" -> (row, text, list of texts), and which of them have been used.
+    """The pairs of a file, as "section.key" -> (row, text, list of texts), and the set of used ones.
 
-    ValueError names the row that is not YAML, and that of a repeated key.
+    ValueError names a row that is not YAML, or repeats a key.
     """
 
     def __init__(self, text):
@@ -68,9 +68,9 @@ class Settings:
         self.pairs[key] = count, in_text(node, text), [in_text(each, text) for each in parts]
 
     def all(self, *names):
-        """Key, row and numbers (a list) of a quantity of the file that has several names; None if none of them is there.
+        """Key, row and numbers (a list) of a quantity with several possible names; None if it is absent.
 
-        ValueError names the row of what is no number, and two rows that say different things.
+        ValueError names a row without a number, or two contradicting rows.
         """
         found = []
         for key in (key for name in names for key in self.pairs if key.partition(".")[2] == name):
@@ -99,7 +99,7 @@ class Settings:
         return values[0]
 
     def flag(self, name):
-        """Whether a key is there and true; ValueError names the row of what is neither true nor false."""
+        """Whether a key is present and true; ValueError names a row that is neither true nor false."""
         for key in (key for key in self.pairs if key.partition(".")[2] == name):
             self.used.add(key)
             count, text, _ = self.pairs[key]
@@ -119,14 +119,14 @@ class Settings:
         return found
 
     def left_out(self):
-        """Names of what has not been used; of a section of which nothing has its name alone."""
+        """Names of unused pairs; only the name of a section that is entirely unused."""
         kept = {key.partition(".")[0] for key in self.used}
         others = ((key, key.partition(".")[0]) for key in self.pairs if key not in self.used)
         return list(dict.fromkeys([*self.partly, *(key if section in kept else section for key, section in others)]))
 
 
 def composed(text):
-    """The node of a text in YAML, None of an empty one; ValueError names the row where it is none."""
+    """The node of a text in YAML, None of an empty one; ValueError names the row of an error."""
     try:
         return yaml.compose(text, yaml.SafeLoader)
     except yaml.MarkedYAMLError as error:
@@ -139,12 +139,12 @@ def composed(text):
 
 
 def pairs_in(node):
-    """Pairs (key, value) of a node, both nodes, a list; none of a node that has no pairs."""
+    """Pairs (key, value) of a node, both nodes, a list; empty for other nodes."""
     return node.value if isinstance(node, yaml.MappingNode) else []
 
 
 def in_text(node, text):
-    """What a node says: a scalar without quotes, anything else as it stands in the text."""
+    """Text of a node: a scalar without quotes, otherwise the source text."""
     is_scalar = isinstance(node, yaml.ScalarNode)
     return node.value if is_scalar else text[node.start_mark.index : node.end_mark.index].strip()
 
@@ -213,7 +213,7 @@ def scene(settings, tether, environment, elevation, wind):
 
 
 def system(settings, lengths, tether, environment, elevation):
-    """Tables of a system whose lines go from the ground to the kite, as far away as the longest of them."""
+    """Tables of a system with lines from the ground to the kite, at the distance of the longest line."""
     angle, distance = radians(ELEVATION if elevation is None else elevation), max(lengths)
     tables = {"": {}, "points.ground": {"position": [0.0, 0.0, 0.0]}}
     tables["points.kite"] = {"position": [distance * cos(angle), 0.0, distance * sin(angle)]}
@@ -227,7 +227,7 @@ def system(settings, lengths, tether, environment, elevation):
 
 
 def wind_of(settings):
-    """Wind at the reference height [m/s], x downwind: that of `wind_vec` if `use_wind_vec` is true, else of `v_wind`."""
+    """Wind at the reference height [m/s], x downwind: from `wind_vec` if `use_wind_vec` is true, else from `v_wind`."""
     if settings.flag("use_wind_vec"):
         found = settings.all("wind_vec")
         if found is None or len(found[2]) != 3:
@@ -273,7 +273,7 @@ def air(settings):
 
 
 def profile(law, settings):
-    """`wind_profile` of a `profile_law`; ValueError for those that programs number in two ways, and unknown ones."""
+    """`wind_profile` of a `profile_law`; ValueError for ambiguous numbers and unknown laws."""
     if law not in LAWS:
         key, count, _ = settings.all("profile_law")
         raise ValueError(

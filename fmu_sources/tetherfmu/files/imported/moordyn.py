@@ -1,12 +1,12 @@
 """Line files of MoorDyn v2 and decks of CableDyn as systems of tethers.
 
-Both read the values of a row by their places, whatever the heads of the columns say. Slack segments have damping, but no
-stiffness. Where BA is negative it is minus the part of critical damping of a segment:
+Both programs read the values of a row by position, regardless of column headings. Slack segments have damping, but no
+stiffness. A negative BA is minus the fraction of critical damping of a segment:
 
     BA = zeta l sqrt(EA w),  l unstretched length of a segment, w mass per length
 
-The bottom pushes back with kBot d per length and depth, so a line lies as deep in it as its weight says: w g/(kBot d). Where
-the fluid is denser than air its buoyancy is missing here; it is said how much of its weight each line type would lose.
+The bottom reaction is kBot d per length and depth, so a line sinks to the depth w g/(kBot d). Buoyancy is not modelled
+for a fluid denser than air; a note states the fraction of weight that each line type would lose.
 
 Source: MoorDyn 2.7.1, docs/inputs.rst, `MoorDyn2.cpp`, `Line::initialize`; CableDyn, doc/driver_format.md.
 """
@@ -25,12 +25,12 @@ from .written import Imported, number, row
 
 TITLE = re.compile(r"^\s*-{3,}\s*(.*?)[\s-]*$")
 HAS_IT = re.compile(r"^\s*-{3,}\s*LINE ?(TYPES|DICTIONARY)", re.IGNORECASE | re.MULTILINE)
-# what the title of a section begins with, the longer ones first
+# beginnings of section titles, longer ones first
 SECTIONS = {"LINE TYPE": "types", "LINETYPE": "types", "LINE DICTIONARY": "types", "LINE ATTACHMENT": None, "LINE": "lines"}
 SECTIONS |= {"POINT": "points", "CONNECT": "points", "BODIES": "bodies", "BODY": "bodies", "SECTIONS": "sections"}
 SECTIONS |= {"ROD TYPE": None, "ROD DICTIONARY": None, "ROD": "rods", "FAILURE": "failures"}
 SECTIONS |= {"OPTION": "options", "SOLVER OPTION": "options"}
-NO_SECTION = ("NEED", "INPUT FILE")  # what a title has in it that opens none
+NO_SECTION = ("NEED", "INPUT FILE")  # parts of titles that open no section
 OF_A_TYPE = ("Name", "Diam", "Mass/m", "EA", "BA/-zeta", "EI", "Cd", "Ca", "CdAx", "CaAx")  # columns, as the next ones
 OF_A_POINT = ("ID", "Attachment", "X", "Y", "Z")
 OF_A_LINE = ("ID", "LineType", "AttachA", "AttachB", "UnstrLen", "NumSegs")
@@ -47,7 +47,7 @@ GRAVITY, WATER, STIFF_BOTTOM, ITS_STIFF_BOTTOM = (
     1025.0,
     3e6,
     1e5,
-)  # where the options do not say it; CableDyn's last
+)  # defaults of the options
 # names of an option
 OF_GRAVITY, OF_WATER, OF_BOTTOM, OF_DAMPING = ("g", "gravity"), ("wtrdnsty", "rhow", "rho"), ("kbot", "kb"), ("cbot", "cb")
 OF_FRICTION, OF_START = ("frictioncoefficient", "frictionmu"), ("tmaxic", "ictmax")
@@ -58,12 +58,12 @@ SINKS = dict(quantities(Ground))["ground_sink"]
 
 
 def system(text):
-    """`Imported` of the text of a file; ValueError names the row of what is wrong."""
+    """`Imported` from the text of a file; ValueError names the row of a problem."""
     return Deck(text).imported()
 
 
 class Deck:
-    """The rows of a file by section, and what of them becomes what."""
+    """The rows of a file by section, and their conversion."""
 
     def __init__(self, text):
         self.found, self.others = sections(text)
@@ -75,7 +75,7 @@ class Deck:
         self.options = dict(option_of(*each) for each in self.found["options"])
         self.density = self.option(WATER, *OF_WATER)
         self.gravity = self.option(GRAVITY, *OF_GRAVITY)
-        self.types, self.of_types, self.has_lines = {}, {}, {}  # quantities of line types, what they leave out, who has any
+        self.types, self.of_types, self.has_lines = {}, {}, {}  # quantities of line types, their omissions, types in use
         for count, words in self.found["types"]:
             before, self.left_out = self.left_out, []
             self.types[words[0]] = self.type_of(count, words)
@@ -120,7 +120,7 @@ class Deck:
         return Imported("system", tables, self.left_out, defaults)
 
     def type_of(self, count, words):
-        """Quantities of a line type, with BA as it is."""
+        """Quantities of a line type, with BA as written."""
         with row(count):
             columns(words, OF_A_TYPE, "MoorDyn v1 has no EI: write the file for v2")
             drag = ITS_DRAG if len(words) == COLUMNS_OF_CABLEDYN else OF_A_TYPE.index("Cd")
@@ -148,7 +148,7 @@ class Deck:
         return found | {"drag_coefficient": across, "slack_stiffness_ratio": 0.0}
 
     def parts(self, k, text):
-        """Numbers of a column whose parts a bar separates; ValueError for the name of a file with a curve."""
+        """Numbers of a column separated by bars; ValueError for the name of a file with a curve."""
         try:
             return [number(OF_A_TYPE[k], each) for each in text.split("|")]
         except ValueError:
@@ -183,7 +183,7 @@ class Deck:
         return self.option(1.0, *OF_START) > 0.0
 
     def on_body(self, name, place):
-        """Where a point of a body is, whose place on it is given [m]; ValueError unless the body is held or driven."""
+        """Position of a point on a body at this place [m]; ValueError unless the body is fixed or driven."""
         for count, words in self.found["bodies"]:
             if words[0] == name:
                 columns(words, OF_A_BODY)
@@ -229,7 +229,7 @@ class Deck:
             self.tables[f"lines.{own}"] = table
 
     def end_of(self, text):
-        """Name of the point at which a line ends, a rod's end among them."""
+        """Name of the point at which a line ends, possibly a rod's end."""
         rod = re.fullmatch(r"r(?:od)?(\d+)([ab])", text, re.IGNORECASE)
         name = (
             f"r{rod[1]}{rod[2].lower()}" if rod else "p" + re.sub(r"^(p|point|c|con)(?=\d)", "", text, flags=re.IGNORECASE)
@@ -270,7 +270,7 @@ class Deck:
         return found
 
     def add_failure(self, count, words):
-        """Let a line break at the tension at which it detaches; what else a failure says is left out."""
+        """Make a line break at the tension at which it detaches; other parts of a failure are omitted."""
         name, lines = words[0], words[2].split(",")
         time, force = (number(key, each) for key, each in zip(OF_A_FAILURE[3:], words[3:5], strict=True))
         if time > 0.0:
@@ -314,7 +314,7 @@ class Deck:
         return tables
 
     def leave_out(self):
-        """Say what of the file is not used: sections by their rows, points without a line, options."""
+        """Report unused parts of the file: sections by their rows, points without a line, options."""
         ends = {
             end for key, table in self.tables.items() if key.startswith("lines.") for end in (table["from"], table["to"])
         }
@@ -334,7 +334,7 @@ class Deck:
             self.left_out.append(f"options {', '.join(others)}")
 
     def leave(self, count, what):
-        """Say that something of a row is left out."""
+        """Note that a part of a row is omitted."""
         self.left_out.append(f"row {count}: {what}")
 
 
@@ -359,7 +359,7 @@ def sections(text):
 
 
 def columns(words, needed, why=""):
-    """ValueError if a row has not what is needed."""
+    """ValueError if a row lacks a required column."""
     if len(words) < len(needed):
         why = why and f"; {why}"
         raise ValueError(f"it has {len(words)} columns; it must have at least {len(needed)}: {' '.join(needed)}{why}")

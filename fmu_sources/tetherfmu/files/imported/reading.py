@@ -1,4 +1,4 @@
-"""Which program a file is of, and that what it becomes can be read here."""
+"""Detects the program of a file, and whether its result can be read here."""
 
 import tomllib
 

@@ -11,11 +11,11 @@ class Imported(NamedTuple):
     """A file of another program, as a file of this one."""
 
     kind: str  # "scene" or "system"
-    tables: dict  # as TOML has them: dict of names of tables, "" for what is before them, to dicts
-    left_out: list  # what of the file has no place there, in words
-    defaults: list  # what the file does not say, with the value that is taken
-    notes: tuple = ()  # what else a user should know, in words
-    spare: tuple = ()  # pairs (name, table): written as comments, for they need more than the file says
+    tables: dict  # TOML tables: dict of table names, "" for the top level, to dicts
+    left_out: list  # omitted parts of the file, in words
+    defaults: list  # values missing in the file, with their defaults
+    notes: tuple = ()  # other notes for the user, in words
+    spare: tuple = ()  # pairs (name, table): written as comments, as they need more data than the file has
 
 
 def row(number):
@@ -24,7 +24,7 @@ def row(number):
 
 
 def number(name, text):
-    """A number of a file; ValueError names what is none."""
+    """A number of a file; ValueError names a text that is not one."""
     try:
         found = float(text)
     except ValueError:

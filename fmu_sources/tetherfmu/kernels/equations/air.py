@@ -9,8 +9,8 @@
 z [m] above z = 0, h reference height [m], z0 surface roughness [m]. The factor f on the reference wind is never
 negative. Theory: docs/models/theory.md, "Air".
 
-In searches for an equilibrium, not in flight, there may be a calm layer of thickness c > 0: in it the factor grows in
-proportion to the height, f(z) = f(c) z/c.
+Equilibrium searches may add a calm layer of thickness c > 0, in which the factor is proportional to the height:
+f(z) = f(c) z/c.
 """
 
 from math import exp, log, nan
@@ -20,7 +20,7 @@ from tetherfmu.runtime import layout as at
 from ..compilation import kernel
 from ..linear_algebra.pairs import lanewise
 
-_LOWEST = 1e-3  # without a calm layer the slope of the power law is that of at least this part of h: it is infinite at z = 0
+_LOWEST = 1e-3  # part of h below which the power-law slope is constant: it is infinite at z = 0
 
 
 @kernel
@@ -47,13 +47,13 @@ def logarithmic(height, parameters):
 
 @kernel
 def is_sheared(profile):
-    """Whether the wind changes with the height by this law."""
+    """Whether the wind of this law varies with the height."""
     return profile == at.POWER_LAW or profile == at.LOGARITHMIC or profile == at.EXPLOG
 
 
 @kernel
 def is_known(profile):
-    """Whether this is a law of this file."""
+    """Whether this file defines the law."""
     return profile == at.UNIFORM or is_sheared(profile)
 
 
@@ -61,7 +61,7 @@ def is_known(profile):
 def factor_by_law(height, parameters):
     """Wind at a height [m] over wind at the reference height [-], and its slope [1/m], without a calm layer.
 
-    NaN for a law that is none.
+    NaN for an unknown law.
     """
     profile = parameters[at.WIND_PROFILE]
     if profile == at.POWER_LAW:
@@ -93,7 +93,7 @@ def wind_factor(height, parameters):
 
 @kernel
 def air_density(height, parameters):
-    """Density of the air at a height [m]: [kg/m3], and its slope [kg/m4]."""
+    """Air density at a height [m]: [kg/m3], and its slope [kg/m4]."""
     density = parameters[at.AIR_DENSITY]
     scale_height = parameters[at.AIR_DENSITY_SCALE_HEIGHT]
     if scale_height <= 0.0:
@@ -104,7 +104,7 @@ def air_density(height, parameters):
 
 @kernel
 def is_uniform(parameters):
-    """Whether wind and density are the same everywhere, so that `varying_air` is not needed."""
+    """Whether wind and density are the same everywhere (`varying_air` is then not needed)."""
     return parameters[at.WIND_PROFILE] == at.UNIFORM and parameters[at.AIR_DENSITY_SCALE_HEIGHT] <= 0.0
 
 

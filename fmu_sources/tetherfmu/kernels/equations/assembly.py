@@ -1,14 +1,13 @@
-"""The chain of lumped masses put together: node masses, node forces, and the matrices of an implicit step.
+"""Assembly of the lumped-mass chain: node masses, node forces, and the matrices of an implicit step.
 
-Node 0 is at the ground, node n at the kite; segment s joins nodes s and s + 1. Half of the mass, of the weight and of
-the drag of a segment sits on each of its nodes:
+Node 0 is at the ground, node n at the kite; segment s joins nodes s and s + 1. Each node of a segment carries half of its
+mass, weight and drag:
 
     m_i = sum over its segments of 1/2 mu l0  +  point mass of the node
     F_i = T_i e_i - T_(i-1) e_(i-1) + half drags + f_i,   f_i: loads of the node (`node_loads.py`)
 
-The rate of change of node forces with positions and velocities, dF = K dx + B dv, has 3x3 blocks next to its diagonal
-only. Flat arrays of node vectors have 3 (n + 1) numbers, interleaved ones are those of `linear_algebra.both_ends`; `mass`
-has n + 1.
+The change of node forces with positions and velocities, dF = K dx + B dv, is block tridiagonal with 3x3 blocks. Flat
+arrays of node vectors have 3 (n + 1) numbers, interleaved arrays see `linear_algebra.both_ends`; `mass` has n + 1.
 Theory: docs/models/theory.md, "The chain".
 """
 
@@ -88,13 +87,13 @@ def found_segment(segments, s):
 
 @kernel
 def node_forces(chain, modes, x, v, mass, segments, force):
-    """Forces of tension, drag and loads on all nodes [N] into `force` (modified).
+    """Tension, drag and load forces on all nodes [N] into `force` (modified).
 
-        F_i = T_i e_i - T_(i-1) e_(i-1) + half drags + f_i, and those of rope that flows past them (`flow.py`)
+        F_i = T_i e_i - T_(i-1) e_(i-1) + half drags + f_i, plus the forces of flowing rope (`flow.py`)
 
-    `motion.accelerations` has this sum in plain lines. Here the loop goes from both ends inwards: it takes segment s and its
-    mirror image n - 1 - s, node s and node n - s, side by side as pairs of numbers, because the processor calculates with
-    both numbers of a pair at once (`linear_algebra.pairs`). In both halves p is the outer node, q the inner one, and e
+    `motion.accelerations` computes this sum in a plain loop. This loop runs from both ends inwards. It processes segment
+    s and its mirror image n - 1 - s, node s and node n - s, as pairs of numbers, because the processor computes both
+    numbers of a pair at once (`linear_algebra.pairs`). In both halves p is the outer node, q the inner one, and e
     points from p to q. A segment looks the same from both sides: p feels T e + F, q feels -T e + F.
 
     Mode of the stiffness of every segment (`segment.BY_LENGTH`, ...), positions x [m], velocities v [m/s], node masses
@@ -111,14 +110,14 @@ def node_forces(chain, modes, x, v, mass, segments, force):
 
 @view
 def sum_forces(chain, in_air, modes, x, v, mass, segments, force):
-    """The loop of `node_forces` once `segments` are found.
+    """Loop of `node_forces`, given `segments`.
 
-    in_air : `has_drag`, as a constant: the loop is compiled for both, so that a chain without drag takes a tenth less time.
+    in_air : `has_drag`, as a constant: compiled for both values, which saves a tenth of the time without drag.
     """
     n = chain.n
     from_outside = pair(ZERO_VECTOR, ZERO_VECTOR)  # force of the outer segment on p: none at the ends
     x_p, v_p = get_interleaved(x, 0), get_interleaved(v, 0)
-    for s in range((n + 1) // 2):  # of an odd n the middle segment is its own mirror image, and p each of its two nodes
+    for s in range((n + 1) // 2):  # for odd n the middle segment is its own mirror image
         x_q, v_q = next_interleaved(n, s, x), next_interleaved(n, s, v)
         both = (s, n - 1 - s)
         length, e = found_segment(segments, s)
@@ -140,10 +139,10 @@ def sum_forces(chain, in_air, modes, x, v, mass, segments, force):
 
 @kernel
 def end_force(chain, kite_end, x, v, mass):
-    """Force of the tether on what holds its ground end (or its kite end) [N], and the tension there [N].
+    """Force of the tether on the support of its ground end (or kite end) [N], and the tension there [N].
 
-    Force of the end segment plus half of its drag plus weight of its half there; without inertia, and without a point mass
-    at the end, which is not of the tether.
+    Force of the end segment plus half of its drag plus the weight of its half there, without inertia and without a point
+    mass at the end, which is not part of the tether.
     Source: docs/models/theory.md, "End forces".
     """
     s = chain.n - 1 if kite_end else 0
@@ -159,7 +158,7 @@ def end_force(chain, kite_end, x, v, mass):
 
 @view
 def record_of(s, n, records):
-    """Derivatives of the forces of segment s: a view of `records`, where those of mirror segments stand as pairs."""
+    """Derivatives of the forces of segment s: a view of `records`, which stores mirror segments as pairs."""
     outer = min(s, n - 1 - s)
     return every_second(records, 2 * segment.RECORD * outer + (1 if s > outer else 0), segment.RECORD)
 
@@ -168,7 +167,7 @@ def record_of(s, n, records):
 def linearize(chain, x, v, modes, segments, records, force_rate):
     """Derivatives of all segment forces into `records`, rate of the forces from reeling into `force_rate` (both modified).
 
-    x, v : interleaved positions [m] and velocities [m/s].  modes (modified) : which stiffness each segment has there.
+    x, v : interleaved positions [m] and velocities [m/s].  modes (modified) : stiffness mode of each segment.
     segments (modified) : see `find_segments`.  force_rate : dF/dl0 dl0/dt of every node [N/s] at constant positions and
     velocities, a flat array.
     """
@@ -178,7 +177,7 @@ def linearize(chain, x, v, modes, segments, records, force_rate):
 
 @kernel
 def find_slopes(chain, x, v, modes, segments, records):
-    """The same without the rate."""
+    """`linearize` without `force_rate`."""
     find_segments(chain.n, x, True, segments)
     if has_drag(chain):
         linearize_segments(chain, True, x, v, modes, segments, records)
@@ -188,7 +187,7 @@ def find_slopes(chain, x, v, modes, segments, records):
 
 @view
 def linearize_segments(chain, in_air, x, v, modes, segments, records):
-    """Records and modes of `linearize` once `segments` are found; in_air : see `sum_forces`."""
+    """Records and modes of `linearize`, given `segments`; in_air : see `sum_forces`."""
     n = chain.n
     for s in range((n + 1) // 2):
         both = (s, n - 1 - s)
@@ -219,7 +218,7 @@ def put_records(s, axial, drag, drag_by_velocity, others, records):
 def rate_from_reeling(chain, x, v, records, force_rate):
     """Rate dF/dl0 dl0/dt of the node forces [N/s] into `force_rate` (modified), at constant positions and velocities.
 
-    x, v : these, interleaved [m], [m/s].
+    x, v : interleaved positions [m] and velocities [m/s].
     """
     clear(force_rate)
     if chain.reeling == 0.0:
@@ -265,7 +264,7 @@ def add_end_motion(n, kite_end, dx, dv, records, force):
 
 @kernel
 def longest_part(chain, move):
-    """Part [-] of a move [m] of all nodes in which no segment changes by more than its unstretched length."""
+    """Fraction [-] of a displacement [m] of all nodes in which no segment changes by more than its unstretched length."""
     part = 1.0
     for s in range(chain.n):
         rest = rest_length(chain, s)
@@ -279,7 +278,7 @@ def assemble(n, mass_factor, damping_factor, stiffness_factor, mass, records, ma
     diagonal, lower, upper = matrix
     outward = pair(1.0, -1.0)
     from_outside = pair(ZERO_MATRIX, ZERO_MATRIX)
-    for s in range((n + 1) // 2):  # a segment in the middle is met twice
+    for s in range((n + 1) // 2):  # the loop visits a middle segment twice
         i = n - s
         axial, drag, both = step_blocks(2 * segment.RECORD * s, damping_factor, stiffness_factor, records)
         drag = scale_matrix(outward, drag)
@@ -297,7 +296,7 @@ def assemble(n, mass_factor, damping_factor, stiffness_factor, mass, records, ma
 
 @kernel
 def step_blocks(start, damping_factor, stiffness_factor, records):
-    """Parts of the blocks of two segments, whose records start at a place, as pairs.
+    """Parts of the blocks of two segments, with records at this place, as pairs.
 
     stiffness_factor K + damping_factor c e e, stiffness_factor G, and (stiffness_factor a e_z - damping_factor A)/2.
     """
@@ -312,9 +311,9 @@ def step_blocks(start, damping_factor, stiffness_factor, records):
 
 @kernel
 def damping_product(s, sign, u_p, u_q, records):
-    """Changes of the axial force and of the half drag of segment s and of its mirror image by sign u, as pairs.
+    """Changes of the axial force and of the half drag of segment s and its mirror image by sign u, as pairs.
 
-    sign u : of the velocities [m/s] of their outer and of their inner nodes.
+    sign u : velocities [m/s] of the outer and inner nodes, times sign.
     """
     record = 2 * segment.RECORD * s
     e = get_vector_of_pairs(records, record + 2 * segment.DIRECTION)

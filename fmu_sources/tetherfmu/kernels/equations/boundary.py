@@ -1,17 +1,17 @@
-"""Boundary conditions of one communication step: how its ends move, its length changes, the wind and a load act.
+"""Boundary conditions of one communication step: motion of the ends, length, wind and load.
 
 The inputs are interpreted once per step, for all variants (`inputs_of_step`):
 
-    ends      position p, velocity v and acceleration a that are prescribed, see `end_motion.py`. With `end_velocities =
-              given` v is an input; with `derived` it follows from positions (`past.py`), and the input is not read
+    ends      prescribed position p, velocity v and acceleration a, see `end_motion.py`. With `end_velocities = given` v is
+              an input; with `derived` it is computed from positions (`past.py`), and the input is not read
     reeling   a polynomial L + c1 t + c2 t^2 + c3 t^3 of the time within the step, see `winch.py`
-    load      on a free kite end: continues like the reel-out speed; so does the force of the winch
-    wind      held
+    load      on a free kite end: extrapolated like the reel-out speed, as is the winch force
+    wind      held constant
 
-A derivative that the importer gives for the step replaces what the tether would estimate: of a velocity the acceleration, of
-a position the derived velocity, of the wind the rate 0. Given derivatives wait in the state for the step that consumes them.
+A derivative that the importer sets for the step replaces an estimate: the acceleration for a velocity input, the derived
+velocity for a position input, the rate 0 for the wind. Given derivatives are stored in the state until a step consumes them.
 
-A chain with waves needs more: the curves of its ends and what moves freely (`BoundaryConditions`).
+A chain with waves also needs the curves of its ends and its free nodes (`BoundaryConditions`).
 
 Theory: docs/models/theory.md, "Inputs within a step" and "Driven ends".
 """
@@ -41,37 +41,35 @@ StepInputs = namedtuple(
     "StepInputs",
     "step corrections ground kite reeling force force_rate wind wind_rate load load_rate rated recent",
 )
-StepInputs.__doc__ = """What the inputs of a communication step mean.
+StepInputs.__doc__ = """Interpreted inputs of a communication step.
 
-step, corrections : its length h and the times H in which ground end, kite end and length come to their given motion [s].
+step, corrections : its length h and the correction times H of ground end, kite end and length [s].
 ground, kite : position [m], velocity [m/s] and acceleration [m/s2] prescribed for each end at the start of the step.
 reeling : of the unstretched length, see `winch.py`.
 force, force_rate : of the winch at the start [N], its constant rate [N/s].
 wind, wind_rate : at the start, at the reference height [m/s], and its constant rate [m/s2].
 load, load_rate : force on a free kite end at the start [N], its constant rate [N/s].
-rated : what the next step compares with its own to find rates, four vectors: velocity inputs of the kite end and of the
-ground end [m/s]; load [N]; reel-out speed [m/s], force of the winch [N], nothing.
-recent : their rates as the next steps take them after a much shorter one.
-"""
+rated : values from which the next step estimates rates, four vectors: velocity inputs of the kite end and of the
+ground end [m/s]; load [N]; reel-out speed [m/s], winch force [N], unused.
+recent : their rates, used by the next steps after a much shorter one."""
 
 BoundaryConditions = namedtuple(
     "BoundaryConditions", "n parameters ground kite first last reeling force force_rate wind load load_rate"
 )
-BoundaryConditions.__doc__ = """A chain and what acts on it during one communication step.
+BoundaryConditions.__doc__ = """A chain and the conditions on it during one communication step.
 
 n, parameters : number of segments and flat array of the chain, see `layout.py`.
 ground, kite : curves of the driven ends, see `end_motion.curve`.
-first, last : first and last node that moves freely.
+first, last : first and last free node.
 reeling : of the unstretched length, see `winch.py`.
-force, force_rate : of a winch that is controlled by force, at the start [N], its constant rate [N/s].
+force, force_rate : of a force-controlled winch, at the start [N], its constant rate [N/s].
 wind : mean over the step, at the reference height [m/s].
-load, load_rate : force on a free kite end at the start [N], its constant rate [N/s].
-"""
+load, load_rate : force on a free kite end at the start [N], its constant rate [N/s]."""
 
 
 @kernel
 def wind_of(inputs):
-    """Wind [m/s] at the reference height that the inputs give, whatever they say of wind points."""
+    """Wind input [m/s] at the reference height, regardless of wind points."""
     return vector_at(inputs, at.WIND_VELOCITY)
 
 
@@ -80,13 +78,13 @@ def wind_of(inputs):
 
 @kernel
 def are_derived(parameters):
-    """Whether the velocities of the ends come from their positions."""
+    """Whether the end velocities are derived from positions."""
     return parameters[at.END_VELOCITIES] == at.DERIVED
 
 
 @view
 def rates_of_inputs(rated, step, state):
-    """Rates of the inputs that are `rated` (see `StepInputs`), estimated for a step [s]: as many vectors."""
+    """Estimated rates of the `rated` inputs (see `StepInputs`) for a step [s]: as many vectors."""
     return (
         rates_from(0, rated[0], step, state),
         rates_from(1, rated[1], step, state),
@@ -97,7 +95,7 @@ def rates_of_inputs(rated, step, state):
 
 @view
 def rates_from(k, now, step, state):
-    """Rates of vector k of those that are rated, from its present value."""
+    """Rates of vector k of the `rated` inputs, from its present value."""
     times = state[at.LAST_STEP], state[at.LAST_STEP], state[at.LAST_STEP]
     last, recent = vector_at(state, at.LAST_RATED + 3 * k), vector_at(state, at.RECENT_RATES + 3 * k)
     return estimated_rates(now, last, recent, times, state[at.LONGEST_SO_FAR], step)
@@ -105,10 +103,10 @@ def rates_from(k, now, step, state):
 
 @kernel
 def motion_of_end(parameters, inputs, place, k, acceleration, time, state):
-    """Position [m], velocity [m/s] and acceleration [m/s2] that are prescribed for an end at the start of a step.
+    """Prescribed position [m], velocity [m/s] and acceleration [m/s2] of an end at the start of a step.
 
-    place : of its position among the inputs; its velocity stands behind.  k : its place among the numbers of `past`.
-    acceleration : of `rates_of_inputs`.  time : in which it comes to its given motion [s].
+    place : of its position among the inputs; its velocity follows.  k : its place among the numbers of `past`.
+    acceleration : from `rates_of_inputs`.  time : correction time [s].
     """
     position, velocity = vector_at(inputs, place), vector_at(inputs, place + 3)
     if are_derived(parameters):
@@ -121,9 +119,9 @@ def motion_of_end(parameters, inputs, place, k, acceleration, time, state):
 
 @kernel
 def correction_of_end(x, v, i, given, left, time, state):
-    """Time [s] in which node i of a chain comes to its given motion, see `time_of_correction`.
+    """Time [s] in which node i of a chain returns to its prescribed motion, see `time_of_correction`.
 
-    x, v : of all nodes [m], [m/s].  given : of `motion_of_end`.  left, time : [s]
+    x, v : of all nodes [m], [m/s].  given : from `motion_of_end`.  left, time : [s]
     """
     return time_of_correction(get(x, i), get(v, i), given[0], given[1], state[at.LAST_STEP], left, time)
 
@@ -140,7 +138,7 @@ def put_ends(n, state, ground, kite):
 
 @kernel
 def place_at_start(n, parameters, inputs, state):
-    """Put both ends of a new state (modified, all 0) where the inputs say; a free kite end has its velocity from them."""
+    """Put both ends of a new state (modified, all 0) at their input positions, a free kite end with its input velocity."""
     ground, kite = vector_at(inputs, at.GROUND_VELOCITY), vector_at(inputs, at.KITE_VELOCITY)
     if are_derived(parameters):
         ground, kite = ZERO_VECTOR, kite if parameters[at.KITE_IS_FREE] != 0.0 else ZERO_VECTOR
@@ -150,7 +148,7 @@ def place_at_start(n, parameters, inputs, state):
 
 @kernel
 def move_ends(n, given, state):
-    """Put both ends of a state (modified) where they are prescribed at the end of the step; for variants without waves."""
+    """Move both ends of a state (modified) to their prescribed motion at the end of the step; for variants without waves."""
     put_ends(n, state, target(*given.ground, given.step), target(*given.kite, given.step))
 
 
@@ -163,7 +161,7 @@ def distance_of_ends(n, state):
 
 @kernel
 def spring_at_ground(n, parameters, state):
-    """Tension of the spring of the first segment [N] in a state, or that at the ground which the state keeps."""
+    """Spring tension of the first segment [N] in a state, or the ground tension stored in the state."""
     held = norm(vector_at(state, at.GROUND_TENSION_VECTOR))
     if held > 0.0:
         return held
@@ -212,7 +210,7 @@ def inputs_of_step(n, parameters, inputs, step, state):
 def conditions_of_chain(n, parameters, shape, given, state, x, v):
     """`BoundaryConditions` of a chain from `StepInputs`, in a state with node positions x [m] and velocities v [m/s].
 
-    shape : in which it started, as `initial_shape` has it: a chain that turns then goes on turning in its first step.
+    shape : its `initial_shape`: a chain that starts turning continues to turn in its first step.
     """
     ground, kite, step = given.ground, given.kite, given.step
     if state[at.LAST_STEP] <= 0.0 and shape == at.QUASI_STEADY:
@@ -238,20 +236,20 @@ def conditions_of_chain(n, parameters, shape, given, state, x, v):
 
 @view
 def chain_moving(conditions, length, speed, acceleration):
-    """The `Chain` with this unstretched length [m], its rate [m/s] and the rate of that [m/s2]."""
+    """`Chain` with this unstretched length [m] and its first [m/s] and second [m/s2] derivative."""
     return chain_in_motion(conditions.n, conditions.parameters, length, speed, acceleration, conditions.wind)
 
 
 @view
 def portion_moving(conditions, length, speed, acceleration, leaving):
-    """The same of a portion of a line that runs over sheaves; leaving : as of `chain_with_flow`."""
+    """`chain_moving` for a portion of a line over sheaves; leaving : as in `chain_with_flow`."""
     wind = conditions.wind
     return portion_in_motion(conditions.n, conditions.parameters, length, speed, acceleration, leaving, wind)
 
 
 @view
 def chain_with(conditions, length, speed):
-    """The same whose rate stays."""
+    """`chain_moving` with a constant rate."""
     return chain_moving(conditions, length, speed, 0.0)
 
 
@@ -270,7 +268,7 @@ def load_during(conditions, time):
 
 @kernel
 def place_ends(conditions, time, x, v):
-    """Put the driven ends into x [m] and v [m/s] (both modified) at a time [s] of the communication step."""
+    """Write the driven ends into x [m] and v [m/s] (both modified) at a time [s] of the communication step."""
     if conditions.first == 1:
         put(x, 0, position_at(conditions.ground, time))
         put(v, 0, velocity_at(conditions.ground, time))

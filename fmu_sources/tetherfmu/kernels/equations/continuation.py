@@ -1,6 +1,6 @@
-"""How inputs continue within a step, and the derivatives that the importer gives for it.
+"""Continuation of inputs within a step, and the derivatives that the importer sets for it.
 
-A given derivative replaces what the tether would estimate. Given derivatives wait in the state for the step that consumes
+A given derivative replaces the estimate of the tether. Given derivatives are stored in the state until a step consumes
 them. Theory: docs/models/theory.md, "Inputs within a step".
 """
 
@@ -12,7 +12,7 @@ from .past import extrapolated
 
 @kernel
 def given_derivative(state, place, estimate):
-    """Derivative of the input at a place [unit/s]: the given one, else the estimate."""
+    """Derivative of the input at a place [unit/s]: the importer's, or else the estimate."""
     given = state[at.GIVEN_DERIVATIVES]
     if given != 0.0 and int(given) >> place & 1 == 1:  # nearly always 0
         return state[at.INPUT_DERIVATIVES + place]
@@ -21,7 +21,7 @@ def given_derivative(state, place, estimate):
 
 @kernel
 def given_derivatives(state, place, estimates):
-    """The same of the three inputs from a place on."""
+    """`given_derivative` of three inputs from a place on."""
     if state[at.GIVEN_DERIVATIVES] == 0.0:
         return estimates
     return (
@@ -33,7 +33,7 @@ def given_derivatives(state, place, estimates):
 
 @kernel
 def consume_given_derivatives(state):
-    """Forget the given derivatives in the state (modified)."""
+    """Clear the given derivatives in the state (modified)."""
     if state[at.GIVEN_DERIVATIVES] != 0.0:
         for k in range(at.GIVEN_DERIVATIVES, at.INPUT_DERIVATIVES + at.INPUTS):
             state[k] = 0.0
@@ -41,16 +41,16 @@ def consume_given_derivatives(state):
 
 @kernel
 def is_continued(parameters):
-    """Whether inputs continue linearly within a step, and are not held."""
+    """Whether inputs continue linearly within a step (otherwise they are held constant)."""
     return parameters[at.INPUT_CONTINUATION] != at.HELD
 
 
 @kernel
 def followed(parameters, position, k, speed, time, state):
-    """Velocity [m/s] and acceleration [m/s2] of what is known by its position [m] only, for a way of a time [s] from now on.
+    """Velocity [m/s] and acceleration [m/s2] of a quantity known by positions [m] only, for the next `time` [s].
 
-    k : its place among the numbers of `past`.  speed : in the first step [m/s]; with `input_continuation = held` it stays
-    where it is in all others.
+    k : its place among the numbers of `past`.  speed : in the first step [m/s]; with `input_continuation = held` the
+    position is constant in all other steps.
     """
     if state[at.LAST_STEP] <= 0.0:
         return speed, 0.0

@@ -1,13 +1,12 @@
-"""The drum of a winch that is controlled by force: how it turns, when it is held, where it stops.
+"""The drum of a force-controlled winch: its motion, its friction and its stops.
 
     m du/dt = T - W - c u - F sign(u),   dL/dt = u
 
 L is the unstretched length, u the reel-out speed, T the tension of the first segment, m `winch_mass`, W `winch_force`, c
 `winch_damping` and F `winch_friction`. Without mass T = W + c u + F sign(u) at every instant.
 
-Held: a drum at rest stays while |T - W| is at most F, and at a stop while it is pushed into it. It is never at rest but
-held: within a piece of time it pays out (direction 1), reels in (-1) or is held (0), and the end of the piece is where that
-changes. Stops are inelastic.
+A drum at rest is held while |T - W| is at most F, or while it is pushed into a stop. Within a piece of time a drum pays out
+(direction 1), reels in (-1) or is held (0); a piece ends where the direction changes. Stops are inelastic.
 
 Theory: docs/models/theory.md, "Winch".
 """
@@ -27,9 +26,9 @@ force, force_rate : W at the start [N], its constant rate [N/s].
 """
 
 OUTWARDS, INWARDS, HELD = 1.0, -1.0, 0.0  # directions: it pays out, reels in, is held
-# part of its friction from which on a drum without mass, which turns at just this force, goes on turning
+# fraction of its friction above which a massless drum, which turns at exactly this force, keeps turning
 ALMOST = 1.0 - 1e-9
-SAME_PLACE = 1e-12  # of the length, relative: so near to a stop the drum is at it
+SAME_PLACE = 1e-12  # distance to a stop at which the drum counts as stopped, relative to the length
 
 
 @view
@@ -40,10 +39,10 @@ def drum_of(parameters, force, force_rate):
 
 @view
 def drum_with(parameters, rope, force, force_rate):
-    """The same with so much mass of rope [kg]."""
+    """`drum_of` with additional rope mass [kg]."""
     mass, friction = parameters[at.WINCH_MASS] + rope, parameters[at.WINCH_FRICTION]
     if pulls_only(parameters):
-        force = max(force, -friction)  # of which rounding may take a little, see `transaction.check_reeling`
+        force = max(force, -friction)  # rounding may lower it, see `transaction.check_reeling`
     return Drum(
         mass,
         parameters[at.WINCH_DAMPING],
@@ -57,28 +56,28 @@ def drum_with(parameters, rope, force, force_rate):
 
 @kernel
 def force_at(drum, time):
-    """Force of the winch W [N] at a time [s] of the communication step."""
+    """Winch force W [N] at a time [s] of the communication step."""
     return drum.force + time * drum.force_rate
 
 
 @kernel
 def balance(drum, direction, tension, speed, time):
-    """T - W - c u - F sign(u) [N] at a time [s] of the communication step, of a drum that turns in a direction."""
+    """T - W - c u - F sign(u) [N] of a drum that turns in a direction, at a time [s] of the communication step."""
     return tension - force_at(drum, time) - drum.damping * speed - drum.friction * direction
 
 
 @kernel
 def is_at_stop(drum, length, direction):
-    """Whether the drum can turn no further in a direction at an unstretched length [m]."""
+    """Whether the drum is at the stop in a direction, at an unstretched length [m]."""
     margin = SAME_PLACE * length
     return (direction > 0.0 and length >= drum.longest - margin) or (direction < 0.0 and length <= drum.shortest + margin)
 
 
 @kernel
 def direction_of(drum, length, speed, tension, time):
-    """Direction in which a drum turns next from a length [m] and a speed [m/s].
+    """Next direction of a drum from a length [m] and a speed [m/s].
 
-    tension : T at rest [N], at this time [s]. Without mass the drum has no speed of its own.
+    tension : T at rest [N], at this time [s]. The speed of a massless drum follows from the force balance.
     """
     moving = 0.0
     if drum.mass > 0.0 and speed != 0.0:
@@ -102,7 +101,7 @@ def stop_ahead(drum, direction):
 
 @kernel
 def freedom(drum, length, tension, time):
-    """Force [N] that a drum which is held at a length [m] under a tension [N] lacks to turn; below 0: it turns."""
+    """Force [N] that is missing to turn a held drum at a length [m] under a tension [N]; below 0: it turns."""
     excess = tension - force_at(drum, time)
     if is_at_stop(drum, length, OUTWARDS):
         return drum.friction + excess

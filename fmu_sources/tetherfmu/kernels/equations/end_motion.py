@@ -1,32 +1,32 @@
 """Motion of a driven end within a communication step: a curve with continuous position and velocity.
 
-At the start of a step of length h the importer gives position p and velocity v. With the acceleration estimated from the
-velocity inputs, a = (v - v_last)/h_last (in the first step a is 0, or that of `centripetal_accelerations`), the end moves
-from the position and velocity it has reached towards
+At the start of a step of length h the importer sets position p and velocity v. The velocity inputs yield the acceleration
+a = (v - v_last)/h_last (in the first step 0, or from `centripetal_accelerations`). From its present position and velocity
+the end moves towards
 
-    p + v H + a H^2/2,   v + a H,   H = max(h, h_last, what is left of the H of the last step)
+    p + v H + a H^2/2,   v + a H,   H = max(h, h_last, remainder of the last H)
 
-by the cubic Hermite polynomial, so neither position nor velocity ever jumps. H is h unless steps change. If they become
-shorter, only the first part of the correction is done: a short step after a long one has the error of the long one to
-correct, and would jerk the end.
+along a cubic Hermite polynomial, so neither position nor velocity ever jumps. H is h unless steps change. If they become
+shorter, only the first part of the correction is done: a short step would otherwise correct the error of the long step
+before it, and jerk the end.
 
-After a step much shorter than h the last difference of velocities is not extrapolated alone: a jump of the velocity would
-be multiplied by h/h_last. The time T = h/4 counts instead, with the acceleration r of before h_last:
+After a step much shorter than h, the difference quotient would multiply a velocity jump by h/h_last. It is therefore blended
+with the earlier acceleration r, so that it rests on at least T = h/4:
 
     a = (v - v_last + (T - h_last) r)/T,   T = h/4 > h_last
 
 r is the same formula for the longest step so far, h_longest, in place of h; where h > h_longest, r counts over h_longest/4
-only. So a jump is extrapolated to no more than four times itself.
+only. A jump is thus extrapolated to no more than four times its size.
 
-The difference y = x - p - v t - a t^2/2 to the given motion vanishes after H. It would swing far beyond where a step is much
-longer than the time in which it arose: a velocity y' then leads away for long. So H is no longer than the larger one of
-3 |y|/|y'|, for which y does not swing at all, and of the time that was left of the last correction, or else h_last. For the
-rest of the step the end has its given motion.
+The deviation y = x - p - v t - a t^2/2 from the prescribed motion vanishes after H. In a step much longer than the time in
+which y arose, y' would cause a large overshoot. H is therefore at most the larger of 3 |y|/|y'|, for which y does not
+overshoot, and the remainder of the last correction, or else h_last. For the rest of the step the end follows the prescribed
+motion.
 
-Where the importer knows positions only (`past.py`), the way v H + a H^2/2 to the target is limited: to between 0 and H times
-the smaller one of its last two rates u and u', or 0 where they have different signs, and beyond that by as much as the
-curvature explains, `CURVED` H (H/2 + T + T'/2) times the smaller one of a and a', or 0 where these have different signs. So
-a jump among positions is not extrapolated at all, and smooth motion is as it was, also where it turns round.
+If the importer sets positions only (`past.py`), the displacement v H + a H^2/2 to the target is limited: to between 0 and H
+times the smaller of the last two rates u and u' (0 if their signs differ), plus a part that the curvature explains:
+`CURVED` H (H/2 + T + T'/2) times the smaller of a and a' (0 if their signs differ). A jump of the position is thus not
+extrapolated, and smooth motion is unchanged, also where it reverses.
 
 Theory: docs/models/theory.md, "Driven ends".
 """
@@ -39,15 +39,15 @@ from ..compilation import kernel
 from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, dot, scale, sub
 
 CURVED = 1.5
-ROUNDED = 1e-9  # of a step: what is left of a correction where steps differ by rounding
-LARGEST_ANGLE = 2.0  # [rad] of the chord in a first step: beyond, half of the square is further off than no turning at all
+ROUNDED = 1e-9  # of a step: remainder of a correction if steps differ by rounding
+LARGEST_ANGLE = 2.0  # [rad] of the chord in a first step; beyond it, half of the square is worse than no turning at all
 
 
 @kernel
 def estimated_rate(change, recent, last_step, longest, step):
     """Rate of an input [unit/s] in a communication step [s], from its change in the time `last_step` [s]; 0 without a last.
 
-    recent : its rate before that time, over a quarter of the longest step so far [s]; it counts if `last_step` is much
+    recent : its rate before that time, over a quarter of the longest step so far [s]; used if `last_step` is much
     shorter than the step, see above.
     """
     if last_step <= 0.0:
@@ -60,7 +60,7 @@ def estimated_rate(change, recent, last_step, longest, step):
 
 @kernel
 def estimated_rates(now, last, recent, times, longest, step):
-    """The same of three inputs, from their present and last values and the times between these [s]."""
+    """`estimated_rate` of three inputs, from their present and last values and the times between these [s]."""
     change = sub(now, last)
     return (
         estimated_rate(change[0], recent[0], times[0], longest, step),
@@ -71,11 +71,11 @@ def estimated_rates(now, last, recent, times, longest, step):
 
 @kernel
 def centripetal_accelerations(ground, kite, step):
-    """Accelerations [m/s2] of two ends that turn around each other, for a first step [s], which knows no last velocity.
+    """Accelerations [m/s2] of two ends that revolve around each other, for a first step [s] without a last velocity.
 
-    Together w^2/|r| along the chord r [m], with the part w of the relative velocity [m/s] across it; each end takes its
-    share of the squares of the two speeds, so that an end at rest stays. Without them the first step would take a turning
-    kite outwards along its tangent, by w^2 h^2/(2 |r|). ground, kite : position [m], velocity [m/s], ... of an end.
+    Together w^2/|r| along the chord r [m], with the relative velocity w [m/s] across it; the ends share it in
+    proportion to their squared speeds, so an end at rest stays. Otherwise the first step would move a turning kite
+    along its tangent, outwards by w^2 h^2/(2 |r|). ground, kite : position [m], velocity [m/s], ... of an end.
     """
     chord, velocity = sub(kite[0], ground[0]), sub(kite[1], ground[1])
     square = dot(chord, chord)
@@ -89,7 +89,7 @@ def centripetal_accelerations(ground, kite, step):
 
 @kernel
 def smaller(a, b):
-    """The one of two numbers that is nearer to 0, or 0 if they have different signs."""
+    """The number closer to 0, or 0 if the signs differ."""
     if a * b <= 0.0:
         return 0.0
     return a if abs(a) < abs(b) else b
@@ -97,14 +97,14 @@ def smaller(a, b):
 
 @kernel
 def limited_motion(velocity, acceleration, rates, accelerations, periods, time):
-    """Velocity [m/s] and acceleration [m/s2] of what is known by positions only, for a way of a time [s] from now on.
+    """Velocity [m/s] and acceleration [m/s2] of a quantity known by positions only, for the next `time` [s].
 
-    velocity, acceleration : without limits.  rates, accelerations : the latest and the one before, which limit the way
-    [m/s], [m/s2].  periods : over which the rates were taken [s].
+    velocity, acceleration : without limits.  rates, accelerations : the latest two of each, which limit the displacement
+    [m/s], [m/s2].  periods : over which the rates were measured [s].
     """
     way = time * (velocity + 0.5 * time * acceleration)
     steady = time * smaller(rates[0], rates[1])
-    constant = 0.5 * time * (time + 2.0 * periods[0] + periods[1])  # times a constant acceleration: the rest of the way
+    constant = 0.5 * time * (time + 2.0 * periods[0] + periods[1])  # times a constant acceleration: remaining displacement
     curved = CURVED * constant * abs(smaller(accelerations[0], accelerations[1]))
     allowed = max(min(0.0, steady) - curved, min(max(0.0, steady) + curved, way))
     if allowed == way:
@@ -114,16 +114,16 @@ def limited_motion(velocity, acceleration, rates, accelerations, periods, time):
 
 @kernel
 def target(position, velocity, acceleration, time):
-    """Position [m] and velocity [m/s] that an end is to have after a time [s], from its motion at the start."""
+    """Target position [m] and velocity [m/s] of an end after a time [s], from its motion at the start."""
     reached = add_scaled(add_scaled(position, time, velocity), 0.5 * time * time, acceleration)
     return reached, add_scaled(velocity, time, acceleration)
 
 
 @kernel
 def time_of_correction(reached_position, reached_velocity, position, velocity, last_step, left, time):
-    """The time H [s] in which an end comes from where it is to its given motion [m, m/s]: at most `time`.
+    """Time H [s] in which an end returns to its prescribed motion [m, m/s]: at most `time`.
 
-    last_step, left : the last communication step, and what it has left of its own H [s].
+    last_step, left : the last communication step, and the remainder of its H [s].
     """
     off, moving = sub(reached_position, position), sub(reached_velocity, velocity)
     arose = left if left > ROUNDED * last_step else last_step
@@ -135,7 +135,7 @@ def time_of_correction(reached_position, reached_velocity, position, velocity, l
 
 @kernel
 def curve(reached_position, reached_velocity, position, velocity, acceleration, time):
-    """The curve x0 + v0 t + c2 t^2 + c3 t^3 to the target after a time H [s], then the given motion.
+    """The curve x0 + v0 t + c2 t^2 + c3 t^3 to the target after a time H [s], then the prescribed motion.
 
     Coefficients (x0, v0, c2, c3), SI units; then (H, 0, 0) and the acceleration [m/s2] after H.
     """

@@ -1,18 +1,18 @@
-"""Rope that flows past the nodes where the winch reels: its momentum.
+"""Momentum of the rope that flows past the nodes while the winch reels.
 
-Nodes keep their shares of the unstretched length L, so they are no material points: rope flows past node i at the rate
-c_i = L' (1 - sum of the shares before it), at the winch at L' and at the last node not at all. Each half segment of the mass
-mu l0/2, with the vector r between its nodes, moves with V = v_i + c_i r/l0. Lagrange's equations of sum 1/2 (mu l0/2) |V|^2,
-to which rope comes from the winch with the velocity of the first node, are those of lumped masses with the forces
+Nodes keep their shares of the unstretched length L, so they are not material points: rope flows past node i at the rate
+c_i = L' (1 - sum of the shares before it), which is L' at the winch and 0 at the last node. Each half segment of mass
+mu l0/2, with the vector r between its nodes, moves with V = v_i + c_i r/l0. New rope enters from the winch with the velocity
+of the first node. Lagrange's equations of sum 1/2 (mu l0/2) |V|^2 add these forces to the lumped-mass equations,
 
     f_p = -1/2 mu (c_p' r + (c_p + c_q) u + (c_p^2 + c_q^2) r/l0)
     f_q = -1/2 mu (c_q' r + (c_p + c_q) u - (c_p^2 + c_q^2) r/l0)
 
-of each segment on its nodes p (nearer to the winch) and q, with u = r'. Without reeling there are none, and none with the
-stretch_rate law, which has the momentum of Tethers.jl. They depend on r and u linearly: f = a r + b u.
+for each segment, on its nodes p (nearer to the winch) and q, with u = r'. They vanish without reeling and under the
+stretch_rate law, which has the momentum of Tethers.jl. They are linear in r and u: f = a r + b u.
 
-Where a line runs over a sheave at its last node, rope leaves it there at the rate b, and c_i = L' (1 - shares) + b: more
-rope than L' then comes in at the first node. Theory: docs/models/theory.md, "Rope that flows".
+If a line runs over a sheave at its last node, rope leaves it there at the rate b, and c_i = L' (1 - shares) + b: rope enters
+at the first node faster than L'. Theory: docs/models/theory.md, "Rope that flows".
 """
 
 from tetherfmu.runtime import layout as at
@@ -41,14 +41,14 @@ def slopes(chain, s, part):
 
 @kernel
 def slopes_with(half, rest, c, gained):
-    """The same of a segment with mu/2 [kg/m], l0 [m], c_p and c_q [m/s], and their rates [m/s2]."""
+    """`slopes` of a segment with mu/2 [kg/m], l0 [m], c_p and c_q [m/s], and their rates [m/s2]."""
     along = (c[0] * c[0] + c[1] * c[1]) / rest
     return -half * (gained[0] + along), -half * (gained[1] - along), -half * (c[0] + c[1])
 
 
 @kernel
 def slope_rates(chain, s, part, acceleration, jerk):
-    """Rates of these numbers per second; acceleration, jerk : L'' [m/s2], L''' [m/s3]."""
+    """Rates of `slopes` per second; acceleration, jerk : L'' [m/s2], L''' [m/s3]."""
     half, share = 0.5 * property_of(chain, s, at.LINE_DENSITY), property_of(chain, s, at.SHARE)
     next_part, rest = part - share, rest_length(chain, s)
     square = part * part + next_part * next_part
@@ -62,7 +62,7 @@ def slope_rates(chain, s, part, acceleration, jerk):
 
 @kernel
 def forces(chain, s, part, x_p, x_q, v_p, v_q):
-    """f_p and f_q [N] of segment s with its nodes there [m, m/s]; part : c_p/L' [-]."""
+    """f_p and f_q [N] of segment s between these nodes [m, m/s]; part : c_p/L' [-]."""
     return forces_of(slopes(chain, s, part), sub(x_q, x_p), sub(v_q, v_p))
 
 
@@ -76,10 +76,10 @@ def forces_of(found, r, u):
 
 @kernel
 def end_force(chain, kite_end, x_p, x_q, v_p, v_q):
-    """What the rope that flows adds to the force on what holds an end [N], from the nodes of its segment [m, m/s].
+    """Contribution of flowing rope to the force on the support of an end [N], from the nodes of its segment [m, m/s].
 
-    At the winch -1/2 mu (c_0' r + (c_0 + c_1) (u - r l0'/l0)): with it the force is that of the rope where it leaves the
-    winch, where it has gained its speed. At the kite f_n.
+    At the winch -1/2 mu (c_0' r + (c_0 + c_1) (u - r l0'/l0)): the total is then the force of the rope where it leaves the
+    winch, after it has gained its speed. At the kite f_n.
     """
     if not kite_end:
         _, _, by_rate = slopes(chain, 0, 1.0)
@@ -124,28 +124,28 @@ def add_forces(chain, x, v, parts, force):
 
 @kernel
 def no_forces():
-    """`forces` of two segments beyond the ends."""
+    """`forces` of two nonexistent segments beyond the ends."""
     nothing = pair(NEUTRAL_VECTOR, NEUTRAL_VECTOR)
     return nothing, nothing
 
 
 @kernel
 def add_to_two(s, last, now, force):
-    """Add to node s and its mirror image (interleaved, modified) `forces` of the outer segments there, and of the inner."""
+    """Add `forces` of the adjacent outer and inner segments to node s and its mirror image (interleaved, modified)."""
     below, above = pair(first(last[1]), second(now[1])), pair(first(now[0]), second(last[0]))
     put_interleaved(force, s, add(add(get_interleaved(force, s), below), above))
 
 
 @kernel
 def add_to_middle(n, last, force):
-    """The same of the node in the middle of an even n."""
+    """`add_to_two` for the middle node of an even n."""
     add_to_node(n, n // 2, first(last[1]), force)
     add_to_node(n, n // 2, second(last[0]), force)
 
 
 @kernel
 def most_power(chain, x, v):
-    """Power [W] of these forces at most, with the nodes at x [m], v [m/s]."""
+    """Upper bound of the power [W] of these forces, with the nodes at x [m], v [m/s]."""
     power, part = 0.0, 1.0
     for s in range(chain.n):
         of_p, of_q = forces(chain, s, part, get(x, s), get(x, s + 1), get(v, s), get(v, s + 1))
@@ -156,10 +156,10 @@ def most_power(chain, x, v):
 
 @kernel
 def power(chain, x, v, a, are_free, counted):
-    """Power [W] of what accelerates rope that flows: of these forces, and the rate of `energy_of_flow`.
+    """Power [W] that accelerates flowing rope: power of these forces, and the rate of `energy_of_flow`.
 
-    x, v, a : positions [m], velocities [m/s] and accelerations [m/s2] of the nodes.  are_free : of its ends, 1 or 0.
-    counted : as of `energy_of_flow`.
+    x, v, a : positions [m], velocities [m/s] and accelerations [m/s2] of the nodes.  are_free : for each end, 1 or 0.
+    counted : as for `energy_of_flow`.
     """
     start, end = are_free
     total, part = 0.0, 1.0
@@ -184,7 +184,7 @@ def power(chain, x, v, a, are_free, counted):
 
 @kernel
 def energy_of_flow(chain, x, v, counted):
-    """Kinetic energy [J] that `energy` has of all segments; counted : of its ends, 1 or 0: whether their velocities do."""
+    """Sum of `energy` over all segments [J]; counted : for each end, 1 or 0: whether its velocity counts."""
     total, part = 0.0, 1.0
     for s in range(chain.n):
         v_p = scale(counted[0] if s == 0 else 1.0, get(v, s))
@@ -196,7 +196,7 @@ def energy_of_flow(chain, x, v, counted):
 
 @kernel
 def add_rates(chain, acceleration, jerk, x, v, force_rate):
-    """Add df/dt [N/s] at constant x [m], v [m/s] to `force_rate` (modified), all flat; others as of `slope_rates`."""
+    """Add df/dt [N/s] at constant x [m], v [m/s] to `force_rate` (modified), all flat; others as for `slope_rates`."""
     part = 1.0
     for s in range(chain.n):
         of_p, of_q, by_rate = slope_rates(chain, s, part, acceleration, jerk)
@@ -208,7 +208,7 @@ def add_rates(chain, acceleration, jerk, x, v, force_rate):
 
 @kernel
 def add_change(chain, s, part, dr, du, force):
-    """Add to the flat array `force` (modified) what changes of r [m] and u [m/s] of segment s change its forces by [N]."""
+    """Add to `force` (flat, modified) the change of the forces [N] due to changes of r [m] and u [m/s] of segment s."""
     of_p, of_q, by_rate = slopes(chain, s, part)
     along = scale(by_rate, du)
     put(force, s, add(get(force, s), add_scaled(along, of_p, dr)))

@@ -1,4 +1,4 @@
-"""The free points of a system, at which lines end: their numbers, loads and scratch space."""
+"""The free points of a system, where lines end: their numbers, loads and scratch space."""
 
 from collections import namedtuple
 
@@ -29,14 +29,13 @@ Points = namedtuple("Points", "matrix right solution mass change load_rate")
 Points.__doc__ = """Scratch arrays of F free points, m = 3 F.
 
 matrix, right, solution : of the search at rest, see `linear_algebra.point_blocks`; m.
-mass : of the point with its half segments [kg], F.  change : of the velocities by what follows a step [m/s], m.
-load_rate : rates of the loads in the communication step [N/s], m.
-"""
+mass : of the point with its half segments [kg], F.  change : velocity changes after a step [m/s], m.
+load_rate : rates of the loads in the communication step [N/s], m."""
 
 
 @kernel
 def point_at(system, k, end):
-    """Number of the free point at the start (end 0) or at the end (1) of line k, or DRIVEN, where there is none."""
+    """Number of the free point at the start (end 0) or at the end (1) of line k; DRIVEN if there is none."""
     return number_of_line(system, k, places.START_POINT + end)
 
 
@@ -73,10 +72,10 @@ def load_at(system, point, time):
 
 @kernel
 def places_of_load(end):
-    """Where the state of a line has what it remembers of the load on a point at its start (end 0) or its end (1).
+    """Places in a line's state where the load on a point at its start (end 0) or its end (1) is stored.
 
-    The places of the last load [N] and of its recent rate [N/s], and among the inputs that of a given rate: those that the
-    velocity of a driven end and its rate have.
+    The places of the last load [N] and of its recent rate [N/s], and the input place of a given rate: the places that a
+    driven end uses for its velocity and acceleration.
     """
     if end == 1:
         return at.LAST_RATED, at.RECENT_RATES, at.KITE_VELOCITY
@@ -85,10 +84,10 @@ def places_of_load(end):
 
 @kernel
 def take_loads(system, k, step, before):
-    """Loads on the free points at line k in a step [s] from the states `before`: how they go on, and what is kept of them.
+    """Extrapolate the loads on the free points of line k in a step [s] from the states `before`, and store the next ones.
 
-    Their rates [N/s], as of a load on a kite end (`boundary.inputs_of_step`), go into `Points.load_rate`, loads and recent
-    rates into the state of the line (both modified).
+    Their rates [N/s], as for a load on a kite end (`boundary.inputs_of_step`), go into `Points.load_rate`, loads and
+    recent rates into the state of the line (both modified).
     """
     old, state = state_of(with_states(system, before), k), state_of(system, k)
     for end in range(2):
@@ -105,7 +104,7 @@ def take_loads(system, k, step, before):
 
 @kernel
 def points_size(points, band):
-    """Length of what so many free points need of `work`, with this band of their matrix."""
+    """Length of `Points` in `work` for this number of free points and this band of their matrix."""
     return matrix_size(points, band) + 13 * points
 
 
@@ -122,7 +121,7 @@ def points_of(system):
 
 @kernel
 def rows_of(system, k):
-    """`condensed.Rows` of the equations of line k: its free nodes are inner rows, and its free points are shared."""
+    """`condensed.Rows` of the equations of line k: free nodes are inner rows, free points are shared."""
     n, conditions = segments_of(system, k), conditions_of(system, k)
     at_start, at_end = is_at_point(system, k, 0), is_at_point(system, k, 1)
     return Rows(n, 1 if at_start else conditions.first, n - 1 if at_end else conditions.last, at_start, at_end)

@@ -1,14 +1,14 @@
-"""Ground under the tether: a flat half space that carries each lumped mass which sinks into it, with dry friction.
+"""Ground under the tether: a flat elastic half space with dry friction that carries the lumped masses.
 
-All forces are in proportion to the mass of the node, so they are written as accelerations:
+All forces are proportional to the node mass, so they are written as accelerations:
 
     a_n = w2 d (1 - a v_z) >= 0,   d = ground_height - z > 0,   w2 = g/ground_sink,   a = 2/sqrt(g ground_sink)
     a_t = -mu a_n v_t/sqrt(|v_t|^2 + v_r^2)
 
-At rest a node lies `ground_sink` deep; a motion about this depth is critically damped. The damper grows with the depth, so
-that the force is continuous where a node meets the ground, and a node that has hit it at any speed leaves it with less than
-1/a: it rises by no more than ground_sink/8. What lies still creeps with v_r T/sqrt(F^2 - T^2) under a pull T below its
-friction F. Driven ends are held by what drives them, not by the ground.
+At rest a node lies `ground_sink` deep; motion about this depth is critically damped. The damping grows with the depth, so
+the force is continuous at touchdown, and a node that hits the ground at any speed leaves it with less than 1/a: it rises by
+no more than ground_sink/8. A lying node creeps with v_r T/sqrt(F^2 - T^2) under a pull T below its friction F. The ground
+does not act on driven ends.
 
 Source: Hunt and Crossley, Coefficient of restitution interpreted as damping in vibroimpact, J. Appl. Mech. 42 (1975) 440;
 docs/models/theory.md, "Ground".
@@ -24,7 +24,7 @@ from ..linear_algebra.matrices import multiply
 from ..linear_algebra.vectors import ZERO_VECTOR, scale, sub
 
 CREEP = 2e-4  # v_r [m/s]: under 98 % of its friction a lying tether creeps by less than 1 mm/s
-SLIDING = 0.1  # v_r [m/s] of a tether in equilibrium, where friction has no memory: noise of the velocities is no sliding
+SLIDING = 0.1  # v_r [m/s] in equilibrium, where friction has no memory: velocity noise is not sliding
 
 Ground = namedtuple("Ground", "height hardness damping friction")
 Ground.__doc__ = "Height [m], w2 [1/s2], a [s/m], friction coefficient mu [-]."
@@ -32,32 +32,32 @@ Ground.__doc__ = "Height [m], w2 [1/s2], a [s/m], friction coefficient mu [-]."
 
 @kernel
 def has_ground(parameters):
-    """Whether there is a ground that carries the tether."""
+    """Whether ground contact is enabled."""
     return parameters[at.GROUND_CONTACT] == at.FLAT
 
 
 @view
 def ground_of(parameters):
-    """The `Ground` of a tether; its numbers have a meaning only if `has_ground`."""
+    """The `Ground` of a tether; meaningful only if `has_ground`."""
     gravity, sink = parameters[at.GRAVITY], parameters[at.GROUND_SINK]
     return Ground(parameters[at.GROUND_HEIGHT], gravity / sink, 2.0 / sqrt(gravity * sink), parameters[at.GROUND_FRICTION])
 
 
 @kernel
 def pressure(ground, x, v):
-    """a_n [m/s2] of a node at x [m] with the velocity v [m/s], as if it touched the ground."""
+    """a_n [m/s2] of a node at x [m] with velocity v [m/s], assuming contact."""
     return ground.hardness * (ground.height - x[2]) * (1.0 - ground.damping * v[2])
 
 
 @kernel
 def touches(ground, x, v):
-    """Whether the ground presses at a node at x [m] with the velocity v [m/s]."""
+    """Whether the ground presses on a node at x [m] with velocity v [m/s]."""
     return x[2] < ground.height and ground.damping * v[2] < 1.0
 
 
 @view
 def without_ground():
-    """The `Ground` that carries nothing."""
+    """A `Ground` without any force."""
     return Ground(0.0, 0.0, 0.0, 0.0)
 
 
@@ -81,21 +81,21 @@ def smooth(ground):
 
 @kernel
 def slip(v, creep):
-    """Horizontal part of v/sqrt(|v_t|^2 + v_r^2) [-], and that root [m/s]; creep : v_r [m/s]."""
+    """Horizontal part of v/sqrt(|v_t|^2 + v_r^2) [-], and this root [m/s]; creep : v_r [m/s]."""
     size = sqrt(v[0] * v[0] + v[1] * v[1] + creep * creep)
     return (v[0] / size, v[1] / size, 0.0), size
 
 
 @kernel
 def slip_slope(factor, u):
-    """Upper left 2x2 block of factor (1 - u u), row by row; u : of `slip`."""
+    """Upper left 2x2 block of factor (1 - u u), row by row; u : from `slip`."""
     across = -factor * u[0] * u[1]
     return factor * (1.0 - u[0] * u[0]), across, across, factor * (1.0 - u[1] * u[1])
 
 
 @kernel
 def acceleration(ground, x, v):
-    """What the ground does to a node that touches it, at x [m] with the velocity v [m/s]: [m/s2]."""
+    """Acceleration [m/s2] by the ground of a node in contact, at x [m] with velocity v [m/s]."""
     a = pressure(ground, x, v)
     u, _ = slip(v, CREEP)
     return -ground.friction * a * u[0], -ground.friction * a * u[1], a
@@ -103,7 +103,7 @@ def acceleration(ground, x, v):
 
 @kernel
 def derivatives(ground, x, v):
-    """Of `acceleration`, by z [1/s2] and by the velocity [1/s], a matrix."""
+    """Derivatives of `acceleration` by z [1/s2] and by the velocity [1/s], a matrix."""
     a = pressure(ground, x, v)
     u, size = slip(v, CREEP)
     mu = ground.friction
@@ -123,7 +123,7 @@ def specific_energy(ground, x):
 
 @kernel
 def specific_losses(ground, x, v):
-    """Heat in the ground's damper and by friction, over the mass of a node at x [m] with the velocity v [m/s]: [W/kg]."""
+    """Heat in the ground's damper and by friction, over the mass of a node at x [m] with velocity v [m/s]: [W/kg]."""
     depth = max(ground.height - x[2], 0.0)
     pressing = acceleration(ground, x, v) if touches(ground, x, v) else ZERO_VECTOR
     return (ground.hardness * depth - pressing[2]) * v[2], -pressing[0] * v[0] - pressing[1] * v[1]
@@ -140,7 +140,7 @@ def carries(ground, x):
 
 @kernel
 def support(ground, x, v):
-    """What the ground does to a node that it carries at x [m], which slides with v [m/s]: [m/s2]."""
+    """Acceleration [m/s2] by the ground of a node that it carries at x [m] and that slides with v [m/s]."""
     a = ground.hardness * (ground.height - x[2])
     u, _ = slip(v, SLIDING)
     return -ground.friction * a * u[0], -ground.friction * a * u[1], a
@@ -148,7 +148,7 @@ def support(ground, x, v):
 
 @kernel
 def support_slope(ground, x, v, motion):
-    """Derivative of `support` by the position [1/s2], a matrix; motion : that of the velocity [1/s]."""
+    """Derivative of `support` by the position [1/s2], a matrix; motion : velocity over position [1/s]."""
     u, size = slip(v, SLIDING)
     grip = ground.friction * ground.hardness
     xx, xy, yx, yy = slip_slope(-grip * (ground.height - x[2]) / size, u)
@@ -157,12 +157,12 @@ def support_slope(ground, x, v, motion):
 
 
 # --- a step of backward Euler, from z_0 to z in h, in which both are functions of the position after it:
-#     a_n = w2 d (1 + a (d - d_0)/h) where that is above 0, and friction with an a_n that is held, as an iteration has it
+#     a_n = w2 d (1 + a (d - d_0)/h) where this is above 0, and friction with an a_n that each iteration freezes
 
 
 @kernel
 def least_depth(ground, before, h):
-    """Depth [m] above which the ground presses at a node after a step of h [s] from a depth [m]."""
+    """Depth [m] beyond which the ground presses on a node after a step of h [s] from a depth [m]."""
     return max(0.0, before - h / ground.damping)
 
 
@@ -174,14 +174,14 @@ def depths(ground, old, new):
 
 @kernel
 def slide_of_step(old, new, h):
-    """Horizontal way [m] of a node in a step of h [s] as `slip`, and its size [m]."""
+    """Horizontal displacement [m] of a node in a step of h [s] as `slip`, and its size [m]."""
     u, speed = slip(scale(1.0 / h, sub(new, old)), CREEP)
     return u, h * speed
 
 
 @kernel
 def normal_of_step(ground, old, new, h):
-    """a_n [m/s2] of a node that goes from `old` to `new` [m] in h [s], and its derivative by z [1/s2]."""
+    """a_n [m/s2] of a node that moves from `old` to `new` [m] in h [s], and its derivative by z [1/s2]."""
     before, depth = depths(ground, old, new)
     if depth <= least_depth(ground, before, h):
         return 0.0, 0.0
@@ -192,9 +192,9 @@ def normal_of_step(ground, old, new, h):
 
 @kernel
 def potential_of_step(ground, old, new, h, held):
-    """Incremental potential of the ground over the mass of a node that goes from `old` to `new` [m] in h [s]: [J/kg].
+    """Incremental potential of the ground over the mass of a node that moves from `old` to `new` [m] in h [s]: [J/kg].
 
-    held : a_n of the friction [m/s2].
+    held : frozen a_n in the friction [m/s2].
     """
     before, depth = depths(ground, old, new)
     least = least_depth(ground, before, h)
@@ -209,7 +209,7 @@ def potential_of_step(ground, old, new, h, held):
 
 @kernel
 def force_of_step(ground, old, new, h, held):
-    """Minus the derivative of `potential_of_step` by `new` [m/s2], and the derivative of that, a matrix [1/s2]."""
+    """Minus the derivative of `potential_of_step` by `new` [m/s2], and its own derivative, a matrix [1/s2]."""
     u, way = slide_of_step(old, new, h)
     grip = ground.friction * held
     pressed, by_z = normal_of_step(ground, old, new, h)
@@ -219,7 +219,7 @@ def force_of_step(ground, old, new, h, held):
 
 @kernel
 def part_under(ground, x_p, x_q):
-    """Part [-] of a straight piece between two points [m] that is not above the ground."""
+    """Fraction [-] of a straight segment between two points [m] on or below the ground."""
     p, q = ground.height - x_p[2], ground.height - x_q[2]  # depths
     if p >= 0.0 and q >= 0.0:
         return 1.0 if p + q > 0.0 else 0.0

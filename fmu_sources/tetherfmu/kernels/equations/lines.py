@@ -1,8 +1,8 @@
-"""A system of lines between points: its arrays, and those of one of its lines.
+"""A system of lines between points: its arrays, and the arrays of each line.
 
-Layout: `runtime/plan_layout.py`. The plan is an array, or that of a tether alone, of which all but the number of segments is
-known when compiled. So the kernels that move systems move a single tether, too, and what of them is about other lines and
-points is not there.
+Layout: `runtime/plan_layout.py`. The plan is an array; for a single tether it is a tuple of compile-time constants except
+for the number of segments. The system kernels therefore also integrate a single tether, and the compiler drops the code for
+other lines and points.
 """
 
 from collections import namedtuple
@@ -19,18 +19,16 @@ from .winch import steadily
 System = namedtuple("System", "plan parameters inputs state work")
 System.__doc__ = """The flat arrays of a system, see `plan_layout.py`.
 
-plan : whole numbers, floats in `rest/resting_kite.py`; of a tether alone an `OneLine`.
-"""
+plan : integers, floats in `rest/resting_kite.py`; `OneLine` for a single tether."""
 
 OneLine = namedtuple("OneLine", "segments")
 OneLine.__doc__ = """The plan of a system of one line without points.
 
-What of its ends moves freely is a row of the line like the others, see `BoundaryConditions`.
-"""
+Free ends are ordinary rows of the line, see `BoundaryConditions`."""
 
-ONE_LINE_ROOM = 128  # of `work` before the line, for the one coordinate that it may have, see `points/room.py`
+ONE_LINE_ROOM = 128  # length of `work` before the line, for its only possible coordinate, see `points/room.py`
 
-# what `store_conditions` writes, and the room for it: an even number as in `room.line_work_size`
+# numbers that `store_conditions` writes, and their room: even, as in `room.line_work_size`
 _CURVE, _REELING, _VECTOR = 18, 7, 3
 GROUND, KITE, REELING, WIND, LOAD, LOAD_RATE, FIRST, LAST, FORCE, FORCE_RATE, CONDITIONS = places_of(
     _CURVE, _CURVE, _REELING, _VECTOR, _VECTOR, _VECTOR, 1, 1, 1, 1
@@ -39,13 +37,13 @@ GROUND, KITE, REELING, WIND, LOAD, LOAD_RATE, FIRST, LAST, FORCE, FORCE_RATE, CO
 
 @kernel
 def number_in_array(plan, place):
-    """The number at a place of a plan, see `plan_layout.py`."""
+    """Number at a place of a plan, see `plan_layout.py`."""
     return int(plan[place])
 
 
 @kernel
 def number_in_one_line(plan, place):
-    """The same of an `OneLine`."""
+    """`number_in_array` for an `OneLine`."""
     if place == places.LINES:
         return 1
     if place == places.PLAN_HEADER + places.SEGMENTS:
@@ -57,13 +55,13 @@ def number_in_one_line(plan, place):
 
 @kernel
 def note_in_array(plan, k):
-    """Write into a plan (modified) that a status is about line k."""
+    """Record in a plan (modified) that a status refers to line k."""
     plan[places.STATUS_LINE] = k
 
 
 @kernel
 def note_in_one_line(plan, k):
-    """A status is always about the one line."""
+    """No-op: a status always refers to the only line."""
 
 
 number_in, note_line = by_kind(number_in_one_line, number_in_array), by_kind(note_in_one_line, note_in_array)
@@ -71,13 +69,13 @@ number_in, note_line = by_kind(number_in_one_line, number_in_array), by_kind(not
 
 @kernel
 def number_of_line(system, k, which):
-    """What the plan says about line k: `plan_layout.SEGMENTS`, ..."""
+    """Plan entry of line k: `plan_layout.SEGMENTS`, ..."""
     return number_in(system.plan, places.PLAN_HEADER + places.LINE_NUMBERS * k + which)
 
 
 @kernel
 def segments_of(system, k):
-    """Number of segments of line k, with the one that it has more since it has let go, see `torn.py`."""
+    """Number of segments of line k, including the one added when it was released, see `torn.py`."""
     return number_of_line(system, k, places.SEGMENTS) + number_of_line(system, k, places.FREED)
 
 
@@ -127,7 +125,7 @@ def motion_of(system, k):
 
 @view
 def room_of(system, k):
-    """Scratch space of line k: its conditions, then that of its integrator."""
+    """Scratch space of line k: its conditions, then its integrator's arrays."""
     return behind(number_of_line(system, k, places.WORK_AT), system.work)
 
 
@@ -154,26 +152,26 @@ def store_conditions(conditions, room):
 
 @kernel
 def put_reeling(system, k, reeling):
-    """Let the unstretched length of line k have these coefficients, see `winch.py`, in what `store_conditions` wrote."""
+    """Overwrite the coefficients of the unstretched length of line k, see `winch.py`, stored by `store_conditions`."""
     put_numbers(room_of(system, k), REELING, reeling)
 
 
 @kernel
 def hold_length(system, k, length):
-    """Let the unstretched length [m] of line k not change by itself."""
+    """Make the unstretched length [m] of line k constant."""
     put_reeling(system, k, steadily(length, 0.0, 0.0))
 
 
 @kernel
 def curve_at(room, first):
-    """The curve of an end from a place of the scratch space of a line on."""
+    """Curve of an end, stored at a place in the scratch space of a line."""
     coefficients = vector_at(room, first), vector_at(room, first + 3), vector_at(room, first + 6), vector_at(room, first + 9)
     return *coefficients, vector_at(room, first + 12), vector_at(room, first + 15)
 
 
 @kernel
 def reeling_at(room, first):
-    """How a length is reeled, see `winch.py`, from a place of scratch space on."""
+    """Coefficients of the unstretched length, see `winch.py`, stored at a place in scratch space."""
     polynomial = room[first], room[first + 1], room[first + 2], room[first + 3]
     return *polynomial, room[first + 4], room[first + 5], room[first + 6]
 

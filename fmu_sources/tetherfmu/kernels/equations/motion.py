@@ -1,14 +1,14 @@
-"""The equations of motion of a chain: v' = F/m, one segment after the other. The first file for who wants to know the model.
+"""Equations of motion of a chain, v' = F/m, one segment after the other. Read this file first to understand the model.
 
     x_i' = v_i,   m_i v_i' = T_i e_i - T_(i-1) e_(i-1) + F_i + F_(i-1) + f_i - m_i g e_z + N_i + load at the kite end
     T = k (l - l0) + c (l' - (l/l0) l0'),   F = 1/4 rho cd d l |w| w
 
-Segment i joins the nodes i and i + 1 in the direction e_i; T is its tension, F half of its drag in the wind w across it
-(`segment.py`), N the force of the ground (`ground.py`). A driven end moves as it is driven, whatever acts on it. Reeling
-changes L, and with it l0 = L/n and the masses; rope then flows past the nodes, and its momentum makes the forces f
+Segment i joins nodes i and i + 1 in direction e_i. T is its tension, F half of its drag, w the wind component across it
+(`segment.py`), and N the ground force (`ground.py`). A driven end follows its prescribed motion, whatever the forces.
+Reeling changes L, and with it l0 = L/n and the masses. Rope then flows past the nodes, and its momentum adds the forces f
 (`flow.py`). L' is the reel-out speed.
 
-The solvers find the same forces from both ends at once (`assembly.py`); tests/kernels/equations/test_motion.py compares
+The solvers compute the same forces from both ends at once (`assembly.py`); tests/kernels/equations/test_motion.py compares
 them with this file. Theory: docs/models/theory.md, "One segment" and "The chain".
 """
 
@@ -27,15 +27,15 @@ def accelerations(chain, x, v, load, mass, a):
     """Accelerations v' [m/s2] of all nodes, as if all were free, into `a`, and masses [kg] into `mass` (both modified).
 
     chain : `Chain` at an instant.  x, v : positions [m] and velocities [m/s].  load : on the kite end [N].
-    x, v and a are flat arrays of 3 (n + 1) numbers, mass has n + 1.
+    x, v and a are flat arrays of 3 (n + 1) numbers; mass has n + 1.
     """
     n = chain.n
     node_masses(chain, mass)
-    force = a  # in the same array until the end
+    force = a  # one array for both: the last loop divides by the mass
     for i in range(n + 1):
         put(force, i, node_loads.load(chain, mass[i], get(x, i), get(v, i), None))
     put(force, n, add(get(force, n), load))
-    part = 1.0  # of L' that flows past node p
+    part = 1.0  # fraction of L' that flows past node p
     for s in range(n):
         p, q = s, s + 1
         pull, drag, _ = segment.forces(chain, s, get(x, p), get(x, q), get(v, p), get(v, q))
@@ -52,7 +52,7 @@ def accelerations(chain, x, v, load, mass, a):
 
 @kernel
 def of_ground(chain, x, v):
-    """What the ground does to a node at x [m] with the velocity v [m/s]: [m/s2]."""
+    """Acceleration by the ground [m/s2] of a node at x [m] with velocity v [m/s]."""
     if has_ground(chain.parameters):
         below = ground_of(chain.parameters)
         if ground.touches(below, x, v):

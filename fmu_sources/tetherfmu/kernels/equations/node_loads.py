@@ -1,11 +1,11 @@
-"""Loads of the nodes: what acts on a lumped mass beside its segments, which is its weight.
+"""Loads on the nodes: forces on a lumped mass other than segment forces, here its weight.
 
-    f = -m (g e_z + a)                                    weight, and inertia where the acceleration a of the node is given
+    f = -m (g e_z + a)                                    weight, and inertia if the acceleration a of the node is prescribed
     df/dx = m (|omega|^2 - omega omega) - c               with a = omega x (omega x r), and a damping c of pseudo-time
     potential energy m g z
 
-The Rosenbrock step, Newton's method, backward Euler, the outputs and the power balance all call this file. `load` takes
-numbers and pairs (`linear_algebra.pairs`) alike. Theory: docs/models/theory.md, "The chain" and "Quasi-steady".
+The Rosenbrock step, Newton's method, backward Euler, the outputs and the power balance all call this file. `load` accepts
+numbers and pairs (`linear_algebra.pairs`). Theory: docs/models/theory.md, "The chain" and "Quasi-steady".
 """
 
 from ..compilation import kernel
@@ -18,14 +18,14 @@ from .ground import ground_of, has_ground, specific_energy
 
 @kernel
 def weight(chain, mass):
-    """Weight [N] of a mass [kg]; of a mass per length [kg/m] or a rate of mass [kg/s], that of the weight."""
+    """Weight [N] of a mass [kg], or weight per length or time from a mass per length [kg/m] or a mass rate [kg/s]."""
     nothing = broadcast(NEUTRAL, mass)
     return nothing, nothing, -(chain.gravity * mass)
 
 
 @kernel
 def load(chain, mass, x, v, acceleration):
-    """Load [N] on a node of this mass [kg] at x [m] with the velocity v [m/s]: its weight, which depends on neither.
+    """Load [N] on a node of this mass [kg] at x [m] with velocity v [m/s]: its weight, which depends on neither.
 
     acceleration : of the node [m/s2] if its inertia counts as a load, None in equations of motion.
     """
@@ -36,13 +36,13 @@ def load(chain, mass, x, v, acceleration):
 
 @kernel
 def load_rate(chain, mass_rate, x, v):
-    """Rate of the load [N/s] of a node at x [m] with the velocity v [m/s] whose mass changes at this rate [kg/s]."""
+    """Rate of the load [N/s] on a node at x [m] with velocity v [m/s] whose mass changes at this rate [kg/s]."""
     return weight(chain, mass_rate)
 
 
 @kernel
 def free_acceleration(chain):
-    """Acceleration [m/s2] of a node that is on no segment."""
+    """Acceleration [m/s2] of a node without segments."""
     return 0.0, 0.0, -chain.gravity
 
 
@@ -57,7 +57,7 @@ def specific_potential(chain, x, is_free):
 
 @kernel
 def specific_losses(chain, x, v, is_free):
-    """Heat of the loads of a node at x [m] with the velocity v [m/s] over its mass, in contact and by sliding [W/kg]."""
+    """Heat from the loads on a node at x [m] with velocity v [m/s] over its mass, in contact and by sliding [W/kg]."""
     if is_free and has_ground(chain.parameters):
         return ground.specific_losses(ground_of(chain.parameters), x, v)
     return 0.0, 0.0
@@ -65,19 +65,19 @@ def specific_losses(chain, x, v, is_free):
 
 @kernel
 def has_slope(chain, spin, pseudo_damping):
-    """Whether `slope` is anything but zero."""
+    """Whether `slope` is nonzero."""
     return dot(spin, spin) > 0.0 or pseudo_damping > 0.0
 
 
 @kernel
 def slope(chain, mass, x, v, spin, pseudo_damping):
-    """df/dx [N/m] of a node as of `load` that turns with omega [rad/s], less its damping in pseudo-time c [N/m]."""
+    """df/dx [N/m] of `load` on a node that turns with omega [rad/s], minus its pseudo-time damping c [N/m]."""
     return add_to_diagonal(symmetric(-mass, spin), mass * dot(spin, spin) - pseudo_damping)
 
 
 @kernel
 def subtract_slope(chain, mass, x, v, spin, pseudo_damping, block):
-    """Subtract `slope` from a 3x3 block of a matrix (modified), number by number."""
+    """Subtract `slope` from a 3x3 block of a matrix (modified), entry by entry."""
     square = dot(spin, spin)
     for j in range(3):
         for k in range(3):

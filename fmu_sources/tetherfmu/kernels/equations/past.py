@@ -1,17 +1,17 @@
-"""Past positions of what has no velocity of its own, and how it goes on: ends with derived velocities, a winch by length.
+"""Past positions of inputs without velocities, and their extrapolation: ends with derived velocities, a winch by length.
 
-A rate is not used over a time much longer than that over which it was taken. So the state keeps past positions at times that
-reach back further and further. Over periods T, T', T'' between them
+A rate must not be extrapolated much further than the period over which it was measured. The state therefore stores past
+positions at increasing intervals. Over periods T, T', T'' between them
 
     u = (p - p')/T,   u' = (p' - p'')/T',   u'' = (p'' - p''')/T''
     a = (u - u')/((T + T')/2),   v = u + a T/2,   a' = (u' - u'')/((T' + T'')/2)
 
-For constant steps these are the last three. Otherwise v and a belong to the latest periods that are each at least a quarter
-of the time H over which a step extrapolates, and what limits the way v H + a H^2/2 to periods of at least three quarters of
-H: so no way leads much further than that which the input has made before. Where the past does not reach back far enough, the
-position is not extrapolated.
+With constant steps these are the last three. Otherwise v and a use the latest periods that are each at least a quarter
+of the extrapolation time H, and the limits of the displacement v H + a H^2/2 use periods of at least three quarters of H,
+so no displacement is much longer than earlier ones of the input. If the past does not reach back far enough, the position
+is not extrapolated.
 
-Before the start all rests, but a winch moves with its speed for two steps.
+Before the start everything is at rest, except that a winch runs at its speed for two steps.
 
 Theory: docs/models/theory.md, "Driven ends".
 """
@@ -24,21 +24,21 @@ from ..linear_algebra.vectors import put_at, vector_at
 from .end_motion import limited_motion
 
 GROUND, KITE, LENGTH = 3, 0, 6  # places of the ends and of the length among the numbers of a past value
-SHORTEST_PERIOD = 0.75  # of a rate that limits a way, over the time of that [-]
-ALWAYS_KEPT = 3  # latest past values: those that constant steps need
-FOREVER = 1e300  # [s]: how long all has rested at the start
-COARSENESS = 0.6  # time between two past values over that since the earlier one, below which the one between them goes [-]
+SHORTEST_PERIOD = 0.75  # of a rate that limits a displacement, over the displacement's time [-]
+ALWAYS_KEPT = 3  # number of past values that constant steps need
+FOREVER = 1e300  # [s]: time at rest before the start
+COARSENESS = 0.6  # a past value goes if its neighbours' interval over the time since the earlier one is below this [-]
 
 
 @kernel
 def past(state, i, k):
-    """Number k of past value i [m], the latest one 0."""
+    """Number k of past value i [m]; i = 0 is the latest."""
     return state[at.PAST_VALUES + at.PAST_SIZE * i + k]
 
 
 @kernel
 def begin_past(length, state):
-    """Let a new state (modified) have rested where its ends and its length [m] are; inputs are in the state."""
+    """Initialize the past of a new state (modified) at rest at its ends and its length [m]; the inputs are in the state."""
     for i in range(at.MOST_PAST):
         state[at.PAST_TIMES + i] = FOREVER
         put_past(length, i, state)
@@ -46,7 +46,7 @@ def begin_past(length, state):
 
 @kernel
 def put_past(length, i, state):
-    """Let past value i of a state (modified) be the last positions that it has, and a length [m]."""
+    """Set past value i of a state (modified) to its last positions and a length [m]."""
     place = at.PAST_VALUES + at.PAST_SIZE * i
     put_at(state, place + KITE, vector_at(state, at.LAST_KITE_POSITION))
     put_at(state, place + GROUND, vector_at(state, at.LAST_GROUND_POSITION))
@@ -55,7 +55,7 @@ def put_past(length, i, state):
 
 @kernel
 def begin_moving(length, speed, step, state):
-    """Let the length [m] have come to its first value with this speed [m/s] for two steps [s], in a state (modified)."""
+    """Initialize the past of the length [m] with this speed [m/s] during two steps [s], in a state (modified)."""
     for i in range(at.MOST_PAST):
         state[at.PAST_VALUES + at.PAST_SIZE * i + LENGTH] = length - (1.0 if i == 0 else 2.0) * step * speed
     state[at.PAST_TIMES] = state[at.PAST_TIMES + 1] = step
@@ -63,7 +63,7 @@ def begin_moving(length, speed, step, state):
 
 @kernel
 def superfluous(step, state):
-    """Number of the past value that goes when one of `step` [s] ago comes: too close to its neighbours, or the earliest."""
+    """Number of the past value to drop for one that is `step` [s] old: too close to its neighbours, or the earliest."""
     times, i = at.PAST_TIMES, ALWAYS_KEPT - 1
     if state[times + at.MOST_PAST - 2] >= FOREVER:
         return at.MOST_PAST - 1
@@ -78,7 +78,7 @@ def superfluous(step, state):
 
 @kernel
 def keep_past(length, step, state):
-    """Add the last positions of a state and a length [m] to its past values (modified), for what comes after a step [s]."""
+    """Add the last positions of a state and a length [m] to its past values (modified), after a step [s]."""
     i = superfluous(step, state)
     if i < at.MOST_PAST - 1:
         state[at.PAST_TIMES + i + 1] += state[at.PAST_TIMES + i]
@@ -93,7 +93,7 @@ def keep_past(length, step, state):
 
 @kernel
 def period(i, least, state):
-    """The past value that lies at least a time [s] before the value behind i, as the number behind it; and its time [s]."""
+    """The past value at least a time [s] before value i - 1, as the number of its successor; and this time [s]."""
     time = 0.0
     while i < at.MOST_PAST and time < least:
         time += state[at.PAST_TIMES + i]
@@ -103,9 +103,9 @@ def period(i, least, state):
 
 @kernel
 def rates_over(least, position, k, state):
-    """The last two rates of a position [m], their rates, and the periods of at least `least` [s] that they belong to.
+    """Last two rates of a position [m], their rates, and their periods of at least `least` [s].
 
-    (u, u'), (a, a'), (T, T') : 0 [m/s], [m/s2] where the past does not reach back far enough.  k : place of the position.
+    (u, u'), (a, a'), (T, T') : 0 [m/s], [m/s2] if the past does not reach back far enough.  k : place of the position.
     """
     i, latest = period(0, least, state)
     j, middle = period(i, least, state)
@@ -120,7 +120,7 @@ def rates_over(least, position, k, state):
 
 @kernel
 def extrapolated(position, k, time, state):
-    """Velocity [m/s] and acceleration [m/s2] with which a position [m] goes on for a time [s]; k : its place."""
+    """Velocity [m/s] and acceleration [m/s2] that extrapolate a position [m] over a time [s]; k : its place."""
     rates, accelerations, periods = rates_over(SHORTEST_LAST_STEP * time, position, k, state)
     velocity = rates[0] + 0.5 * periods[0] * accelerations[0]
     return limited_motion(velocity, accelerations[0], *rates_over(SHORTEST_PERIOD * time, position, k, state), time)

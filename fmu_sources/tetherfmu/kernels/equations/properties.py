@@ -1,4 +1,4 @@
-"""A chain at an instant: the properties of its segments, the point masses of its nodes, its unstretched length, the wind."""
+"""A chain at an instant: segment properties, point masses, unstretched length, wind."""
 
 from collections import namedtuple
 
@@ -17,30 +17,29 @@ Chain = namedtuple(
 Chain.__doc__ = """A chain at an instant.
 
 n : number of segments.  parameters : flat array, see `layout.py`.
-length, reeling, acceleration : unstretched length L of the tether [m], its rate [m/s], and the rate of that [m/s2].
+length, reeling, acceleration : unstretched tether length L [m] and its first [m/s] and second [m/s2] derivative.
 leaving, leaving_gain : rate at which rope leaves the last node over a sheave [m/s], its rate [m/s2]; -0 elsewhere.
-flows : whether rope flows past the nodes, or begins to, and its momentum counts: by the strain_rate law.
+flows : whether rope flows past the nodes, or begins to, and its momentum counts (strain_rate law).
 growth : (dL/dt)/L = (dl0/dt)/l0 [1/s].
-seen_growth : growth as far as dampers see it: all of it by the strain_rate law, nothing by the stretch_rate law.
+seen_growth : the growth that dampers see: all under the strain_rate law, none under the stretch_rate law.
 slack_stiffness_ratio, slack_damping_ratio : of a slack segment to a taut one [-].  gravity : along -z [m/s2].
-wind : at the reference height [m/s]; not used where the wind is given at the nodes, see `node_wind`.
+wind : at the reference height [m/s]; unused if the wind is given at the nodes, see `node_wind`.
 air_is_uniform : whether wind and density are the same everywhere.
 
-What is in `parameters` too stands here because a loop that writes to arrays would load it anew for each segment.
-"""
+Some fields repeat `parameters`: a loop that writes to arrays would reload them for each segment."""
 
 
 @kernel
 def sees_reeling(parameters):
-    """Whether a damper sees the strain, and so the rate of the unstretched length: by the strain_rate law."""
+    """Whether dampers see the strain, and thus the rate of the unstretched length (strain_rate law)."""
     return parameters[at.DAMPING_LAW] == at.STRAIN_RATE
 
 
 @view
 def chain_with_flow(n, parameters, length, reeling, acceleration, leaving, wind, flows):
-    """`Chain` of this unstretched length [m], its rate [m/s] and the rate of that [m/s2] in a wind [m/s].
+    """`Chain` of this unstretched length [m] with its first [m/s] and second [m/s2] derivative, in a wind [m/s].
 
-    leaving : the rate at which rope leaves its last node [m/s], and the rate of that [m/s2].
+    leaving : the rate at which rope leaves its last node [m/s], and its derivative [m/s2].
     """
     growth = reeling / length
     seen_growth = growth if sees_reeling(parameters) else 0.0
@@ -51,14 +50,14 @@ def chain_with_flow(n, parameters, length, reeling, acceleration, leaving, wind,
 
 @view
 def chain_in_motion(n, parameters, length, reeling, acceleration, wind):
-    """The same of which rope flows where it reels."""
+    """`chain_with_flow` whose rope flows if it reels."""
     flows = (reeling != 0.0 or acceleration != 0.0) and sees_reeling(parameters)
     return chain_with_flow(n, parameters, length, reeling, acceleration, (NEUTRAL, NEUTRAL), wind, flows)
 
 
 @view
 def portion_in_motion(n, parameters, length, reeling, acceleration, leaving, wind):
-    """The same of a portion of a line that runs over sheaves; leaving : as of `chain_with_flow`."""
+    """`chain_in_motion` for a portion of a line over sheaves; leaving : as in `chain_with_flow`."""
     flows = reeling != 0.0 or acceleration != 0.0 or leaving[0] != 0.0 or leaving[1] != 0.0
     return chain_with_flow(n, parameters, length, reeling, acceleration, leaving, wind, flows)
 
@@ -71,7 +70,7 @@ def chain_at(n, parameters, length, reeling, wind):
 
 @view
 def chain_of(n, parameters, state):
-    """`Chain` with the length, the reeling, its rate and the wind of a state."""
+    """`Chain` with the length, the reel-out speed and acceleration, and the wind of a state."""
     motion = state[at.LENGTH], state[at.REELING], state[at.ACCELERATION]
     flows = (motion[1] != 0.0 or motion[2] != 0.0) and sees_reeling(parameters)
     leaving = NEUTRAL, NEUTRAL
@@ -83,7 +82,7 @@ def chain_of(n, parameters, state):
 
 @view
 def chain_without_flow(n, parameters, state):
-    """The same of a chain in equilibrium, whose equations know no momentum of rope that flows."""
+    """`chain_of` in equilibrium, without the momentum of flowing rope."""
     motion = state[at.LENGTH], state[at.REELING], 0.0, (NEUTRAL, NEUTRAL)
     return chain_with_flow(n, parameters, *motion, vector_at(state, at.WIND), False)
 
@@ -96,7 +95,7 @@ def property_of(chain, s, which):
 
 @kernel
 def property_in(parameters, n, s, which):
-    """The same of a chain of n segments in the parameters."""
+    """`property_of` for a chain of n segments in the parameters."""
     return number_at(parameters, at.PARAMETER_SCALARS + which * n, s)
 
 
@@ -133,49 +132,49 @@ def stiffest(chain):
 
 @kernel
 def point_mass(chain, i):
-    """Mass [kg] that node i carries beside its share of the tether."""
+    """Mass [kg] of node i in addition to its share of the tether."""
     return point_mass_in(chain.parameters, chain.n, i)
 
 
 @kernel
 def point_mass_in(parameters, n, i):
-    """The same of a chain of n segments in the parameters."""
+    """`point_mass` for a chain of n segments in the parameters."""
     return parameters[at.PARAMETER_SCALARS + at.SEGMENT_PROPERTIES * n + i]
 
 
 @kernel
 def holds(chain, s):
-    """Whether segment s holds anything: the chain is parted there if it does not, see `torn.py`."""
+    """Whether segment s carries load; otherwise the chain is parted there, see `torn.py`."""
     return property_of(chain, s, at.STIFFNESS) > 0.0
 
 
 @kernel
 def place_of(n, which):
-    """First place of a property of n segments in the parameters; of SEGMENT_PROPERTIES, that of the masses of the nodes."""
+    """First place of a property of n segments in the parameters; SEGMENT_PROPERTIES: of the node masses."""
     return at.PARAMETER_SCALARS + which * n
 
 
 @kernel
 def put_property(n, which, s, value, parameters):
-    """Give segment s of n one of the properties `layout.SHARE`, ... in the parameters (modified)."""
+    """Set one of the properties `layout.SHARE`, ... of segment s of n in the parameters (modified)."""
     parameters[at.PARAMETER_SCALARS + which * n + s] = value
 
 
 @kernel
 def put_point_mass(n, i, mass, parameters):
-    """Give node i of a chain of n segments a mass [kg] beside its share of the tether in the parameters (modified)."""
+    """Set the mass [kg] of node i, in addition to its share of the tether, of n segments in the parameters (modified)."""
     parameters[at.PARAMETER_SCALARS + at.SEGMENT_PROPERTIES * n + i] = mass
 
 
 @kernel
 def has_node_winds(chain):
-    """Whether the wind is given at the nodes; `chain` may be a `BoundaryConditions`."""
+    """Whether the wind is specified at the nodes; `chain` may be a `BoundaryConditions`."""
     return chain.parameters[at.WIND_PROFILE] == at.AT_NODES
 
 
 @kernel
 def node_wind(chain, s, above):
-    """Wind [m/s] that is given at node s + above; for two s, the winds at two nodes, as pairs.
+    """Wind [m/s] specified at node s + above; for two values of s, the winds at two nodes, as pairs.
 
     `chain` may be a `BoundaryConditions`.
     """

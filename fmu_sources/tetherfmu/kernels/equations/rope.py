@@ -1,24 +1,24 @@
-"""One segment of rope that flows: its force on both nodes, its pull at both ends of its line, and their slopes.
+"""One segment with flowing rope: forces on its two nodes, its pull at both line ends, and their slopes.
 
-Rope comes into a line over its first node at the rate a_0 and over its last one at the rate a_1, both counted inwards: what
-a drum pays out is a_0, what a sheave takes away at the end is -a_1, and L' = a_0 + a_1. A line is the same seen from either
-end. A segment between the nodes p and q grows by its shares g_0, g_1 of both, and past a node i flows, from p to q,
+Rope enters a line over its first node at the rate a_0 and over its last node at the rate a_1, both positive inwards. A drum
+pays out a_0, a sheave at the end removes -a_1, and L' = a_0 + a_1. The equations are symmetric in the two ends. A segment
+between nodes p and q grows by the shares g_0 and g_1 of these rates; rope flows past node i at c_i, positive from p to q:
 
     l0' = g_0 a_0 + g_1 a_1,   c_i = W_i0 a_0 + W_i1 a_1
 
 In a plain line g_0 = g_1 = share, W_i0 = 1 - (shares before i), W_i1 = W_i0 - 1. Half segments move with v_i + c_i r/l0.
-Lagrange's equations of sum 1/2 (mu l0/2) |v_i + c_i r/l0|^2 add forces to those of the lumped masses,
+Lagrange's equations of sum 1/2 (mu l0/2) |v_i + c_i r/l0|^2 add these forces to the lumped-mass equations,
 
     f_p = -mu/2 ((c_p' + S) r + (c_p + c_q) u),   f_q = -mu/2 ((c_q' - S) r + (c_p + c_q) u),   S = (c_p^2 + c_q^2)/l0
 
-and say how strongly the rope pulls inwards at the end e. T is the tension there, z a height, u = r':
+and determine the inward pull of the rope at end e, where T is the tension, z a height and u = r':
 
     T + T^2/(2 EA) = sum of R_e + mu a_e^2/2 of the segment at the end,   l = |r|
     R_e = g_e (k (l^2 - l0^2)/(2 l0) + c (r.u - l^2 l0'/l0)/l0 + mu |u|^2/4 - mu g (z - z_e) - mu S l^2/(4 l0))
           - mu/2 (sum over p, q of W_e (c (2 r.u - l^2 l0'/l0)/l0 + c' l^2/l0 + v'.r))
 
-T^2/(2 EA) is the energy of the strain that the rope has there: none where T < 0. All functions take numbers, or pairs of the
-two halves of a line (`linear_algebra.pairs`), where p is the outer node and `own` the end on its side.
+T^2/(2 EA) is the strain energy of the rope at the end, zero where T < 0. All functions accept numbers, or pairs for the two
+halves of a line (`linear_algebra.pairs`); p is then the outer node, and `own` the line end in the same half.
 Theory: docs/models/theory.md, "Rope that flows"; docs/models/numerics.md, "Rope coordinates".
 """
 
@@ -37,20 +37,20 @@ from .properties import chain_at, half_density, property_of, rest_length, sees_r
 Piece = namedtuple("Piece", "rest per half k c growth gravity")
 Piece.__doc__ = """l0 [m], 1/l0 [1/m], mu/2 [kg/m], k [N/m] and c [N s/m] of a segment; l0'/l0 [1/s]; g [m/s2]."""
 Side = namedtuple("Side", "share at_p at_q")
-Side.__doc__ = """g, W_p and W_q of rope that comes in over one end [-]."""
+Side.__doc__ = """g, W_p and W_q of rope that enters over one end [-]."""
 Flow = namedtuple("Flow", "c_p c_q gain_p gain_q")
 Flow.__doc__ = """c_p and c_q [m/s], and their rates [m/s2]."""
 
 
 @kernel
 def feels_rope(parameters):
-    """Whether drums feel the rope that flows, as chains of the strain_rate law; else the tension of the first segment."""
+    """Whether flowing rope acts on drums (strain_rate law); otherwise only the tension of the first segment does."""
     return sees_reeling(parameters)
 
 
 @view
 def piece_of(chain, s, mode):
-    """`Piece` of segment s, or of two, as a pair."""
+    """`Piece` of segment s, or of two segments as a pair."""
     rest = rest_length(chain, s)
     k, c = segment.stiffness(chain, s, mode, rest)
     return Piece(rest, 1.0 / rest, half_density(chain, s), k, c, chain.growth, chain.gravity)
@@ -58,7 +58,7 @@ def piece_of(chain, s, mode):
 
 @kernel
 def flow_past(own, other, rates, gains):
-    """`Flow` with the `Side`s of a segment, and rates [m/s] and gains [m/s2] of rope that comes in there."""
+    """`Flow` of a segment from its two `Side`s, the rates [m/s] and the gains [m/s2] of entering rope."""
     (a, b), (a_gain, b_gain) = rates, gains
     return Flow(
         own.at_p * a + other.at_p * b,
@@ -79,9 +79,9 @@ def forces(piece, flow, r, u):
 
 @kernel
 def pulls(piece, flow, own, other, r, u, heights, z_p, z_q):
-    """Parts of R of both ends [N].
+    """Contributions of the segment to R of both ends [N].
 
-    heights : of the middle of the segment above each end [m].  z_p, z_q : accelerations of the nodes [m/s2].
+    heights : of the segment's midpoint above each end [m].  z_p, z_q : node accelerations [m/s2].
     """
     square, both = dot(r, r), dot(r, u)
     turned = 2.0 * both - piece.growth * square
@@ -102,9 +102,9 @@ def pulls(piece, flow, own, other, r, u, heights, z_p, z_q):
 
 @kernel
 def column(piece, flow, slope, e, r, u, side, loads):
-    """Slopes of the forces on p and q less masses times accelerations: by q_e [N/m], by a_e [N s/m], by a_e' [kg].
+    """Slopes of (force - mass * acceleration) at p and q: by q_e [N/m], by a_e [N s/m], by a_e' [kg].
 
-    slope : dT/dl0 [N/m], e : direction.  loads : accelerations of p and q less those by gravity and ground [m/s2].
+    slope : dT/dl0 [N/m], e : direction.  loads : accelerations of p and q without gravity and ground [m/s2].
     """
     squares = piece.half * piece.per * (flow.c_p * flow.c_p + flow.c_q * flow.c_q) * side.share * piece.per
     pulled = add_scaled(scale(slope * side.share, e), squares, r)
@@ -120,7 +120,7 @@ def column(piece, flow, slope, e, r, u, side, loads):
 
 @kernel
 def row(piece, flow, side, r, u, z_p, z_q):
-    """Slopes of the part in R_e: by r [N/m], by u [N s/m], by l0 [N/m]; those by z are `column`'s by a_e'."""
+    """Slopes of the contribution to R_e: by r [N/m], by u [N s/m], by l0 [N/m]; `column` has the slopes by z, its a_e'."""
     share, per, square, both, growth = side.share, piece.per, dot(r, r), dot(r, u), piece.growth
     of_flow, damper = piece.half * per, share * per * piece.c
     product, gain = side.at_p * flow.c_p + side.at_q * flow.c_q, side.at_p * flow.gain_p + side.at_q * flow.gain_q
@@ -137,7 +137,7 @@ def row(piece, flow, side, r, u, z_p, z_q):
 
 @kernel
 def corner(piece, flow, side, by, r, u):
-    """Slope of the part in R_e by a_f [N s/m]; side, by : `Side` of e and of f."""
+    """Slope of the contribution to R_e by a_f [N s/m]; side, by : `Side` of e and of f."""
     square, per = dot(r, r), piece.per
     product, crossed = side.at_p * flow.c_p + side.at_q * flow.c_q, side.at_p * by.at_p + side.at_q * by.at_q
     flowing = (product * by.share - (flow.c_p * by.at_p + flow.c_q * by.at_q) * side.share) * square * per
@@ -147,16 +147,16 @@ def corner(piece, flow, side, by, r, u):
 
 @kernel
 def inertia(piece, side, by, square):
-    """Slope of the part in R_e by a_f' [kg] with nodes at rest; square : l^2 [m2]."""
+    """Slope of the contribution to R_e by a_f' [kg] with nodes at rest; square : l^2 [m2]."""
     return -1.0 * piece.half * piece.per * (side.at_p * by.at_p + side.at_q * by.at_q) * square
 
 
-# --- the tension where rope comes in
+# --- tension where rope enters
 
 
 @kernel
 def tension_of(stiffness, pull):
-    """T [N] of R [N], without a difference of numbers that are almost equal; EA [N]."""
+    """T [N] from R [N], without cancellation; EA [N]."""
     return pull if pull <= 0.0 else 2.0 * pull / (1.0 + sqrt(1.0 + 2.0 * pull / stiffness))
 
 
@@ -166,14 +166,14 @@ def slope_of(stiffness, tension):
     return 1.0 / (1.0 + max(tension, 0.0) / stiffness)
 
 
-# --- of a line at rest, or moved as it is in a state
+# --- a line at rest, or with the velocities of a state
 
 
 @kernel
 def tensions_of_rope(chain, x, v, moves):
-    """Tensions [N] where the rope leaves a winch and at its last node, at x [m], v [m/s]: but for accelerations.
+    """Tensions [N] where the rope leaves the winch and at its last node, at x [m], v [m/s], without acceleration terms.
 
-    moves : 1, or 0 without the velocities.
+    moves : 1, or 0 to ignore the velocities.
     """
     part, lowest, highest = 1.0, get(x, 0)[2], get(x, chain.n)[2]
     total, at_end = half_density(chain, 0) * chain.reeling * chain.reeling, 0.0
@@ -194,7 +194,7 @@ def tensions_of_rope(chain, x, v, moves):
 
 @kernel
 def tension_of_rope(chain, x, v, moves):
-    """The first one of these."""
+    """First tension of `tensions_of_rope`."""
     first, _ = tensions_of_rope(chain, x, v, moves)
     return first
 
@@ -203,7 +203,7 @@ def tension_of_rope(chain, x, v, moves):
 def spring_at_winch(n, parameters, state):
     """Tension where the rope leaves the winch [N] of a chain in equilibrium, from the spring of its first segment.
 
-    That spring less the weight of the half segment below it.
+    The spring force minus the weight of the half segment below it.
     """
     spring, (x, _) = spring_at_ground(n, parameters, state), positions_and_velocities(n, state)
     chain = chain_at(n, parameters, state[at.LENGTH], 0.0, ZERO_VECTOR)
@@ -215,7 +215,7 @@ def spring_at_winch(n, parameters, state):
 def tension_at_winch(n, parameters, state):
     """Tension where the rope leaves the winch [N], of a chain at rest in a state.
 
-    Where positions do not hold the tensions, `spring_at_winch`; by the stretch_rate law the spring of the first segment.
+    `spring_at_winch` if the state stores tensions separately; the first spring's tension under the stretch_rate law.
     """
     held, (x, v) = vector_at(state, at.GROUND_TENSION_VECTOR), positions_and_velocities(n, state)
     if not feels_rope(parameters):

@@ -1,4 +1,4 @@
-"""Which lines of a system are portions of ropes that run over sheaves, and which ones drums beside them pay out."""
+"""Lines of a system that are portions of ropes over sheaves, and lines that drums beside them pay out."""
 
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import plan_layout as places
@@ -24,31 +24,31 @@ def has_sheaves(system):
 
 @kernel
 def coordinates_in(system):
-    """Number of sheaves, and of drums that may turn beside them; see `points/coordinates.py`."""
+    """Number of sheaves and of drums that may turn beside them; see `points/coordinates.py`."""
     return number_in(system.plan, places.COORDINATES)
 
 
 @kernel
 def has_coordinates(system):
-    """Whether there is any."""
+    """Whether there is any sheave or such drum."""
     return coordinates_in(system) > 0
 
 
 @kernel
 def goes_on(system, k):
-    """Whether line k goes on over a sheave at its end."""
+    """Whether line k continues over a sheave at its end."""
     return number_of_line(system, k, places.THROUGH) != 0
 
 
 @kernel
 def comes_from(system, k):
-    """Whether line k comes from a sheave at its start."""
+    """Whether line k begins at a sheave."""
     return has_sheaves(system) and k > 0 and number_of_line(system, k - 1, places.THROUGH) != 0
 
 
 @kernel
 def first_of(system, k):
-    """The first portion of the rope of which line k is one."""
+    """First portion of the rope that includes line k."""
     while comes_from(system, k):
         k -= 1
     return k
@@ -56,19 +56,19 @@ def first_of(system, k):
 
 @kernel
 def is_freed(system, k):
-    """Whether the arrays of line k are those of a line that has let go at its end."""
+    """Whether the arrays of line k belong to a line that was released at its end."""
     return number_of_line(system, k, places.FREED) != 0
 
 
 @kernel
 def is_portion(system, k):
-    """Whether line k is a portion of one that runs over sheaves."""
+    """Whether line k is a portion of a line over sheaves."""
     return has_sheaves(system) and (goes_on(system, k) or comes_from(system, k))
 
 
 @kernel
 def is_turned(system, k):
-    """Whether drums that turn beside sheaves, or hold several lines, pay out line k."""
+    """Whether drums that are shared or used with sheaves pay out line k."""
     if not has_coordinates(system):
         return False
     return parameters_of(system, k)[at.HELD_BY] != 0.0 and follows_force(parameters_of(system, k))
@@ -76,12 +76,12 @@ def is_turned(system, k):
 
 @kernel
 def is_rope(system, k):
-    """Whether rope may run into line k or out of it, over a sheave or off such a drum."""
+    """Whether rope may run into or out of line k, over a sheave or from such a drum."""
     return is_portion(system, k) or is_turned(system, k)
 
 
 @view
 def outputs_of_line(system, k, outputs):
-    """Part of line k of an array of outputs."""
+    """The part of an output array for line k."""
     size = outputs_size(number_of_line(system, k, places.SHAPE_POINTS), is_portion(system, k))
     return part(outputs, number_of_line(system, k, places.OUTPUTS_AT), size)

@@ -76,7 +76,7 @@ def spring(chain, s, length, is_taut):
 
 @kernel
 def spring_tension(chain, s, length):
-    """Tension of the spring of segment s with this length [m]: k (l - l0) [N], without that of the damper."""
+    """Spring tension k (l - l0) [N] of segment s with this length [m], without the damper."""
     elongation, k = spring(chain, s, length, False)
     return k * elongation
 
@@ -89,13 +89,13 @@ def elastic_energy(k, elongation):
 
 @kernel
 def beyond_rest(r, rest):
-    """l^2 - l0^2 [m2] of a segment with the vector r [m] between its nodes: above 0 it is taut, without a square root."""
+    """l^2 - l0^2 [m2] of a segment with the vector r [m] between its nodes: positive if taut; needs no square root."""
     return dot(r, r) - rest * rest
 
 
 @kernel
 def seen_rate(chain, length, length_rate):
-    """Rate [m/s] that the damper of a segment sees, of its length l [m] and l' [m/s]: l' - l l0'/l0, see `Chain`."""
+    """Rate [m/s] that the damper of a segment sees, from length l [m] and l' [m/s]: l' - l l0'/l0, see `Chain`."""
     return length_rate - chain.seen_growth * length
 
 
@@ -111,9 +111,9 @@ def tension(chain, length, length_rate, rest, k, c):
 
 @kernel
 def air_of(chain, s, height):
-    """Wind [m/s] and density [kg/m3] of the air at segment s, or at two, and their slopes with the height [1/s], [kg/m4].
+    """Wind [m/s] and air density [kg/m3] at segment s, or at two, and their slopes with the height [1/s], [kg/m4].
 
-    Mean height of its nodes [m]. A wind that is given at the nodes has no slope: it goes where they go.
+    At the mean height of its nodes [m]. Wind specified at the nodes has no slope: it moves with them.
     """
     if chain.air_is_uniform:
         density, zero = broadcast((chain.parameters[at.AIR_DENSITY], 0.0), height)
@@ -149,14 +149,14 @@ def half_drag(chain, s, length, e, height, velocity):
 
 @kernel
 def half_drag_in(chain, s, length, e, wind, density, velocity):
-    """`half_drag` in air of this wind [m/s] and density [kg/m3]."""
+    """`half_drag` for this wind [m/s] and density [kg/m3]."""
     w, _ = apparent_wind(wind, e, velocity)
     return scale(half_drag_factor(chain, s, length, density) * speed_across(w), w)
 
 
 @kernel
 def half_drag_factor(chain, s, length, density):
-    """F/(|w| w) [N s2/m2] of `half_drag`, in air of this density [kg/m3]; DRAG_WIDTH is cd d."""
+    """F/(|w| w) [N s2/m2] of `half_drag`, for this density [kg/m3]; DRAG_WIDTH is cd d."""
     return 0.25 * density * property_of(chain, s, at.DRAG_WIDTH) * length
 
 
@@ -168,19 +168,19 @@ def speed_across(w):
 
 @kernel
 def mean_height(x_p, x_q):
-    """Height [m] at which a segment with its nodes there [m] meets the air."""
+    """Height [m] at which the air acts on a segment with these node heights [m]."""
     return 0.5 * (x_p[2] + x_q[2])
 
 
 @kernel
 def mean_velocity(v_p, v_q):
-    """Velocity [m/s] with which a segment with these velocities of its nodes [m/s] meets the air."""
+    """Velocity [m/s] of a segment relative to the ground, as drag sees it, from its node velocities [m/s]."""
     return scale(0.5, add(v_p, v_q))
 
 
 @kernel
 def half_drag_between(chain, s, length, e, x_p, x_q, v_p, v_q):
-    """`half_drag` of a segment of this length [m] and direction with its nodes there [m, m/s]."""
+    """`half_drag` of a segment of this length [m] and direction between these nodes [m, m/s]."""
     return half_drag(chain, s, length, e, mean_height(x_p, x_q), mean_velocity(v_p, v_q))
 
 
@@ -188,7 +188,7 @@ def half_drag_between(chain, s, length, e, x_p, x_q, v_p, v_q):
 def tension_of(chain, s, mode, length, length_rate):
     """Tension T [N] of segment s, or of two, as a pair, from its length l [m] and dl/dt [m/s].
 
-    mode : TAUT or SLACK, or BY_LENGTH to let the length decide.
+    mode : TAUT or SLACK, or BY_LENGTH to decide by the length.
     """
     rest = rest_length(chain, s)
     mode = select(mode * mode, mode, length - rest)
@@ -208,7 +208,7 @@ def largest_tension(chain, x, v):
 
 @kernel
 def forces(chain, s, x_p, x_q, v_p, v_q):
-    """Tension vector T e [N], half drag F [N] and tension T [N] of segment s with its nodes there [m, m/s]."""
+    """Tension vector T e [N], half drag F [N] and tension T [N] of segment s between these nodes [m, m/s]."""
     length, e = geometry(sub(x_q, x_p))
     pull = tension_of(chain, s, BY_LENGTH, length, dot(e, sub(v_q, v_p)))
     drag = half_drag_between(chain, s, length, e, x_p, x_q, v_p, v_q)
@@ -219,7 +219,7 @@ def forces(chain, s, x_p, x_q, v_p, v_q):
 def linearize_tension(chain, s, length, e, u):
     """Derivatives of the tension vector of segment s, or of two: K [N/m], c [N s/m], dT/dl0 [N/m]; TAUT or SLACK.
 
-    Length l [m], direction e, rate u [m/s] of the vector between the nodes. dT/dl0 is that at constant l, dl/dt, dl0/dt; k
+    Length l [m], direction e, rate u [m/s] of the vector between the nodes. dT/dl0 is at constant l, dl/dt, dl0/dt; k
     and c fall as 1/l0.
     """
     rest = rest_length(chain, s)
@@ -260,7 +260,7 @@ def linearize_drag(chain, s, length, e, height, velocity):
 
 @kernel
 def linearize_drag_between(chain, s, length, e, x_p, x_q, v_p, v_q):
-    """`linearize_drag` of a segment of this length [m] and direction with its nodes there [m, m/s]."""
+    """`linearize_drag` of a segment of this length [m] and direction between these nodes [m, m/s]."""
     return linearize_drag(chain, s, length, e, mean_height(x_p, x_q), mean_velocity(v_p, v_q))
 
 

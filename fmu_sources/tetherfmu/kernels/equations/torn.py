@@ -1,14 +1,14 @@
-"""A line that broke, or has let go at its end: a segment that holds nothing stands where it is parted.
+"""A line that broke or was released at its end: a segment without load marks the gap.
 
-    broken     segment s has no stiffness, no damper and no drag any more. Its mass stays in halves on the two nodes that it
-               joined, which are the new ends; no node gets another mass or velocity, so the momentum is kept. The energy of
-               its spring is lost.
-    let go     the line has one segment more, which has no mass either. It joins the last node, now free with its half of the
-               last segment, to what held it: a driven end, a free kite or a free point. Both begin with the same motion.
+    broken     segment s loses stiffness, damper and drag. Half of its mass stays on each of its two nodes, which become the
+               new ends; no node changes its mass or velocity, so the momentum is conserved. The energy of its spring is
+               lost.
+    let go     the line has one more segment, without mass. It joins the last node, now free with its half of the last
+               segment, to the former support: a driven end, a free kite or a free point. Both start with the same motion.
 
-Parameters and plan of the shells are those of the whole line. `fit` makes them those of the parted line when an entry point
-begins, and `unfit` those of the whole line when it ends; what is to be kept stands in the state. The winch of a broken line
-is braked: the unstretched length stays.
+Parameters and plan of the shells describe the whole line. `fit` changes them to the parted line when an entry point
+begins, and `unfit` restores them when it ends; the state stores the rest. The winch of a broken line is braked: the
+unstretched length is constant.
 Theory: docs/models/theory.md, "Breaking and letting go".
 """
 
@@ -17,12 +17,12 @@ from tetherfmu.runtime import layout as at
 from ..compilation import kernel
 from .properties import place_of, property_in, put_property
 
-NO_MASS = 3.7e-13  # of a node without any [kg], as forces are divided by masses
+NO_MASS = 3.7e-13  # mass of a massless node [kg], as forces are divided by masses
 
 
 @kernel
 def tear(n, s, parameters):
-    """Let segment s of n hold nothing, and the winch be braked, in the parameters (modified)."""
+    """Remove the stiffness, damper and drag of segment s of n, and brake the winch, in the parameters (modified)."""
     parameters[at.TORN_NOW] = s + 1.0
     parameters[at.WHOLE_STIFFNESS] = property_in(parameters, n, s, at.STIFFNESS)
     parameters[at.WHOLE_DAMPING] = property_in(parameters, n, s, at.DAMPING)
@@ -48,7 +48,7 @@ def mend(n, parameters):
 
 @kernel
 def has_let_go(state):
-    """Whether a line in this state has let go: 1, else 0."""
+    """1 if a line in this state was released, else 0."""
     return 1 if state[at.LET_GO] >= 1.0 else 0
 
 
@@ -60,9 +60,9 @@ def is_torn(parameters):
 
 @kernel
 def move_up(count, first, room, numbers):
-    """Move so many numbers of an array (modified) from a place `room` places up; what stood there has no meaning afterwards.
+    """Move `count` numbers of an array (modified) from a place up by `room`; the vacated places are undefined.
 
-    They change places with it: a loop of copies would become a call of the C library.
+    Numbers are swapped: a loop of copies would become a call of the C library.
     """
     for i in range(first + count - 1, first - 1, -1):
         numbers[i], numbers[i + room] = numbers[i + room], numbers[i]
@@ -70,16 +70,16 @@ def move_up(count, first, room, numbers):
 
 @kernel
 def move_down(count, first, room, numbers):
-    """The same of numbers that stand `room` places above `first`, down to it."""
+    """Move `count` numbers from `room` places above `first` down to it."""
     for i in range(first, first + count):
         numbers[i], numbers[i + room] = numbers[i + room], numbers[i]
 
 
 @kernel
 def put_last(count, first, room, value, numbers):
-    """Give an array of so many numbers, which begins at a place, one number more, and move it by `room` (modified).
+    """Append one number to an array of this length, which begins at a place, and move it by `room` (modified).
 
-    It becomes longer at its end; what lies behind must have been moved.
+    The array grows at its end; move the data behind it first.
     """
     move_up(count, first, room, numbers)
     numbers[first + room + count] = value
@@ -87,9 +87,9 @@ def put_last(count, first, room, value, numbers):
 
 @kernel
 def add_segment(n, parameters):
-    """Let the parameters (modified) of a line of n segments be those of one with one more, which holds nothing.
+    """Extend the parameters (modified) of a line of n segments by a segment without load.
 
-    The point mass of the last node is that of the new one.
+    The point mass of the last node moves to the new node.
     """
     masses = place_of(n, at.SEGMENT_PROPERTIES)
     winds = masses + n + 1
@@ -107,7 +107,7 @@ def add_segment(n, parameters):
 
 @kernel
 def remove_segment(n, parameters):
-    """Undo `add_segment`: n is the number of segments without it."""
+    """Undo `add_segment`; n : number of segments without it."""
     for which in range(1, at.SEGMENT_PROPERTIES):
         move_down(n, place_of(n, which), which, parameters)
     masses = place_of(n, at.SEGMENT_PROPERTIES)
@@ -122,7 +122,7 @@ def remove_segment(n, parameters):
 
 @kernel
 def add_node(n, state):
-    """Let the state (modified) of a line of n segments have one node more, which moves as the last one does."""
+    """Extend the state (modified) of a line of n segments by a node with the motion of the last one."""
     x, v = at.STATE_HEADER, at.STATE_HEADER + 3 * (n + 1)
     move_up(3 * (n + 1), v, 3, state)
     for i in range(3):
@@ -132,7 +132,7 @@ def add_node(n, state):
 
 @kernel
 def remove_node(n, state):
-    """Undo `add_node`: n is the number of segments without it."""
+    """Undo `add_node`; n : number of segments without it."""
     v = at.STATE_HEADER + 3 * (n + 1)
     move_down(3 * (n + 1), v, 3, state)
     for i in range(6):

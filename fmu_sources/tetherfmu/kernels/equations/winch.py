@@ -1,20 +1,19 @@
-"""The unstretched length within a communication step: a polynomial L + c1 t + c2 t^2 + c3 t^3 of the time.
+"""Unstretched length within a communication step: a polynomial L + c1 t + c2 t^2 + c3 t^3 of the time.
 
-It may end before the step does: from then on the length has a constant acceleration (`end_motion.curve`).
+The polynomial may end within the step; afterwards the length has a constant acceleration (`end_motion.curve`).
 
-`winch_control` says what controls the winch:
+`winch_control` selects the quantity that controls the winch:
 
-    speed     the reel-out speed u continues at the rate a = (u - u_last)/h_last, estimated as the acceleration of an end is,
-              in the first step and with `input_continuation = held` at the rate 0: the length grows by u t + a t^2/2
-    force     the drum turns as its equation of motion says (`drum.py`); it is not known before how the length changes
-    length    the length follows its input as a driven end follows its position (`end_motion.py`), from the length and the
-              speed that it has reached; the winch starts with the reel-out speed
+    speed     the reel-out speed u continues with a = (u - u_last)/h_last, estimated like the acceleration of an end; a = 0
+              in the first step and with `input_continuation = held`. The length grows by u t + a t^2/2
+    force     the equation of motion of the drum (`drum.py`) determines the length, which is not known in advance
+    length    the length follows its input as a driven end follows its position (`end_motion.py`), from its present value
+              and rate; the winch starts with the reel-out speed
 
-Where the speed jumps at the start of a step, the rope gains it during the step: a fifth number, the jump over the step
-[m/s2], is added to its acceleration in what is due to its mass (`flow.py`). So its momentum is right however speeds come.
+If the speed jumps at the start of a step, the rope acquires the jump during the step: a fifth number, the jump over the step
+[m/s2], is added to the acceleration in inertia terms (`flow.py`). The momentum is therefore right for any speed input.
 
-A derivative that the importer gives replaces the estimate: of the reel-out speed and of the force its rate, of the length
-its speed.
+A derivative set by the importer replaces the estimate: the rate of reel-out speed or force, or the speed of the length.
 
 Theory: docs/models/theory.md, "Winch".
 """
@@ -29,18 +28,18 @@ from . import past
 from .continuation import followed, given_derivative, is_continued
 from .end_motion import curve, time_of_correction
 
-ALL_ALONG = 1e300  # [s]: the end of a polynomial that goes on through the step
+ALL_ALONG = 1e300  # [s]: end of a polynomial that covers the whole step
 
 
 @kernel
 def steadily(length, speed, acceleration):
-    """How a length [m] goes on from its rate [m/s] and that of it [m/s2], all along a step."""
+    """Coefficients for a length [m] with constant second derivative [m/s2] throughout the step; rate [m/s]."""
     return length, speed, 0.5 * acceleration, NEUTRAL, NEUTRAL, ALL_ALONG, 0.0
 
 
 @kernel
 def from_length(length, reeling):
-    """The same from another length [m]."""
+    """Shift these coefficients to another initial length [m]."""
     return length, reeling[1], reeling[2], reeling[3], reeling[4], reeling[5], reeling[6]
 
 
@@ -56,7 +55,7 @@ def length_at(reeling, time):
 
 @kernel
 def rate_at(reeling, time):
-    """Its rate [m/s] at a time [s] of the step."""
+    """Rate of the length [m/s] at a time [s] of the step."""
     until = min(time, reeling[5])
     rate = reeling[1] + 2.0 * reeling[2] * until + 3.0 * reeling[3] * until * until
     return rate + reeling[6] * (time - until) if time > until else rate
@@ -64,19 +63,19 @@ def rate_at(reeling, time):
 
 @kernel
 def acceleration_at(reeling, time):
-    """Its second derivative [m/s2] at a time [s] of the step."""
+    """Second derivative of the length [m/s2] at a time [s] of the step."""
     return reeling[6] if time > reeling[5] else 2.0 * reeling[2] + 6.0 * reeling[3] * time
 
 
 @kernel
 def gain_at(reeling, time):
-    """Acceleration [m/s2] with which the rope gains its speed: with what it has jumped by at the start of the step."""
+    """Acceleration [m/s2] of the rope, including the jump of its speed at the start of the step."""
     return acceleration_at(reeling, time) + reeling[4]
 
 
 @kernel
 def reel(reeling, step, state):
-    """Let a state (modified) have the length, its rate and the rate of that at the end of a communication step [s]."""
+    """Update the length and its first two derivatives in a state (modified) to the end of a communication step [s]."""
     state[at.LENGTH], state[at.REELING] = length_at(reeling, step), rate_at(reeling, step)
     state[at.ACCELERATION] = gain_at(reeling, step)
 
@@ -90,7 +89,7 @@ def with_jump(parameters, reeling, step, state):
 
 @kernel
 def jerk_at(reeling, time):
-    """Its third derivative [m/s3] at a time [s] of the step."""
+    """Third derivative of the length [m/s3] at a time [s] of the step."""
     return 0.0 if time > reeling[5] else 6.0 * reeling[3]
 
 
@@ -102,7 +101,7 @@ def is_reeling(reeling):
 
 @kernel
 def shortest_length(reeling, step):
-    """Least unstretched length [m] during a step [s]: at its end, or where the reeling turns round."""
+    """Least unstretched length [m] during a step [s]: at its end, or where the reeling reverses."""
     _, c1, c2, c3, _, until, acceleration = reeling
     least = min(length_at(reeling, step), length_at(reeling, min(step, until)))
     if until < step and acceleration > 0.0:
@@ -133,13 +132,13 @@ def follows_force(parameters):
 
 @kernel
 def is_sought(parameters):
-    """Whether the length at the start is the one at which the winch is in balance."""
+    """Whether the initial length is solved so that the winch is in balance."""
     return follows_force(parameters) and parameters[at.WINCH_START] == at.WINCH_IN_BALANCE
 
 
 @kernel
 def given_length(parameters, inputs, state):
-    """Length [m] that the winch should have paid out: `winch_length`; `initial_length` as long as it has been 0."""
+    """Length input [m] of the winch: `winch_length`, or `initial_length` while that has been 0."""
     if inputs[at.WINCH_LENGTH] == 0.0 and state[at.LAST_WINCH_LENGTH] == 0.0:
         return parameters[at.INITIAL_LENGTH]
     return inputs[at.WINCH_LENGTH]
@@ -147,21 +146,21 @@ def given_length(parameters, inputs, state):
 
 @kernel
 def first_length(parameters, inputs, state):
-    """Unstretched length [m] at the start, with a state that is 0."""
+    """Unstretched length [m] at the start, from a state of zeros."""
     return given_length(parameters, inputs, state) if follows_length(parameters) else parameters[at.INITIAL_LENGTH]
 
 
 @kernel
 def pulls_only(parameters):
-    """Whether the force of the winch can be no less than minus its friction: it has no mass, and holds what it pays out."""
+    """Whether the winch force cannot fall below minus its friction: the winch is massless and cannot push rope."""
     return parameters[at.WINCH_MASS] == 0.0 and parameters[at.PULLS_BACK] == 0.0
 
 
 @kernel
 def force_rate(parameters, inputs, estimate, step, state):
-    """Rate [N/s] at which the force of the winch continues in a step [s], from an estimate.
+    """Rate [N/s] at which the winch force continues in a step [s], from an estimate.
 
-    A winch without mass can pull only: its force is extrapolated to no less than minus its friction.
+    A massless winch can only pull: its force is extrapolated to no less than minus its friction.
     """
     if pulls_only(parameters):
         estimate = max(estimate, -(inputs[at.WINCH_FORCE] + parameters[at.WINCH_FRICTION]) / step)
@@ -176,7 +175,7 @@ def on_axis(number):
 
 @kernel
 def following(parameters, inputs, step, state):
-    """The length in a step [s] that follows `winch_length`, as `reeling_of_step` has it, from what it has reached."""
+    """The length in a step [s] that follows `winch_length` from the value reached, in the format of `reeling_of_step`."""
     length, speed, left = given_length(parameters, inputs, state), state[at.REELING], state[at.CORRECTIONS_LEFT + 2]
     time = max(step, state[at.LAST_STEP], left)
     rate, acceleration = followed(parameters, length, past.LENGTH, speed, time, state)
@@ -191,10 +190,10 @@ def following(parameters, inputs, step, state):
 def reeling_of_step(parameters, inputs, estimate, step, state):
     """The unstretched length in a step [s] from a state: L [m], c1 [m/s], c2 [m/s2], c3 [m/s3], no jump, H [s], a [m/s2].
 
-    H, a : the end of the polynomial, and the acceleration behind it.  estimate : of the rate of the reel-out speed [m/s2].
-    With a winch that is controlled by force, a length that stays.
+    H, a : end of the polynomial, and the acceleration after it.  estimate : rate of the reel-out speed [m/s2].
+    Constant length for a force-controlled winch.
     """
-    if parameters[at.TORN_NOW] > 0.0 or follows_force(parameters):  # if it is torn, its winch is braked
+    if parameters[at.TORN_NOW] > 0.0 or follows_force(parameters):  # the winch of a broken line is braked
         return steadily(state[at.LENGTH], 0.0, 0.0)
     if follows_length(parameters):
         return following(parameters, inputs, step, state)

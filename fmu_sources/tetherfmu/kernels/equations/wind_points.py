@@ -1,12 +1,12 @@
-"""Wind that is an input at K points: at equal unstretched lengths from the ground end to the kite, linear in between.
+"""Wind inputs at K points: at equal unstretched lengths from the ground end to the kite, linear in between.
 
     W(s) = W_k + f (W_(k+1) - W_k),   s (K - 1) = k + f,   k = 0 .. K - 2
 
-s [-] is the unstretched length from the ground end over that of the tether. As all segments reel in proportion to their
-lengths, a node keeps its s, whatever the winch does.
+s [-] is the unstretched length from the ground end over the tether length. All segments reel in proportion to their
+lengths, so a node keeps its s when the winch runs.
 
-The state has the winds at the end of the last step, so that outputs and restored states follow from it; behind them wait
-derivatives that the importer gives for the next step. `put_node_winds` makes the winds at the nodes of it in the parameters.
+The state stores the winds at the end of the last step, so outputs and restored states follow from it, and then the
+derivatives that the importer sets for the next step. `put_node_winds` computes the node winds in the parameters from them.
 
 Theory: docs/models/theory.md, "Wind at points".
 """
@@ -21,7 +21,7 @@ from ..linear_algebra.vectors import add_scaled, sub, vector_at
 from .properties import property_in, put_node_wind
 from .torn import has_let_go
 
-KITE_END = 1.0  # its s
+KITE_END = 1.0  # s of the kite end
 
 
 @kernel
@@ -32,20 +32,20 @@ def count_of(parameters):
 
 @kernel
 def winds_of(n, state):
-    """Place of the winds in a state: behind its nodes, and behind the room for one that a line gets when it lets go."""
+    """Place of the winds in a state: behind its nodes and the room for the node that is added when a line is released."""
     return nodes_end(n) + 6 * (1 - has_let_go(state))
 
 
 @kernel
 def between(state, first, part):
-    """Vector at a part [-] of the way from the vector at place `first` of a state to the next one."""
+    """Interpolated vector, at a fraction [-] from the vector at place `first` of a state to the next one."""
     start = vector_at(state, first)
     return add_scaled(start, part, sub(vector_at(state, first + 3), start))
 
 
 @kernel
 def wind_between(n, parameters, state, s, back):
-    """Wind [m/s] at a part s [-] of the unstretched length, a time `back` [s] before that of the winds in the state."""
+    """Wind [m/s] at a fraction s [-] of the unstretched length, a time `back` [s] before the winds in the state."""
     points = count_of(parameters)
     place = s * (points - 1)
     k = min(int(place), points - 2)
@@ -64,7 +64,7 @@ def winds_at(n, state, points):
 
 @kernel
 def put_node_winds(n, parameters, state, back):
-    """Winds at the nodes (in the parameters, modified), a time `back` [s] before that of the winds in the state."""
+    """Winds at the nodes (in the parameters, modified), a time `back` [s] before the winds in the state."""
     s = 0.0
     for i in range(n + 1):
         put_node_wind(n, i, wind_between(n, parameters, state, s, back), parameters)
@@ -73,14 +73,14 @@ def put_node_winds(n, parameters, state, back):
 
 @kernel
 def take_from_state(n, parameters, state):
-    """Winds at the nodes (in the parameters, modified) that belong to a state, if it has wind points."""
+    """Winds at the nodes (in the parameters, modified) of a state with wind points."""
     if count_of(parameters) > 0:
         put_node_winds(n, parameters, state, 0.0)
 
 
 @kernel
 def start(n, parameters, inputs, state):
-    """Take the winds of the inputs into a new state (modified), and to the nodes in the parameters (modified)."""
+    """Copy the wind inputs into a new state (modified), and to the nodes in the parameters (modified)."""
     for k in range(3 * count_of(parameters)):
         state[winds_of(n, state) + k] = inputs[at.INPUTS + k]
     take_from_state(n, parameters, state)
@@ -88,10 +88,10 @@ def start(n, parameters, inputs, state):
 
 @kernel
 def advance(n, parameters, inputs, step, is_mean, state):
-    """Take the winds of the inputs for a step [s] into a state (modified), and to the nodes in the parameters (modified).
+    """Copy the wind inputs of a step [s] into a state (modified), and to the nodes in the parameters (modified).
 
-    The state gets those of the end of the step, W + h dW/dt with the given derivatives, which are consumed; the nodes the
-    mean over the step if `is_mean`, as waves need it, else the same.
+    The state stores the winds at the end of the step, W + h dW/dt with the given derivatives, which are consumed; the
+    nodes get the mean over the step if `is_mean`, as waves need it, else the end values.
     """
     count = 3 * count_of(parameters)
     if count == 0:
@@ -100,7 +100,7 @@ def advance(n, parameters, inputs, step, is_mean, state):
     first = winds_of(n, state)
     winds, rates = part(state, first, count), part(state, first + count, count)
     changes = False
-    for k in range(count):  # no way out of the loop, which would keep it from being done in pairs
+    for k in range(count):  # no early exit, which would prevent vectorization in pairs
         changes |= rates[k] != 0.0
     copy(given, winds)
     if changes:

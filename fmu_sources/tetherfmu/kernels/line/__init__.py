@@ -1,4 +1,4 @@
-"""What one line does in a step, and its drum: stages of the Rosenbrock method and of fixed steps, contact, errors.
+"""One line in a step, and its drum: stages of the Rosenbrock method and of fixed steps, contact, errors.
 
 Imports `equations` and `linear_algebra`.
 """

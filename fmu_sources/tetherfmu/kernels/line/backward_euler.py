@@ -1,10 +1,10 @@
-"""Backward Euler with a fixed step: bounded at any step and in bounded work, for real time.
+"""Backward Euler with a fixed step: stable at any step and with bounded work, for real time.
 
-The positions x after a step of h make the potential Phi of `incremental_potential.py` as small as a bounded number of Newton
-iterations can. The matrix of an iteration is positive definite, so that it descends; one that would not is shortened, or
-left out. So Phi never exceeds its value at the start of the iteration, whatever the step.
-A step whose iteration has not converged after `MOST_ITERATIONS` is taken again in `PARTS` equal parts, those that have
-not in `PARTS` again; of these each is taken as it is after `LAST_ITERATIONS` (all three in `runtime/limits.py`).
+The positions x after a step of h minimize the potential Phi of `incremental_potential.py` as far as a bounded number of
+Newton iterations permits. The iteration matrix is positive definite, so each Newton step is a descent direction; a step that
+would raise Phi is shortened or omitted. Phi therefore never exceeds its initial value, at any h.
+A step that has not converged after `MOST_ITERATIONS` is repeated in `PARTS` equal parts, and unconverged parts in `PARTS`
+again; the finest parts are accepted after `LAST_ITERATIONS` (all three in `runtime/limits.py`).
 
 Sources: Hairer and Wanner, Solving Ordinary Differential Equations II, section IV.3; Martin, Thomaszewski, Grinspun and
 Gross, Example-based elastic materials, ACM Trans. Graph. 30 (2011), section 4 (incremental potential).
@@ -27,33 +27,32 @@ from ..linear_algebra.block_tridiagonal import Matrix
 from ..linear_algebra.matrices import ZERO_MATRIX, put_matrix
 from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, get, norm, put, sub
 
-MOST_HALVINGS = 8  # of a move that does not go down
-CLOSE = 1e-6  # largest move of a node over the length of a segment in the last iteration; the error after it is its square,
-# which in the tension is EA times it: above `STIFF`, CLOSE falls with the root of EA
-CLOSE_IN_STAGE = 1e-5  # the same in a stage of `second_order.py`
-WHOLE, STAGE, EXPECTED = 0, 1, 2  # steps, stages of `second_order.py`, those of which the accelerations can be expected
+MOST_HALVINGS = 8  # of a step that does not reduce Phi
+CLOSE = 1e-6  # largest node displacement in the last iteration, over the segment length; the error after it is its square,
+# in the tension EA times the square: above `STIFF`, CLOSE falls with the root of EA
+CLOSE_IN_STAGE = 1e-5  # `CLOSE` in a stage of `second_order.py`
+WHOLE, STAGE, EXPECTED = 0, 1, 2  # steps, stages of `second_order.py`, stages with expected accelerations
 
 
 FixedSteps = namedtuple("FixedSteps", "size method")
 FixedSteps.__doc__ = "Fixed steps: their size [s], 0 for adaptive ones, and `fixed_step_method`, as an enumeration."
 VECTORS = "x trial old free drag slope move acceleration flow along"
 Workspace = namedtuple("Workspace", f"{VECTORS} matrix mass modes held pressed")
-Workspace.__doc__ = """Scratch arrays of a step; 3 (n + 1) numbers where nothing else is said.
+Workspace.__doc__ = """Scratch arrays of a step; 3 (n + 1) numbers unless stated otherwise.
 
-x : positions of the iteration [m].  trial : positions to try [m].  old : positions before the step [m].
-free : y, where the nodes would fly freely [m].  drag : half drags F of the segments [N].  slope : their slopes A [N s/m],
-9 (n + 1).  move : minus the gradient of Phi [N], then the move of the nodes [m].  matrix, mass : see
-`arrays.shared_arrays`; masses at the end of the step.  modes : n, which damping each segment has, see `segment.TAUT`.
-held : n, l - l0 where the matrix was made [m]: its sign is the mode of the spring there.  acceleration : of the nodes in a
-stage [m/s2], before it what is expected.  flow : forces of the rope that flows in the iteration [N].  along : directions of
-the segments in the iteration, with which dampers pull in a stage.
-pressed : n + 1, a_n of the friction on the ground [m/s2].
-"""
+x : iterate [m].  trial : positions to try [m].  old : positions before the step [m].
+free : y, positions after free flight [m].  drag : half drags F of the segments [N].  slope : their slopes A [N s/m],
+9 (n + 1).  move : minus the gradient of Phi [N], then the node displacements [m].  matrix, mass : see
+`arrays.shared_arrays`; masses at the end of the step.  modes : n, damping mode of each segment, see `segment.TAUT`.
+held : n, l - l0 for which the matrix was built [m]: its sign is the mode of the spring.  acceleration : of the nodes in a
+stage [m/s2], before it the expected value.  flow : forces of flowing rope in the iteration [N].  along : segment directions
+of the iteration, in which dampers pull in a stage.
+pressed : n + 1, a_n of the friction on the ground [m/s2]."""
 
 
 @kernel
 def workspace_size(n):
-    """Length of the room that `workspace` needs, beside `arrays.shared_arrays`."""
+    """Length of the room for `workspace`, in addition to `arrays.shared_arrays`."""
     return 9 * 3 * (n + 1) + 10 * (n + 1) + 2 * n
 
 
@@ -71,7 +70,7 @@ def workspace(n, shared, room):
 
 @kernel
 def flight(x, v, h, acceleration):
-    """x + h v + h^2 a [m]: where backward Euler takes a node at x [m] with v [m/s] and an acceleration [m/s2] in h [s]."""
+    """x + h v + h^2 a [m]: backward Euler result after h [s] from x [m] and v [m/s] with an acceleration [m/s2]."""
     return add_scaled(add_scaled(x, h, v), h * h, acceleration)
 
 
@@ -85,17 +84,17 @@ def take_directions(n, x, w):
 
 @kernel
 def start(attempt, before, time, kind, x, w):
-    """Fill masses, old positions, free flight and modes of the dampers into w for a step from x [m] at a time [s].
+    """Fill masses, old positions, free flight and damper modes into w for a step from x [m] at a time [s].
 
-    No load in the free flight, and no drag yet, or that of before with EXPECTED.  before : `Chain` at its start.
-    kind : WHOLE, where driven ends go to where their curves are; STAGE or EXPECTED, where they go from x with their velocity
-    after the step, see `second_order.py`.
+    The free flight has no load; drag is 0, or taken from before with EXPECTED.  before : `Chain` at its start.
+    kind : WHOLE: driven ends move to their curves; STAGE or EXPECTED: they move from x with their velocity after the step,
+    see `second_order.py`.
     """
     conditions, chain, h, v, _ = attempt
     n = chain.n
     node_masses(chain, w.mass)
     falling = node_loads.free_acceleration(chain)
-    place_ends(conditions, time + h, w.old, w.free)  # w.free holds the velocities of the ends for the moment
+    place_ends(conditions, time + h, w.old, w.free)  # w.free is scratch space for the end velocities here
     for i in range(n + 1):
         if conditions.first <= i <= conditions.last:
             put(w.old, i, get(x, i))
@@ -119,7 +118,7 @@ def start(attempt, before, time, kind, x, w):
 
 @kernel
 def add_drag(attempt, x, w):
-    """Half drags F [N] and slopes A [N s/m] of all segments into w, at the positions x [m] and the old velocities."""
+    """Half drags F [N] and slopes A [N s/m] of all segments into w, at positions x [m] and the old velocities."""
     chain, v = attempt.chain, attempt.v
     for s in range(chain.n):
         length, e = segment.geometry(sub(get(x, s + 1), get(x, s)))
@@ -131,7 +130,7 @@ def add_drag(attempt, x, w):
 
 @kernel
 def carry_by(attempt, ground, kite, x, w):
-    """`carry` with these moves of the ends [m]."""
+    """`carry` with these end displacements [m]."""
     n, share = attempt.chain.n, 0.0
     for i in range(n):
         put(w.trial, i, add_scaled(add_scaled(get(x, i), 1.0 - share, ground), share, kite))
@@ -141,7 +140,7 @@ def carry_by(attempt, ground, kite, x, w):
 
 @kernel
 def fly_as_expected(attempt, x, w):
-    """Positions [m] into w.x (modified) to which nodes at x [m] come with the accelerations that are expected."""
+    """Positions [m] into w.x (modified) that nodes at x [m] reach with the expected accelerations."""
     conditions, _, h, v, _ = attempt
     copy(w.free, w.x)
     for i in range(conditions.first, conditions.last + 1):
@@ -150,14 +149,14 @@ def fly_as_expected(attempt, x, w):
 
 @kernel
 def goal_of(attempt, kind):
-    """Largest move of a node [m] with which the iteration has converged."""
+    """Largest node displacement [m] of a converged iteration."""
     conditions, close = attempt.conditions, CLOSE if kind == WHOLE else CLOSE_IN_STAGE
     return close * sqrt(min(1.0, STIFF / stiffest(attempt.chain))) * conditions.reeling[0] / conditions.n
 
 
 @kernel
 def take(attempt, time, kind, x, v, w):
-    """Let (x, v) [m, m/s] (modified), at a time [s], have the result of the iteration."""
+    """Write the result of the iteration at a time [s] to (x, v) [m, m/s] (modified)."""
     conditions, h = attempt.conditions, attempt.h
     for k in range(3 * conditions.first, 3 * conditions.last + 3):
         velocity = (w.x[k] - x[k]) / h
@@ -171,9 +170,9 @@ def take(attempt, time, kind, x, v, w):
 
 @kernel
 def next_part(done, size, taken):
-    """How much of a step is done, and the size of its next part, both in parts of the finest kind, after one was tried.
+    """Completed fraction of a step, and the size of its next part, both in units of the finest part, after a trial.
 
-    done, size : the same before it.  taken : whether it converged; if not, it is to be divided.
+    done, size : their values before it.  taken : whether it converged; otherwise it is subdivided.
     """
     if not taken:
         return done, size // PARTS
@@ -185,7 +184,7 @@ def next_part(done, size, taken):
 
 @kernel
 def given_steps(parameters):
-    """`FixedSteps` that the parameters ask for."""
+    """`FixedSteps` from the parameters."""
     return FixedSteps(parameters[at.FIXED_STEP], parameters[at.FIXED_STEP_METHOD])
 
 

@@ -1,8 +1,8 @@
-"""Ground contact in a Rosenbrock step: which nodes touch the ground, their forces, derivatives, and what the mode may cost.
+"""Ground contact in a Rosenbrock step: nodes in contact, their forces and derivatives, and the transition error.
 
-All stages of a step take the nodes that touch the ground at its start to touch it, and no others, so that the step sees
-smooth equations. A step in which a node goes too far beyond the transition is rejected (`transition_error`), as where a
-segment goes slack (`taut_slack.py`). The law: `equations/ground.py`.
+All stages treat the nodes that touch the ground at the start of the step as in contact, and no others, so the step sees
+smooth equations. A step in which a node goes too far beyond the transition is rejected (`transition_error`), as for a
+segment that goes slack (`taut_slack.py`). The law: `equations/ground.py`.
 """
 
 from ..compilation import kernel
@@ -16,7 +16,7 @@ from .taut_slack import TRANSITION
 
 @kernel
 def find(conditions, chain, x, v, w):
-    """Which free nodes touch the ground at x [m] with velocities v [m/s] into w.touching, and m da/dv into w.grip.
+    """Free nodes in ground contact at x [m] with velocities v [m/s] into w.touching, and m da/dv into w.grip.
 
     Both are modified.
     """
@@ -31,7 +31,7 @@ def find(conditions, chain, x, v, w):
 
 @kernel
 def add_rate(chain, x, v, w, force_rate):
-    """Add the rate of the forces from reeling [N/s] to `force_rate` (modified): of the masses that touch the ground."""
+    """Add the force rate from reeling [N/s], through the masses in ground contact, to `force_rate` (modified)."""
     ground = earth.ground_of(chain.parameters)
     for i in range(chain.n + 1):
         if w.touching[i] > 0.0:
@@ -56,7 +56,7 @@ def subtract_slopes(chain, d, x, v, w):
 
 @kernel
 def add_forces(chain, w):
-    """Add the forces of the ground [N] at a stage to w.force (modified)."""
+    """Add the ground forces [N] at a stage to w.force (modified)."""
     n = chain.n
     ground = earth.ground_of(chain.parameters)
     for i in range(n + 1):
@@ -75,9 +75,9 @@ def subtract_damping(n, w):
 
 @kernel
 def transition_error(conditions, chain, h, w):
-    """Estimate of the velocity error [m/s] of a step of h [s] in which nodes came to the ground or left it; 0 if none did.
+    """Velocity error estimate [m/s] of a step of h [s] in which nodes touched down or lifted off; 0 if none did.
 
-    The pressure that the step left out, or had beyond the transition, for a part TRANSITION of the step.
+    The pressure that the step omitted, or exerted beyond the transition, over a part TRANSITION of the step.
     """
     ground = earth.ground_of(chain.parameters)
     worst = 0.0

@@ -1,20 +1,20 @@
-"""The incremental potential that a step of backward Euler makes as small as it can, its gradient and its matrix.
+"""Incremental potential minimized by a backward Euler step, its gradient and its matrix.
 
     Phi(x) = sum_i m_i |x_i - y_i|^2/(2 h^2) + sum_s (k (l - l0)^2/2 + h c s^2/(2 b)) + drag,   v1 = (x - x0)/h
-    y_i = x0 + h v0 + h^2 (gravity + load/m_i)            where a node would fly freely
+    y_i = x0 + h v0 + h^2 (gravity + load/m_i)            position after free flight
     s = (b l - e . r0)/h,  b = 1 - h (dl0/dt)/l0          the rate that the damper sees; r0: r before the step
     drag = sum_s h u . A u - F . (x_p + x_q)              u: change of the mean velocity of the nodes p, q of a segment
-    and of the nodes on the ground `equations/ground.py`: int m a_n dd + h mu m N sqrt(|v_t|^2 + v_r^2)
+    and for nodes on the ground `equations/ground.py`: int m a_n dd + h mu m N sqrt(|v_t|^2 + v_r^2)
 
-Its gradient is zero where the equations of motion hold with the forces of the new positions and velocities: backward
-Euler. Its matrix is made positive definite: it leaves out negative tension across a segment.
+Its gradient vanishes where the equations of motion hold with the forces at the new positions and velocities: backward
+Euler. Its matrix omits negative tension across a segment and is therefore positive definite.
 
-The gradient of s pulls along e - (r0 across e)/(b l), which differs from e by a term of order h: that makes Phi a potential
-and keeps a whole step bounded. In a stage of `second_order.py` s = e . (b r - r0)/h, and e is that of the iteration.
+The gradient of s points along e - (r0 across e)/(b l), which differs from e by a term of order h: this makes Phi a potential
+and keeps a whole step bounded. In a stage of `second_order.py` s = e . (b r - r0)/h with e of the iteration.
 
-k, c, T, F and A are those of `segment.py`. Half drag F and its slope A are those of the old velocities and of the directions
-at the start of the iteration; N is the a_n of the iteration, held until the next one. A driven end is where its curve is;
-its old position counts as x - h v, so that the damper sees its exact velocity.
+`segment.py` defines k, c, T, F and A. Half drag F and its slope A use the old velocities and the directions at the start of
+the iteration; N is the a_n of the iteration, frozen until the next one. A driven end is on its curve; its old position
+counts as x - h v, so the damper sees its exact velocity.
 
 Source: Martin, Thomaszewski, Grinspun and Gross, Example-based elastic materials, ACM Trans. Graph. 30 (2011), section 4.
 See docs/models/numerics.md, "Fixed step".
@@ -42,24 +42,23 @@ from ..linear_algebra.matrices import (
 from ..linear_algebra.vectors import add, add_scaled, dot, get, norm, put, scale, sub
 
 ROUNDING = 1e-15  # of positions and of the terms of the potential, relative
-PRESSED = 1e-3  # of the weight and the pressure, by which this may be another one than is held for the friction
-SLID = 0.03  # of the way that a node slides in a step; the error after it is its square
-SHORTEST_PART = 0.1  # of its old length, to which a segment counts as shortened where it turns
+PRESSED = 1e-3  # of the weight and the pressure: largest error of the frozen pressure in friction
+SLID = 0.03  # of the sliding distance in a step; the error after it is its square
+SHORTEST_PART = 0.1  # of its old length: lower limit for the length of a segment that turns
 
 Attempt = namedtuple("Attempt", "conditions chain h v is_stage")
-Attempt.__doc__ = """A step that is attempted.
+Attempt.__doc__ = """A trial step.
 
 conditions : `BoundaryConditions`.  chain : `Chain` at the end of the step.  h : length of the step [s].
-v : velocities before it [m/s].  is_stage : whether of `second_order.py`.
-"""
+v : velocities before it [m/s].  is_stage : whether it is a stage of `second_order.py`."""
 
 
 @kernel
 def segment_at(attempt, s, x, is_new, w):
-    """Length l [m], direction, l0 [m], spring k [N/m], damper c [N s/m], rate s that it sees [m/s], h/b ds/dr.
+    """Length l [m], direction, l0 [m], spring k [N/m], damper c [N s/m], damper rate s [m/s], h/b ds/dr.
 
-    Of segment s; the mode of k is that of the positions x [m], that of c stands in w.modes.  is_new : whether an iteration
-    begins with these positions, whose directions go into w.along (modified).
+    For segment s; the mode of k follows from the positions x [m], the mode of c is in w.modes.
+    is_new : whether an iteration begins at these positions; their directions then go into w.along (modified).
     """
     chain, b = attempt.chain, shrinkage(attempt)
     r0 = sub(get(w.old, s + 1), get(w.old, s))
@@ -77,20 +76,20 @@ def segment_at(attempt, s, x, is_new, w):
 
 @kernel
 def shrinkage(attempt):
-    """b = 1 - h (dl0/dt)/l0 [-] as far as the damper sees it: above 0, the part of the unstretched length that is old."""
+    """b = 1 - h (dl0/dt)/l0 [-] as the damper sees it: if positive, the part of the unstretched length that is old."""
     return 1.0 - attempt.h * attempt.chain.seen_growth
 
 
 @kernel
 def slant_of(b, length, e, r0):
-    """Direction in which the damper of a segment pulls: h/b d(its rate)/dr, from l [m], e and r before the step [m]."""
+    """Direction of the damper force of a segment: h/b d(its rate)/dr, from l [m], e and r before the step [m]."""
     turned = add_scaled(r0, -dot(e, r0), e)
     return add_scaled(e, -1.0 / (b * max(length, SHORTEST_PART * norm(r0), segment.SHORTEST)), turned)
 
 
 @kernel
 def moved(s, x, w):
-    """Sum of the moves [m] of the nodes of a segment that are at x [m] after the step."""
+    """Sum of the displacements [m] of the nodes of a segment that are at x [m] after the step."""
     return add(sub(get(x, s), get(w.old, s)), sub(get(x, s + 1), get(w.old, s + 1)))
 
 
@@ -103,7 +102,7 @@ def velocity_change(attempt, s, x, w):
 
 @kernel
 def ground_potential(attempt, x, w):
-    """What the ground adds to Phi at the positions x [m]: [J]."""
+    """Contribution of the ground to Phi [J] at the positions x [m]."""
     of_ground = ground.ground_of(attempt.chain.parameters)
     total = 0.0
     for i in range(attempt.conditions.first, attempt.conditions.last + 1):
@@ -113,9 +112,9 @@ def ground_potential(attempt, x, w):
 
 @kernel
 def add_ground(attempt, x, is_held, w):
-    """Add the ground to the matrix of the iteration and minus its part of the gradient to w.move (both modified).
+    """Add the ground to the iteration matrix, and minus its gradient to w.move (both modified).
 
-    is_held : whether the a_n of the friction stays as it is.
+    is_held : whether the a_n of the friction is frozen.
     """
     of_ground, h, diagonal = ground.ground_of(attempt.chain.parameters), attempt.h, w.matrix.diagonal
     for i in range(attempt.conditions.first, attempt.conditions.last + 1):
@@ -129,7 +128,7 @@ def add_ground(attempt, x, is_held, w):
 
 @kernel
 def find_flow(attempt, x, w):
-    """Forces of the rope that flows with the nodes at x [m] into w.flow (modified)."""
+    """Forces of flowing rope with the nodes at x [m] into w.flow (modified)."""
     chain, h, part = attempt.chain, attempt.h, 1.0
     clear(w.flow)
     for s in range(chain.n):
@@ -141,7 +140,7 @@ def find_flow(attempt, x, w):
 
 @kernel
 def add_flow(attempt, x, w):
-    """Add the forces of the rope that flows to the iteration: w.flow at the positions x [m], w.move, w.matrix (modified)."""
+    """Add the forces of flowing rope to the iteration: w.flow at the positions x [m], w.move, w.matrix (modified)."""
     find_flow(attempt, x, w)
     flow.subtract_slopes(attempt.chain, 1.0 / attempt.h, 1.0, w.matrix)
     for k in range(len(w.flow)):
@@ -150,9 +149,10 @@ def add_flow(attempt, x, w):
 
 @kernel
 def rests_on_ground(attempt, x, w):
-    """Whether the ground carries and holds the nodes at x [m] as in the iteration that led there.
+    """Whether ground contact and friction of the nodes at x [m] agree with the last iteration.
 
-    Each node presses as is held for its friction, up to PRESSED, and has slid by no more than a part SLID of its way in it.
+    The pressure of each node equals the frozen value within PRESSED, and its last slide is at most a part SLID of its
+    total slide.
     """
     of_ground = ground.ground_of(attempt.chain.parameters)
     for i in range(attempt.conditions.first, attempt.conditions.last + 1):
@@ -195,7 +195,7 @@ def potential(attempt, x, w):
 
 @kernel
 def inertia(attempt, i, x, w):
-    """What the mass of node i adds to the matrix of the iteration and to minus the gradient of Phi."""
+    """Contribution of the mass of node i to the iteration matrix and to minus the gradient of Phi."""
     m = w.mass[i] / (attempt.h * attempt.h)
     return add_to_diagonal(ZERO_MATRIX, m), scale(m, sub(get(w.free, i), get(x, i)))
 

@@ -1,6 +1,6 @@
-"""A drum without mass by the stretch_rate law, in balance with the tension of the first segment at every instant.
+"""A massless drum under the stretch_rate law, balanced with the tension of the first segment at every instant.
 
-T = W + c u + F sign(u) is an algebraic equation: what an error of the step leaves of it is taken away by `project`. By the
+T = W + c u + F sign(u) is an algebraic equation; `project` removes the residual that a step leaves. Under the
 strain_rate law the rope that moves past the nodes gives every drum inertia. See docs/models/numerics.md, "Rope coordinates".
 """
 
@@ -17,8 +17,8 @@ from ..equations.properties import property_of, rest_length, sees_reeling
 from ..linear_algebra.vectors import dot, get, sub
 
 MOST_CORRECTIONS = 30
-EXACT, ROUGH, ROUNDING = 1e-13, 1e-10, 2.5e-16  # of T = W, relative; what is good enough where it gets no better; of T
-MOST_CHANGE = 0.5  # of the length by one correction
+EXACT, ROUGH, ROUNDING = 1e-13, 1e-10, 2.5e-16  # relative errors of T = W: goal, acceptable if it stagnates, rounding of T
+MOST_CHANGE = 0.5  # largest correction, relative to the length
 
 Instant = namedtuple("Instant", "time length speed x v")
 Instant.__doc__ = """A chain with a drum at a time [s] of the communication step.
@@ -29,23 +29,23 @@ length, speed : of the drum [m, m/s].  x, v : positions [m] and velocities [m/s]
 
 @kernel
 def first_tension(chain, x, v):
-    """Tension of the first segment [N] with the nodes at x [m] and velocities v [m/s]."""
+    """Tension of the first segment [N] with nodes at x [m] and velocities v [m/s]."""
     length, e = segment.geometry(sub(get(x, 1), get(x, 0)))
     return segment.tension_of(chain, 0, segment.BY_LENGTH, length, dot(e, sub(get(v, 1), get(v, 0))))
 
 
 @kernel
 def tension_at_rest(conditions, now):
-    """Tension of the first segment [N] at an `Instant`, were the drum at rest."""
+    """Tension of the first segment [N] at an `Instant`, with the drum at rest."""
     return first_tension(chain_with(conditions, now.length, 0.0), now.x, now.v)
 
 
 @kernel
 def project(conditions, drum, direction, d, now):
-    """Length [m] and speed [m/s] at which a drum without mass has T = W + c u + F sign(u); and whether they are found.
+    """Length [m] and speed [m/s] at which a massless drum has T = W + c u + F sign(u); and whether they were found.
 
-    From an `Instant`, whose nodes stay. The length changes by d times what the speed changes by, as in an implicit step;
-    where no damper feels the speed, it changes alone.
+    From an `Instant`, with fixed nodes. The length changes by d times the change of the speed, as in an implicit step;
+    if no damper depends on the speed, only the length changes.
     """
     time, length, speed, x, v = now
     felt = drum.damping > 0.0 or (sees_reeling(conditions.parameters) and property_of(conditions, 0, at.DAMPING) > 0.0)

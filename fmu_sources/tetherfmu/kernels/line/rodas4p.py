@@ -4,7 +4,7 @@
     (1/(h gamma) - J) U_i = f(t0 + alpha_i h, u_i) + sum_j c_ij/h U_j + gamma_i h df/dt
     y1 = u_6 + U_6,   error estimate U_6 (embedded method u_6 of order 3)
 
-P = alpha (a + 1) and R = Gamma (a + 1), of the positions of a chain (`rosenbrock.py`), are made of the coefficients
+P = alpha (a + 1) and R = Gamma (a + 1), for the positions of a chain (`rosenbrock.py`), follow from the coefficients
 alpha = a Gamma and Gamma = (1/gamma - c)^-1 of the usual form.
 
 Source: G. Steinebach, Order-reduction of ROW-methods for DAEs and method of lines applications, TH Darmstadt preprint
@@ -47,7 +47,7 @@ def _by_stage(rows, first):
     return found
 
 
-P = _by_stage(  # of the stages 1 to 4; the last one has x_5 = x_4 + U_x4, v_5 = v_4 + V_4
+P = _by_stage(  # stages 1 to 4; in the last stage x_5 = x_4 + U_x4, v_5 = v_4 + V_4
     (
         (0.75,),
         (0.45775919837168977, 0.12387959918584487),
@@ -56,7 +56,7 @@ P = _by_stage(  # of the stages 1 to 4; the last one has x_5 = x_4 + U_x4, v_5 =
     ),
     first=1,
 )
-R_BY_GAMMA = _by_stage(  # R_ij/gamma of the stages 1 to 5
+R_BY_GAMMA = _by_stage(  # R_ij/gamma, stages 1 to 5
     (
         (0.0,),
         (-0.36691199999999974, -0.056448),
@@ -69,7 +69,7 @@ R_BY_GAMMA = _by_stage(  # R_ij/gamma of the stages 1 to 5
 ALPHA = np.array((0.0, 0.75, 0.21, 0.63, 1.0, 1.0))  # alpha_i: times of the stages
 GAMMA_I = np.array((0.25, -0.5, -0.023504, -0.0362, 0.0, 0.0))  # gamma_i: factors of df/dt
 INERTIA = _by_stage(C, first=0) + R_BY_GAMMA / GAMMA  # factors of V_j in sum_j c_ij V_j + r_i/gamma
-# of a system 0 = r(q, v, z, t): z_i = OF_START_i z_0 + sum_j OF_SPEEDS_ij V_j/h, the accelerations of a stage
+# for a system 0 = r(q, v, z, t): z_i = OF_START_i z_0 + sum_j OF_SPEEDS_ij V_j/h, the accelerations at a stage
 _STAGE = _by_stage(A, first=0) @ np.linalg.inv(np.eye(STAGES) + _by_stage(A, first=0))
 OF_START = 1.0 - _STAGE @ np.ones(STAGES)
 OF_SPEEDS = _STAGE @ (np.eye(STAGES) / GAMMA - _by_stage(C, first=0))

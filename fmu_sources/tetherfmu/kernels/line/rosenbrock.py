@@ -6,12 +6,12 @@ The positions are eliminated, with d = h gamma, U = (d q, V) and q = V + r:
     r_i = (gamma_i v0 + sum_j R_ij V_j)/gamma
     (M/d - B - d K) q_i = F(x_i, v_i) + M (sum_j c_ij V_j/h + r_i/d) - B r_i + gamma_i h dF/dt
 
-one block tridiagonal system with 3x3 blocks per stage. F at a stage is multiplied by the mass of the start over that of the
-stage.
+one block tridiagonal system with 3x3 blocks per stage. F at a stage is multiplied by m_0/m, the masses at the start and
+at the stage.
 
-Taut and slack: all stages of a step give a segment the stiffness that it has at the start of the step, so that the step sees
-smooth equations; a step that goes too far beyond the transition is rejected (`taut_slack.transition_error`). See
-docs/models/numerics.md, "Rosenbrock step".
+Taut and slack: all stages use the stiffness of a segment at the start of the step, so the step sees smooth equations; a step
+that goes too far beyond the transition is rejected (`taut_slack.transition_error`). See docs/models/numerics.md,
+"Rosenbrock step".
 """
 
 from collections import namedtuple
@@ -52,15 +52,14 @@ x, v : result of the step [m], [m/s].  q : the solution q of a stage; after the 
 velocity_error : the error estimate of v [m/s].
 
 Interleaved arrays (`linear_algebra.both_ends`):
-start_x, start_v : at the start of the step [m], [m/s].  stage_x, stage_v : argument of a stage.  r, inertia_velocity : what
-`combine` adds up [m/s].  force : F [N].  force_rate : explicit time derivative of M v' [N/s].
-velocities : V of all stages [m/s], those of two nodes beside each other: number STAGES k + stage.
+start_x, start_v : at the start of the step [m], [m/s].  stage_x, stage_v : argument of a stage.  r, inertia_velocity : sums
+of `combine` [m/s].  force : F [N].  force_rate : explicit time derivative of M v' [N/s].
+velocities : V of all stages [m/s], two nodes side by side: number STAGES k + stage.
 
 matrix, records, mass : see `arrays.shared_arrays`; at the start of the step.  segments : see `assembly.find_segments`.
-stage_mass : node masses at the stage [kg], n + 1.  modes : n, which stiffness each segment has, see `segment.TAUT`.
+stage_mass : node masses at the stage [kg], n + 1.  modes : n, stiffness mode of each segment, see `segment.TAUT`.
 dampings : b of `flow.slopes` at the start of the step [N s/m], n, where rope flows.
-touching, grip : which nodes touch the ground, n + 1, and dF/dv of these [N s/m], 9 (n + 1); see `contact.py`.
-"""
+touching, grip : nodes in ground contact, n + 1, and their dF/dv [N s/m], 9 (n + 1); see `contact.py`."""
 
 
 @kernel
@@ -140,7 +139,7 @@ def assemble(conditions, chain, d, x, v, w):
 
 @kernel
 def stage_masses(chain, stage, changes, w):
-    """Node masses at a stage [kg] into w.stage_mass (modified); changes : whether those of the start have changed."""
+    """Node masses at a stage [kg] into w.stage_mass (modified); changes : whether they differ from the start."""
     if stage == 0:
         copy(w.mass, w.stage_mass)
     elif changes:
@@ -149,7 +148,7 @@ def stage_masses(chain, stage, changes, w):
 
 @kernel
 def stage_force(conditions, chain, time, w):
-    """Forces at a stage [N] into w.force (modified), of the `Chain` at its time [s]."""
+    """Forces at a stage [N] into w.force (modified), for the `Chain` at its time [s]."""
     assembly.node_forces(chain, w.modes, w.stage_x, w.stage_v, w.stage_mass, w.segments, w.force)
     if has_ground(chain.parameters):
         contact.add_forces(chain, w)
@@ -158,7 +157,7 @@ def stage_force(conditions, chain, time, w):
 
 @kernel
 def take_force_rate(conditions, time, w):
-    """Explicit time derivative of M v' [N/s] into w.force_rate (modified): that of the forces, from w.q, and of the masses.
+    """Explicit time derivative of M v' [N/s] into w.force_rate (modified): from the force rates, in w.q, and the mass rates.
 
     d(F/m)/dt = (dF/dt - F/m dm/dt)/m; w.force holds F at the start of the step.
     """
@@ -184,9 +183,9 @@ def add_up(start, factors, stage, k, w):
 
 @kernel
 def combine(stage, h, w):
-    """Add up the stages before this one into w.stage_x, w.stage_v, w.r and w.inertia_velocity (modified).
+    """Sums over the earlier stages into w.stage_x, w.stage_v, w.r and w.inertia_velocity (modified).
 
-    The last stage finds its argument in w.stage_x, w.stage_v, where `add_stage` has put U of the one before.
+    The argument of the last stage is already in w.stage_x, w.stage_v, where `add_stage` added U of the stage before.
     """
     alpha, gamma = ALPHA[stage], GAMMA_I[stage] / GAMMA
     for k in range(len(w.r) // 6):
@@ -201,7 +200,7 @@ def combine(stage, h, w):
 
 @kernel
 def select_end(sign, a, b):
-    """Vector of pairs with the number of a where `sign` > 0, with that of b elsewhere."""
+    """Vector of pairs: a where `sign` > 0, b elsewhere."""
     return select(sign, a[0], b[0]), select(sign, a[1], b[1]), select(sign, a[2], b[2])
 
 
@@ -229,11 +228,11 @@ def without_damping(n, stage, h, k, w):
 
 @kernel
 def right_hand_side(conditions, stage, h, w):
-    """`without_damping` - B r of all nodes [N] into w.q (modified), from both ends at once; without rope that flows."""
+    """`without_damping` - B r of all nodes [N] into w.q (modified), from both ends at once; without flowing rope."""
     n = conditions.n
     from_outside = pair(ZERO_VECTOR, ZERO_VECTOR)
     r_p = get_interleaved(w.r, 0)
-    for s in range((n + 1) // 2):  # a segment in the middle is met twice
+    for s in range((n + 1) // 2):  # the loop visits a middle segment twice
         r_q = next_interleaved(n, s, w.r)
         axial, drag = assembly.damping_product(s, -1.0, r_p, r_q, w.records)
         change = add(from_outside, add(drag, axial))
@@ -249,14 +248,14 @@ def right_hand_side(conditions, stage, h, w):
 
 @kernel
 def take_velocities(n, stage, w):
-    """V of a stage into its place in w.velocities (modified), from q in w.q."""
+    """V of a stage into w.velocities (modified), from q in w.q."""
     for k in range(n // 2 + 1):
         put_interleaved(w.velocities, STAGES * k + stage, sub(get_two(w.q, k, n - k), get_interleaved(w.r, k)))
 
 
 @kernel
 def add_stage(n, stage, h, w):
-    """Add U = (d q, V) of a stage to w.stage_x, w.stage_v (modified): the argument of the last stage, and its result."""
+    """Add U = (d q, V) of a stage to w.stage_x, w.stage_v (modified): argument and result of the last stage."""
     for k in range(n // 2 + 1):
         put_interleaved(w.stage_x, k, add_scaled(get_interleaved(w.stage_x, k), GAMMA * h, get_two(w.q, k, n - k)))
         put_interleaved(w.stage_v, k, add(get_interleaved(w.stage_v, k), get_interleaved(w.velocities, STAGES * k + stage)))

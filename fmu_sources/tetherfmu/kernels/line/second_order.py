@@ -1,26 +1,25 @@
-"""Fixed steps of order 2, L-stable: three stages, each a step of backward Euler, the minimum of an incremental potential.
+"""Fixed steps of order 2, L-stable: three backward Euler stages, each the minimum of an incremental potential.
 
 A diagonally implicit Runge-Kutta method with the same g in each stage, whose last stage is its result:
 
     x1 = x0 + g h v1,           v1 = v0 + g h a(x1, v1)        at t + g h, a: acceleration
-    x2 = x0 + (c - g) h v1 + g h v2,  v2 alike                 at t + c h
-    x3 = x0 + h (b1 v1 + b2 v2 + g v3),  v3 alike              at t + h
+    x2 = x0 + (c - g) h v1 + g h v2,  v2 accordingly           at t + c h
+    x3 = x0 + h (b1 v1 + b2 v2 + g v3),  v3 accordingly        at t + h
 
     b1 + b2 + g = 1,   b1 g + b2 c + g = 1/2,   b1 g^2 + b2 c^2 + g = 1/3
 
-Any g from 0.1804 to 2.18 makes it L-stable; the smaller g, the smaller its error and the longer waves ring that a step does
-not resolve. The third condition is that of order 3 for forces that depend on time only. Each stage is a backward Euler step
-over g h, from where the stages before lead: so all that bounds such a step bounds a stage. A driven end moves by the same
-formulas with its exact velocities, so that a chain that accelerates as a whole is not stretched in a stage, and is put on
-its curve after the step, from which x3 is O(h^3) away.
+Any g from 0.1804 to 2.18 is L-stable; a smaller g reduces the error, but waves that the step does not resolve ring longer.
+The third condition is the order-3 condition for forces that depend on time only. Each stage is a backward Euler step over
+g h from a start that the earlier stages determine, so all bounds of such a step hold. A driven end moves by the same
+formulas with its exact velocities, so a uniformly accelerating chain is not stretched in a stage; after the step it is put
+on its curve, which differs from x3 by O(h^3).
 
-The accelerations of the last two stages, also of those of the step before, are continued linearly for the first guess of a
-stage: in smooth flight one iteration does.
+The accelerations of the last two stages, including the step before, are extrapolated linearly to the first guess of a
+stage: in smooth motion one iteration suffices.
 
-A step is taken anew by `fixed_steps.subdivided_step` over the whole of h, and then has order 1, where `motion/fallback.py`
-says why: the start of a stage is an extrapolation, which knows neither of transitions nor of a chain that turns far in a
-step; and where a step is too long for a stiff line, stages keep the nodes at the distances of rods, but not the tensions
-that these take.
+`fixed_steps.subdivided_step` repeats a step over the whole of h, with order 1, for the reasons in `motion/fallback.py`: the
+start of a stage is an extrapolation, which ignores transitions and large rotations of the chain within a step; and if a step
+is too long for a stiff line, stages keep the nodes at the right distances, but with wrong tensions.
 
 Sources: Alexander, Diagonally implicit Runge-Kutta methods for stiff O.D.E.'s, SIAM J. Numer. Anal. 14 (1977);
 Hairer and Wanner, Solving Ordinary Differential Equations II, section IV.6. See docs/models/numerics.md, "Fixed step".
@@ -42,24 +41,23 @@ _FIRST, _SECOND = 0.5 - GAMMA - GAMMA * (1.0 - GAMMA), 1.0 / 3.0 - GAMMA - GAMMA
 MIDDLE = _SECOND / _FIRST - GAMMA  # c
 B2 = _FIRST / (MIDDLE - GAMMA)
 B1 = 1.0 - GAMMA - B2
-# parts of the moves in the first and in the second stage in the starts of the second and of the third one
+# fractions of the displacements of stages 1 and 2 in the starts of stages 2 and 3
 TO_SECOND, TO_THIRD, BESIDE = MIDDLE / GAMMA - 1.0, B1 / GAMMA, B2 / GAMMA
-ENDS = GAMMA, MIDDLE, 1.0  # of the stages, in steps
-# to continue the accelerations of two stages to the next one: time to there over the time between them
+ENDS = GAMMA, MIDDLE, 1.0  # ends of the stages, in steps
+# extrapolation of two stage accelerations: time to the next stage over their distance
 TO_NEXT = GAMMA / (1.0 - MIDDLE), MIDDLE / GAMMA - 1.0, (1.0 - MIDDLE) / (MIDDLE - GAMMA)
-ROUNDING = 1e-9  # of energies, relative: of positions to which an iteration comes close
+ROUNDING = 1e-9  # of energies, relative: error of a converged iteration
 
 Workspace = namedtuple("Workspace", "chain x v x_onward v_onward before")
 Workspace.__doc__ = """Scratch arrays of a step, 3 (n + 1) numbers each.
 
-chain : `backward_euler.Workspace`.  x, v : at the start of the step [m, m/s].  x_onward, v_onward : the start of the third
-stage but for the result of the second one.  before : accelerations in the last stage but one [m/s2].
-"""
+chain : `backward_euler.Workspace`.  x, v : at the start of the step [m, m/s].  x_onward, v_onward : start of the third
+stage without the result of the second.  before : accelerations in the last but one stage [m/s2]."""
 
 
 @kernel
 def workspace_size(n):
-    """Length of the room that `workspace` needs, beside `arrays.shared_arrays`."""
+    """Length of the room for `workspace`, in addition to `arrays.shared_arrays`."""
     return backward_euler.workspace_size(n) + 5 * 3 * (n + 1)
 
 
@@ -74,10 +72,10 @@ def workspace(n, shared, room):
 
 @kernel
 def energy_and_power(conditions, chain, time, x, v, mass):
-    """Energy [J] at a time [s]; the power [W] that the rest of the world puts in is at most the second number.
+    """Energy [J] at a time [s], and an upper bound of the power [W] supplied from outside.
 
-    Of nodes of the `Chain` there, of these masses [kg] at x [m] with the velocities v [m/s]: kinetic, elastic, of weight and
-    ground. The power counts the magnitudes of forces and velocities.
+    For nodes of the `Chain` there, of these masses [kg] at x [m] with velocities v [m/s]: kinetic, elastic, gravity and
+    ground energy. The bound sums the magnitudes of forces and velocities.
     """
     n = conditions.n
     energy = 0.0
@@ -106,9 +104,9 @@ def energy_and_power(conditions, chain, time, x, v, mass):
 
 @kernel
 def expect(onward, known, w):
-    """Continue the accelerations of the last two stages to the next one, in w.chain.acceleration (modified) [m/s2].
+    """Extrapolate the accelerations of the last two stages to the next one, in w.chain.acceleration (modified) [m/s2].
 
-    onward : time to there over that between the two [-].  known : of how many of the last two stages the accelerations are.
+    onward : time to there over the time between the two [-].  known : number of these stages with known accelerations.
     """
     now = w.chain.acceleration
     for k in range(len(now)):
@@ -119,9 +117,9 @@ def expect(onward, known, w):
 
 @kernel
 def start_of_second(start, reached):
-    """Where the second stage starts of what the first one has led to from a start; and the third one, see `start_of_third`.
+    """Start of the second stage from the result of the first; of the third, see `start_of_third`.
 
-    What has not moved stays exactly where it is: a drum at its stop.
+    Values that have not changed stay exact: a drum at its stop.
     """
     move = reached - start
     onward = TO_SECOND * move
@@ -130,13 +128,13 @@ def start_of_second(start, reached):
 
 @kernel
 def start_of_third(onward, start, reached):
-    """Where the third stage starts of what the second one has led to; start : of the step."""
+    """Start of the third stage from the result of the second; start : of the step."""
     return onward + BESIDE * (reached - start)
 
 
 @kernel
 def go_on(i, x, v, w):
-    """Put (x, v) [m, m/s] (modified), the result of the stage before, where the second (i = 1) or the third stage starts."""
+    """Move (x, v) [m, m/s] (modified) from the result of the last stage to the start of the second (i = 1) or third."""
     for k in range(len(x)):
         if i == 1:
             x[k], w.x_onward[k] = start_of_second(w.x[k], x[k])

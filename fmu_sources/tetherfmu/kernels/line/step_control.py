@@ -1,8 +1,8 @@
-"""Error of a Rosenbrock step, and the steps that it allows within a communication step.
+"""Error of a Rosenbrock step, and the permitted steps within a communication step.
 
-The error of a step is the largest of: its embedded estimate (`error_norm`), what segments that went over the taut-slack
-transition may have got wrong (`transition_error`), and the errors of tensions (`errors_of_segments`), each over what is
-allowed (`allowed_errors`). See docs/models/numerics.md, "Rosenbrock step".
+The error of a step is the largest of three relative errors: the embedded estimate (`error_norm`), the possible error of
+segments that crossed the taut-slack transition (`transition_error`), and the tension errors (`errors_of_segments`), each
+over its tolerance (`allowed_errors`). See docs/models/numerics.md, "Rosenbrock step".
 """
 
 from collections import namedtuple
@@ -22,12 +22,12 @@ from .taut_slack import keep_energy, lighter_free_node, transition_error
 
 # PI rule of a method whose error estimate has order 4: h_new/h = SAFETY error^(-0.7/4) last_error^(0.4/4)
 # Source: Hairer and Wanner, Solving Ordinary Differential Equations II, section IV.2
-SAFETY = 0.9  # of the step that the estimate allows
-EXPONENT, LAST_EXPONENT = 0.7 / 4, 0.4 / 4  # of the last error and of the one before
-LEAST_ERROR, LEAST_LAST_ERROR = 1e-10, 1e-4  # an error counts as at least so much
+SAFETY = 0.9  # of the step that the estimate permits
+EXPONENT, LAST_EXPONENT = 0.7 / 4, 0.4 / 4  # exponents of the last error and of the one before
+LEAST_ERROR, LEAST_LAST_ERROR = 1e-10, 1e-4  # lower limits of the errors
 LARGEST_GROWTH = 5.0  # of a step over the one before
-STRONGEST_CUT = 0.2  # the same, downwards
-CUT_WITHOUT_ESTIMATE = 0.1  # where the matrix is singular or the error is no number
+STRONGEST_CUT = 0.2  # smallest step over the one before
+CUT_WITHOUT_ESTIMATE = 0.1  # for a singular matrix or an error that is not a number
 WEAKEST_CUT = 0.9  # of a step that is rejected
 SMALLEST_STEP = 1e-10  # part of the communication step
 # see `errors_of_segments`
@@ -35,30 +35,28 @@ DAMPER = 0.01  # part of the largest tension
 TENSION, PER_TOLERANCE = 1e-3, 10.0  # parts of the largest tension: at most, and per relative_tolerance
 IN_STIFF, SMALL_STRAIN = 10.0, 1e-6
 FINEST = 5e-5  # part of the length of a segment, per relative_tolerance
-HARMLESS = 0.01  # part of the allowed error of a velocity that a wrong tension may cause in a step
-ROUNDING = 1e-15  # of positions, relative, as far as it shows in the error estimate; measured: 0.3e-15
-UNRESOLVED = 2.0  # in the place of the last error after a communication step that was given up
-TINY = 1e-200  # what keeps a quotient from 0/0
+HARMLESS = 0.01  # part of the velocity tolerance that a wrong tension may cause in a step
+ROUNDING = 1e-15  # of positions, relative, as seen in the error estimate; measured: 0.3e-15
+UNRESOLVED = 2.0  # replaces the last error after an abandoned communication step
+TINY = 1e-200  # avoids 0/0
 
 SegmentErrors = namedtuple("SegmentErrors", "damper_velocity damper tension largest is_stiff has_crossed")
-SegmentErrors.__doc__ = """What the segments of a line say of the last step; see `errors_of_segments`.
+SegmentErrors.__doc__ = """Results of the last step for the segments of a line; see `errors_of_segments`.
 
 damper_velocity, damper : error estimate of a damper's tension as a velocity [m/s], and over the largest tension [-].
-tension : of any tension over what is allowed [-].  largest : tension of all segments [N].  is_stiff : whether the line is.
-has_crossed : whether a segment went over the taut-slack transition.
-"""
+tension : of any tension over its tolerance [-].  largest : tension of all segments [N].  is_stiff : whether the line is.
+has_crossed : whether a segment crossed the taut-slack transition."""
 DrumError = namedtuple("DrumError", "length growth mass moves_segment")
 DrumError.__doc__ = """Error estimates of the drum of a line in the last step.
 
 length : of the length over gamma h [m/s].  growth : of the relative rate of the length, as dampers see it [1/s].
-mass : of the drum [kg], inf without one and where it is held; 0: it keeps the tension of the first segment what it is to be.
-moves_segment : whether rope that comes in moves the only segment of the line, see `events.keep_energy`.
-"""
+mass : of the drum [kg], inf without a drum and if it is held; 0: it controls the tension of the first segment.
+moves_segment : whether entering rope moves the only segment of the line, see `events.keep_energy`."""
 
 
 @kernel
 def error_norm(conditions, h, position_scale, velocity_scale, w):
-    """Root mean square of the error estimate of a step over the allowed error of positions [m] and velocities [m/s]."""
+    """Root mean square of the error estimate of a step over the position [m] and velocity [m/s] tolerances."""
     squares = 0.0
     velocity_squares = 0.0
     for k in range(3 * (conditions.n + 1)):
@@ -70,22 +68,22 @@ def error_norm(conditions, h, position_scale, velocity_scale, w):
 
 @kernel
 def errors_of_segments(conditions, chain, h, speed, drum, w):
-    """`SegmentErrors` of the last step, of h [s], with the allowed error of a velocity `speed` [m/s] and a `DrumError`.
+    """`SegmentErrors` of the last step, of h [s], with the velocity tolerance `speed` [m/s] and a `DrumError`.
 
-    The error of a tension is c e.du of a damper and k (e.dr - dl0) + c e.du in all, with the differences of the error
-    estimates of the two nodes in positions and velocities, and those of the drum. `chain` is that at the end of the step.
+    The error of a damper tension is c e.du, of a total tension k (e.dr - dl0) + c e.du, from the differences of the
+    position and velocity error estimates of the two nodes, and of the drum. `chain` is at the end of the step.
 
     A damper: c |e.du|/sqrt(k m), with the impedance sqrt(k m) of the taut segment and the mass of the lighter free node. A
-    step in which it is more than the velocity error allowed is rejected if this tension is also more than DAMPER times the
-    largest one. Without it the velocities of a stiff damper are allowed errors that, times c, are kilonewtons.
+    step in which this exceeds the velocity tolerance is rejected if the tension error also exceeds DAMPER times the largest
+    tension. Otherwise permitted velocity errors times a stiff damper's c would be kilonewtons.
 
-    Any tension: allowed is PER_TOLERANCE relative_tolerance, at most TENSION, times the largest one, and as much more as
-    comes of an error FINEST relative_tolerance of the length of a segment, or of rounding the positions, or as changes the
-    velocity of the lighter free node by HARMLESS times the allowed one within the step.
+    Any tension: the tolerance is PER_TOLERANCE relative_tolerance, at most TENSION, times the largest tension, plus the
+    effect of an error FINEST relative_tolerance of the segment length, of rounding of positions, and the tension that
+    changes the velocity of the lighter free node by HARMLESS times its tolerance within the step.
 
-    Stiff: if a segment has more than STIFF, and none of these is certainly stretched by more than SMALL_STRAIN, also if its
-    vector were shorter by its error estimate. Below, the errors of positions that the tolerance allows may be a multiple of
-    the stretch that the tension comes from; IN_STIFF times the error of the tension is then allowed.
+    Stiff: if a segment has more than STIFF, and no such segment is certainly stretched by more than SMALL_STRAIN, even if
+    its vector is shorter by its error estimate. Below, the permitted position errors may be a multiple of the stretch that
+    causes the tension; IN_STIFF times the tension error is then permitted.
     """
     tolerance, reach, mass_of_drum = conditions.parameters[at.RELATIVE_TOLERANCE], GAMMA * h, drum.mass
     ground, kite = get(w.x, 0), get(w.x, chain.n)
@@ -122,7 +120,7 @@ def errors_of_segments(conditions, chain, h, speed, drum, w):
 
 @kernel
 def square_of_wind(conditions, velocity):
-    """Square of the wind at the reference height [m2/s2] relative to a velocity [m/s], or of the largest one at a node."""
+    """Squared wind at the reference height [m2/s2] relative to a velocity [m/s], or the largest one at a node."""
     if not has_node_winds(conditions):
         wind = sub(conditions.wind, velocity)
         return dot(wind, wind)
@@ -137,8 +135,8 @@ def square_of_wind(conditions, velocity):
 def allowed_errors(conditions, v):
     """Error that one step may make in a position [m] and in a velocity [m/s] at the tolerance in the parameters.
 
-    relative_tolerance times the mean segment length, and times the largest of: speed of a node and of the wind relative to
-    an end, the one from which it is smaller, and the speed after falling freely over one segment.
+    relative_tolerance times the mean segment length, and times the largest of: node speed, wind speed relative to an
+    end (the smaller one of both ends), and the speed after free fall over one segment.
     """
     tolerance, segment_length = conditions.parameters[at.RELATIVE_TOLERANCE], conditions.reeling[0] / conditions.n
     first, last = get(v, 0), get(v, conditions.n)
@@ -153,11 +151,11 @@ def allowed_errors(conditions, v):
 
 @kernel
 def error_of_step(conditions, chain, h, v, drum, w):
-    """Error of the step of h [s] that `step.step` has made from the velocities v [m/s] over what is allowed [-].
+    """Relative error [-] of the step of h [s] that `step.step` has made from the velocities v [m/s].
 
-    And the largest tension of a segment after it [N].
+    Also returns the largest segment tension after it [N].
 
-    chain : at the end of the step.  drum : `DrumError`.  The result of the step, in w, is put right where segments went over
+    chain : at the end of the step.  drum : `DrumError`.  The step result, in w, is corrected for segments that crossed
     the transition, see `taut_slack.keep_energy`.
     """
     position_scale, velocity_scale = allowed_errors(conditions, v)
@@ -197,7 +195,7 @@ def cut(h, error):
 
 @kernel
 def next_step(h, done, error, last_error, rejected_before):
-    """Step to try [s] after an accepted one of `done` [s] where h [s] was allowed.
+    """Step to try [s] after an accepted one of `done` [s] if h [s] was permitted.
 
     error, last_error : of this step and the last accepted one [-].  rejected_before : whether the step before it was.
     """
@@ -209,7 +207,7 @@ def next_step(h, done, error, last_error, rejected_before):
 
 @kernel
 def first_step(duration, state):
-    """Step [s] to try first in a communication step of `duration` [s], and the error of the last one, from a state."""
+    """First step to try [s] in a communication step of `duration` [s], and the error of the last one, from a state."""
     if state[at.SOLVER_STEP] <= 0.0:
         return duration, 1.0
     return state[at.SOLVER_STEP], state[at.SOLVER_ERROR]
@@ -217,27 +215,27 @@ def first_step(duration, state):
 
 @kernel
 def even_step(rest, h):
-    """Step to try [s] where h [s] is allowed: an equal part of the rest [s] of the communication step; whether all of it."""
+    """Step to try [s] if h [s] is permitted: an equal part of the rest [s] of the communication step; whether all of it."""
     left = ceil(rest / h - LEAST_REMAINDER)
     return rest / left if left > 1.0 else rest, not left > 1.0
 
 
 @kernel
 def step_after_event(h, done, proposal, duration):
-    """Step to try [s] where an event of a drum may have ended one of `done` [s] early, though h [s] was allowed.
+    """Step to try [s] if a drum event may have ended a step of `done` [s] early, although h [s] was permitted.
 
-    The proposal [s] of `next_step`, but not what is left of a piece that an event has cut to nothing: the estimate of its
-    error says nothing, and after a rejection the next step would be no longer.
+    The proposal [s] of `next_step`, unless an event has cut the piece to almost nothing: the error estimate is then
+    meaningless, and after a rejection the next step would be no longer.
     """
     return h if done < h and proposal < SMALLEST_STEP * duration else proposal
 
 
 @kernel
 def is_given_up(state, tried, budget, time, duration):
-    """Whether the internal steps tried are too many: MOST_BUDGETS, or one budget on course to more than MOST_EXPECTED.
+    """Whether too many internal steps were tried: MOST_BUDGETS, or one budget on course to more than MOST_EXPECTED.
 
-    time : reached [s] within the communication step of `duration` [s].  state : before it; after a communication step that
-    was given up, the next one has a single budget.
+    time : reached [s] within the communication step of `duration` [s].  state : before it; after an abandoned
+    communication step, the next one has a single budget.
     """
     expects_too_many = tried * duration >= MOST_EXPECTED * budget * time or state[at.SOLVER_ERROR] == UNRESOLVED
     return tried >= MOST_BUDGETS * budget or (tried >= budget and expects_too_many)

@@ -1,8 +1,8 @@
-"""A line over whose ends coordinates let rope in: residual of a stage, derivatives, right-hand sides.
+"""A line with rope coordinates at its ends: residual of a stage, derivatives, right-hand sides.
 
-Its equations are 0 = r(q, v, z, t) with q' = v, v' = z, of its nodes M(q) z = F(q, v, z, t), where rope that gains speed is
-in F, and of each end the tension T(R) that its coordinates feel. Condensed to its ends (`linear_algebra.condensed`) it is a
-substructure of all others: `points/net.py`. By the stretch_rate law no momentum flows, and T is that of the first segment.
+The equations are 0 = r(q, v, z, t) with q' = v and v' = z: M(q) z = F(q, v, z, t) for the nodes, where F contains the
+inertia of accelerating rope, and a tension T(R) at each end. Condensed to its ends (`linear_algebra.condensed`), the line is
+a substructure in `points/net.py`. Under the stretch_rate law rope carries no momentum; T belongs to the first segment.
 """
 
 from ..arrays import clear, copy
@@ -49,7 +49,7 @@ from .strand_room import (
 
 @view
 def sides_at(n, s, weights):
-    """`Side`s of segments s and n - 1 - s, from both ends inwards: of the end on their own side, and of the other one."""
+    """`Side`s of segments s and n - 1 - s, as pairs: first for the line end in the same half, then for the other end."""
     both, p, q, mirrored_p, mirrored_q = (s, n - 1 - s), s, s + 1, n - s, n - s - 1
     w, v = weights.first, weights.last
     own = Side(
@@ -61,28 +61,28 @@ def sides_at(n, s, weights):
 
 @kernel
 def is_held(strand, end):
-    """Whether coordinates let rope in over an end."""
+    """Whether rope coordinates act at an end."""
     return strand.numbers[HOLDERS + end] > 0.0
 
 
 @view
 def curve_of(conditions, end):
-    """Curve of an end that is driven."""
+    """Curve of a driven end."""
     return conditions.kite if end == 1 else conditions.ground
 
 
 @kernel
 def is_driven(conditions, end):
-    """Whether an end is."""
+    """Whether an end is driven."""
     return conditions.last == conditions.n - 1 if end == 1 else conditions.first == 1
 
 
-# --- residual: forces on the nodes, and R of both ends
+# --- residual: node forces, and R of both ends
 
 
 @kernel
 def residual(strand, chain, time):
-    """Forces at a stage, a time [s], into w.force, R of both ends into the numbers (all modified); stage_z is known."""
+    """Forces at a stage at a time [s] into w.force, R of both ends into the numbers (all modified); stage_z is known."""
     w = strand.w
     take_pulls(strand, chain)
     if feels_rope(chain.parameters):
@@ -96,7 +96,7 @@ def residual(strand, chain, time):
 
 @kernel
 def take_pulls(strand, chain):
-    """R of both ends (modified), and by the strain_rate law the forces without ground and load into w.force (modified)."""
+    """R of both ends (modified); under the strain_rate law also forces without ground and load into w.force (modified)."""
     w = strand.w
     if feels_rope(chain.parameters):
         assembly.find_segments(chain.n, w.stage_x, False, w.segments)
@@ -107,7 +107,7 @@ def take_pulls(strand, chain):
 
 @kernel
 def first_tension(chain, mode, x, v):
-    """Tension of the first segment [N] with these positions [m] and velocities [m/s], interleaved."""
+    """Tension of the first segment [N] from interleaved positions [m] and velocities [m/s]."""
     n = chain.n
     length, e = segment.geometry(sub(get_node(n, 1, x), get_node(n, 0, x)))
     return segment.tension_of(chain, 0, mode, length, dot(e, sub(get_node(n, 1, v), get_node(n, 0, v))))
@@ -115,7 +115,7 @@ def first_tension(chain, mode, x, v):
 
 @kernel
 def sum_forces(strand, chain):
-    """The loop of `take_pulls`, from both ends inwards; p is the outer node of a segment in both halves, `own` its end."""
+    """Loop of `take_pulls` from both ends inwards; in each half p is the outer node of a segment and `own` the line end."""
     n, w, numbers, weights = chain.n, strand.w, strand.numbers, strand.weights
     from_outside = pair(ZERO_VECTOR, ZERO_VECTOR)
     x_p, v_p, z_p = get_interleaved(w.stage_x, 0), get_interleaved(w.stage_v, 0), get_interleaved(strand.stage_z, 0)
@@ -135,7 +135,7 @@ def sum_forces(strand, chain):
         of_p, of_q = rope.forces(piece, flow, r, u)
         height = segment.mean_height(x_p, x_q)
         a, b = rope.pulls(piece, flow, own, other, r, u, (height - own_height, height - other_height), z_p, z_q)
-        count = 0.5 if 2 * s + 1 == n else 1.0  # a segment in the middle is met twice
+        count = 0.5 if 2 * s + 1 == n else 1.0  # the loop visits a middle segment twice
         of_own, of_other = of_own + count * a, of_other + count * b
         load = node_loads.load(chain, number_at(w.stage_mass, 0, (s, n - s)), x_p, v_p, None)
         put_interleaved(w.force, s, add(add(from_outside, load), add(add(drag, pull), of_p)))
@@ -149,7 +149,7 @@ def sum_forces(strand, chain):
     store_pair(numbers, PULL, of_own + swapped(of_other) + half * rate * rate)
 
 
-# --- the start of a step
+# --- start of a step
 
 
 @kernel
@@ -170,7 +170,7 @@ def begin(strand, chain, time, x, v):
 
 @kernel
 def evaluate(strand, chain, time, x, v):
-    """Forces and pulls at x [m], v [m/s] and a time [s], and slopes by gains (modified), of no step."""
+    """Forces, pulls and slopes by gains at x [m], v [m/s] and a time [s], outside a step (modified)."""
     conditions, w, n = strand.conditions, strand.w, strand.n
     interleave(n, x, w.stage_x)
     interleave(n, v, w.stage_v)
@@ -184,7 +184,7 @@ def evaluate(strand, chain, time, x, v):
 
 @kernel
 def begin_residual(strand, chain, time):
-    """Residual without accelerations of what moves freely, and slopes by gains (modified)."""
+    """Residual with zero acceleration of free nodes and coordinates, and slopes by gains (modified)."""
     clear(strand.stage_z)
     put_end_accelerations(strand.conditions, time, strand.stage_z)
     residual(strand, chain, time)
@@ -193,7 +193,7 @@ def begin_residual(strand, chain, time):
 
 @kernel
 def put_end_accelerations(conditions, time, z):
-    """Accelerations of driven ends [m/s2] into an interleaved array (modified)."""
+    """Write the accelerations of driven ends [m/s2] into an interleaved array (modified)."""
     for end in range(2):
         if is_driven(conditions, end):
             z[end], z[2 + end], z[4 + end] = acceleration_at(curve_of(conditions, end), time)
@@ -201,7 +201,7 @@ def put_end_accelerations(conditions, time, z):
 
 @kernel
 def take_gain_columns(strand, chain):
-    """`Rope.by_gain` of both ends, and BY_GAIN, at the stage (modified)."""
+    """`Rope.by_gain` of both ends and BY_GAIN at the stage (modified)."""
     n, w, numbers, nothing = chain.n, strand.w, strand.numbers, pair(0.0, 0.0)
     a, b = rope_in(n, strand.ropes, 0).by_gain, rope_in(n, strand.ropes, 1).by_gain
     if not feels_rope(chain.parameters):
@@ -235,7 +235,7 @@ def take_gain_columns(strand, chain):
 
 @view
 def put_of_ends(n, s, own, other, a, b):
-    """Vectors of nodes s and n - s, of their own end and of the other one, into the arrays of both ends (modified)."""
+    """Write vectors of nodes s and n - s, for the near and the far end, into the arrays of both ends (modified)."""
     put_two(a, s, n - s, pair(first(own), second(other)))
     put_two(b, s, n - s, pair(first(other), second(own)))
 
@@ -245,7 +245,7 @@ def put_of_ends(n, s, own, other, a, b):
 
 @kernel
 def form(strand, chain, time, d, x, v):
-    """Matrix M/d - B - d K of a step, columns, rows and slopes of R, rates by time into w.force_rate (all modified)."""
+    """Matrix M/d - B - d K of a step, columns, rows and slopes of R, time derivatives into w.force_rate (all modified)."""
     conditions, w, n, numbers = strand.conditions, strand.w, strand.n, strand.numbers
     assembly.assemble(n, 1.0 / d, 1.0, d, w.mass, w.records, w.matrix)
     if has_ground(chain.parameters):
@@ -271,7 +271,7 @@ def form(strand, chain, time, d, x, v):
 
 @kernel
 def flow_into_matrix(strand, chain, d):
-    """Subtract df/dv + d df/dx of rope that flows from w.matrix; df/dv also into w.dampings (modified)."""
+    """Subtract df/dv + d df/dx of flowing rope from w.matrix; df/dv also into w.dampings (both modified)."""
     n, w = chain.n, strand.w
     for s in range(n):
         of_p, of_q, w.dampings[s] = slopes_of_flow(strand, chain, s)
@@ -284,7 +284,7 @@ def flow_into_matrix(strand, chain, d):
 
 @kernel
 def slopes_of_flow(strand, chain, s):
-    """Slopes of the forces of rope that flows in segment s: by r of p and of q [N/m], by u [N s/m]."""
+    """Slopes of the flow forces in segment s: by r for p and for q [N/m], by u [N s/m]."""
     first, last, numbers = strand.weights.first, strand.weights.last, strand.numbers
     own, other = Side(0.0, first[s], first[s + 1]), Side(0.0, last[s], last[s + 1])
     rates, gains = (numbers[RATE], numbers[RATE + 1]), (numbers[GAIN], numbers[GAIN + 1])
@@ -295,7 +295,7 @@ def slopes_of_flow(strand, chain, s):
 
 @view
 def two_segments(strand, chain, s):
-    """Segments s and n - 1 - s from both ends inwards at the start of the step, as pairs.
+    """Segments s and n - 1 - s, counted inwards from both ends, at the start of the step, as pairs.
 
     `Piece`, `Flow`, both `Side`s, dT/dl0, e, r, u, and accelerations of p and q.
     """
@@ -314,7 +314,7 @@ def two_segments(strand, chain, s):
 
 @view
 def of_end(end, own, other):
-    """`Side` of an end in both halves, from those of the ends on their own side and on the other."""
+    """`Side` of an end in both halves, from the `Side`s of the near and the far end."""
     a, b = (own, other) if end == 0 else (other, own)
     return Side(
         pair(first(a.share), second(b.share)), pair(first(a.at_p), second(b.at_p)), pair(first(a.at_q), second(b.at_q))
@@ -323,13 +323,13 @@ def of_end(end, own, other):
 
 @kernel
 def loaded(chain, z):
-    """Acceleration less that of gravity [m/s2], as pairs."""
+    """Acceleration minus gravity [m/s2], as pairs."""
     return z[0], z[1], z[2] + chain.gravity
 
 
 @kernel
 def linearize_end(strand, chain, end, time, d):
-    """Column and row of an end, slopes of its R, and its rate by the motion of driven ends, OF_TIME (modified)."""
+    """Column, row and slopes of R of an end, and its rate from the motion of driven ends, OF_TIME (all modified)."""
     conditions, numbers, own = strand.conditions, strand.numbers, rope_in(strand.n, strand.ropes, end)
     if feels_rope(chain.parameters):
         loop_of_end(strand, chain, end, d, own)
@@ -342,13 +342,13 @@ def linearize_end(strand, chain, end, time, d):
     interleave(strand.n, own.by_gain, own.gain_row)
     interleave(strand.n, own.by_velocity, own.velocity_row)
     if strand.n % 2 == 0:
-        for j in range(3 * strand.n + 1, 3 * strand.n + 7, 2):  # the node in the middle counts once
+        for j in range(3 * strand.n + 1, 3 * strand.n + 7, 2):  # count the middle node once
             own.gain_row[j] = own.velocity_row[j] = 0.0
 
 
 @kernel
 def loop_of_end(strand, chain, end, d, own):
-    """The loop of `linearize_end`: two segments at a time; rows but for 1/d of gains and for the columns of those."""
+    """Loop of `linearize_end` over pairs of segments: row, column and slopes of R by lengths and rates (all modified)."""
     n, numbers, other_end, nothing = chain.n, strand.numbers, 1 - end, pair(0.0, 0.0)
     by_own, by_other, of_own, of_other, heights = nothing, nothing, nothing, nothing, nothing
     length_p = rate_p = x_row = v_row = pair(ZERO_VECTOR, ZERO_VECTOR)
@@ -397,7 +397,7 @@ def loop_of_end(strand, chain, end, d, own):
 
 @kernel
 def loop_of_spring(strand, chain, d, own):
-    """The same where the first segment alone pulls at the start: by the stretch_rate law, where dampers feel no reeling."""
+    """Like `loop_of_end` under the stretch_rate law: only the first segment pulls, and dampers ignore reeling."""
     n, w, numbers = chain.n, strand.w, strand.numbers
     clear(own.by_rate)
     clear(own.solved)
@@ -424,7 +424,7 @@ def loop_of_spring(strand, chain, d, own):
 
 @kernel
 def let_go(curve, i, time, d, own):
-    """Leave a driven node out of column and row (modified); the rate of R by its motion [N/s]."""
+    """Remove a driven node from column and row (modified) and return the rate of R from its motion [N/s]."""
     velocity, by_gain = get(own.by_velocity, i), get(own.by_gain, i)
     by_position = scale(1.0 / d, sub(sub(get(own.row, i), velocity), scale(1.0 / d, by_gain)))
     rate = dot(by_position, velocity_at(curve, time)) + dot(velocity, acceleration_at(curve, time))
@@ -438,14 +438,14 @@ def let_go(curve, i, time, d, own):
 
 @kernel
 def add_rates_of_winch(strand, chain, time, d, x, v):
-    """Add the rates of forces and of R [N/s] by rope that a winch lets in with time to w.q and OF_TIME (modified)."""
+    """Add the rates of forces and of R [N/s] from time-dependent reeling to w.q and OF_TIME (modified)."""
     reeling, n, w, numbers = strand.conditions.reeling, chain.n, strand.w, strand.numbers
     speed, gain, jerk = winch.rate_at(reeling, time), winch.acceleration_at(reeling, time), winch.jerk_at(reeling, time)
     own = rope_in(n, strand.ropes, 0)
     for i in range(len(w.q)):
         by_length = (own.solved[i] - own.by_rate[i] - own.by_gain[i] / d) / d
         w.q[i] += speed * by_length + gain * own.by_rate[i] + jerk * own.by_gain[i]
-    if has_ground(chain.parameters) and not is_held(strand, 0):  # else it is in the column
+    if has_ground(chain.parameters) and not is_held(strand, 0):  # otherwise the column contains it
         contact.add_rate(chain_with(strand.conditions, chain.length, speed), x, v, w, w.q)
     for end in range(2):
         by_winch = numbers[BY_LENGTH + 2 * end] * speed + numbers[BY_RATE + 2 * end] * gain
@@ -454,7 +454,7 @@ def add_rates_of_winch(strand, chain, time, d, x, v):
 
 @kernel
 def add_explicit_rates(strand, chain, time):
-    """Add rates of the forces [N/s] by the load and by the motion of driven ends to w.q (modified)."""
+    """Add the rates of the forces [N/s] from the load and the motion of driven ends to w.q (modified)."""
     conditions, n, w = strand.conditions, strand.n, strand.w
     put(w.q, n, add(get(w.q, n), conditions.load_rate))
     for end in range(2):
@@ -485,7 +485,7 @@ def go_to_stage(strand, chain, stage, time, h):
 
 @kernel
 def add_up_accelerations(strand, stage, h, count):
-    """z_i = OF_START z_0 + sum OF_SPEEDS V_j/h of so many nodes from both ends inwards into stage_z (modified)."""
+    """z_i = OF_START z_0 + sum OF_SPEEDS V_j/h into stage_z (modified), for `count` nodes from each end inwards."""
     w, of_start = strand.w, OF_START[stage]
     for i in range(count):
         z = scale(of_start, get_interleaved(strand.z, i))
@@ -496,7 +496,7 @@ def add_up_accelerations(strand, stage, h, count):
 
 @view
 def known_of(strand, stage, h, i):
-    """F + (m_0 - m) z + m_0 inertia/h + gamma_i h dF/dt of the nodes i and n - i [N]."""
+    """F + (m_0 - m) z + m_0 inertia/h + gamma_i h dF/dt of nodes i and n - i [N]."""
     w, both = strand.w, (i, strand.n - i)
     mass = number_at(w.mass, 0, both)
     total = add_scaled(
@@ -508,7 +508,7 @@ def known_of(strand, stage, h, i):
 
 @kernel
 def right_hand_side(strand, stage, h):
-    """-r + r_z (z + inertia/h) + r_v rest - gamma_i h r_t of the nodes into w.q, of the ends into LEFT (modified)."""
+    """-r + r_z (z + inertia/h) + r_v rest - gamma_i h r_t, for nodes into w.q and for ends into LEFT (modified)."""
     n, w = strand.n, strand.w
     from_outside, outward = pair(ZERO_VECTOR, ZERO_VECTOR), pair(1.0, -1.0)
     r_p = get_interleaved(w.r, 0)
@@ -532,7 +532,7 @@ def right_hand_side(strand, stage, h):
 
 @kernel
 def subtract_known(strand, end, h):
-    """Subtract from w.q (modified) what M and B of rope that comes in over an end make of what is known of it."""
+    """Subtract the known part of M and B for rope that enters over an end from w.q (modified)."""
     own, numbers, q = rope_in(strand.n, strand.ropes, end), strand.numbers, strand.w.q
     gained, rest = numbers[HELD_GAIN + end] + numbers[INERTIA + end] / h, numbers[REST + end]
     for i in range(0, len(q) - 1, 2):
@@ -544,7 +544,7 @@ def subtract_known(strand, end, h):
 
 @kernel
 def right_of_end(strand, end, stage, h):
-    """LEFT of an end that is held: what is known of R + dR over dT/dR (modified)."""
+    """LEFT of an end with coordinates: the known part of R + dR over dT/dR (modified)."""
     own, numbers, w = rope_in(strand.n, strand.ropes, end), strand.numbers, strand.w
     total, other = pair(0.0, 0.0), pair(0.0, 0.0)
     for i in range(0, len(w.r), 2):

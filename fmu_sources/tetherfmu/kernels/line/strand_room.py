@@ -1,4 +1,4 @@
-"""What a line over whose ends coordinates let rope in knows of that rope: its numbers, weights, columns and rows."""
+"""Data of a line with rope coordinates at its ends: numbers, weights, columns and rows."""
 
 from collections import namedtuple
 
@@ -9,38 +9,38 @@ from ..compilation import kernel, view
 from ..flat_arrays import part
 from ..linear_algebra.both_ends import interleaved_size
 
-# --- numbers of a line; those with two places are of both its ends, those with four of each by each: 00, 01, 10, 11
+# --- numbers of a line; two places: one per end, four places: each end by each: 00, 01, 10, 11
 
 (
-    HOLDERS,  # how many coordinates let rope in over each end, their numbers and their weights [-]
+    HOLDERS,  # per end: number of its coordinates, their numbers and weights [-]
     HOLDER,
     WEIGHT,
-    SHEAVE,  # number of the coordinate of the sheave at its end, of the drum that it carries; -1 without
+    SHEAVE,  # number of the coordinate: sheave at its end, drum that it carries; -1 without
     DRUM,
-    RUNS,  # 1 if any of its holders may move in this piece of time; else it is a chain without ropes
-    FIRST_LENGTH,  # at the start of the communication step [m]
+    RUNS,  # 1 if any of its coordinates may move in this piece of time, else it is a plain chain
+    FIRST_LENGTH,  # L at the start of the communication step [m]
     LENGTH,  # L [m] at a stage
-    RATE,  # rates of rope that comes in [m/s] and their rates, with the jump of a winch [m/s2]
+    RATE,  # rates of entering rope [m/s], their rates including the jump of a winch [m/s2]
     GAIN,
-    HELD_GAIN,  # that of the coordinates alone
-    REST,  # sums of `REST` and `INERT` of the coordinates
+    HELD_GAIN,  # the part of GAIN from coordinates
+    REST,  # weighted sums of `REST` and `INERT` over the coordinates
     INERTIA,
     PULL,  # R [N]
     TENSION,  # T [N], and dT/dR [-]
     SLOPE,
-    FACTOR,  # of T in the equation of the coordinate: the loss of a sheave [-]
-    BY_LENGTH,  # slopes of R by lengths that come in [N/m], by rates [N s/m], by their rates [kg]
+    FACTOR,  # factor of T in the equation of the coordinate: the sheave loss [-]
+    BY_LENGTH,  # slopes of R by entering lengths [N/m], by rates [N s/m], by their rates [kg]
     BY_RATE,
     BY_GAIN,
     CORNER,
-    OF_TIME,  # rate of R [N/s] by all that is a function of time
-    LEFT,  # what is known of R in a stage over dR [N]
-    LARGEST,  # tension of a segment after a step [N]
+    OF_TIME,  # rate of R [N/s] from all functions of time
+    LEFT,  # known part of R in a stage, over dR/dT [N]
+    LARGEST,  # largest segment tension after a step [N]
     # fixed steps
-    GOAL,  # the largest move of a node with which the line has converged [m]
-    UNCONVERGED,  # in how many steps the iteration ended before
-    MOVED,  # change of T with the moves of the iteration [N]
-    KEPT_REELING,  # how the line reeled before it broke, see `motion/breaks.py`
+    GOAL,  # largest node displacement of a converged line [m]
+    UNCONVERGED,  # number of steps in which the iteration ended unconverged
+    MOVED,  # change of T in the iteration [N]
+    KEPT_REELING,  # reeling before the line broke, see `motion/breaks.py`
     _,
     NUMBERS,
 ) = places_of(2, 2 * at.MOST_HOLDERS, 2 * at.MOST_HOLDERS, 1, 1, 1, 1, 1, *[2] * 9, *[4] * 4, 2, 2, 1, 1, 1, 2, 7, 1)
@@ -48,12 +48,11 @@ from ..linear_algebra.both_ends import interleaved_size
 Weights = namedtuple("Weights", "first last growth_first growth_last")
 Weights.__doc__ = """W_i0 and W_i1 of the nodes, n + 1; g_0 and g_1 of the segments, n; see `equations/rope.py`."""
 Rope = namedtuple("Rope", "by_rate by_gain solved row by_velocity gain_row velocity_row")
-Rope.__doc__ = """Of an end over which coordinates let rope in: slopes of the forces on the nodes, and rows of R.
+Rope.__doc__ = """A line end with coordinates: slopes of the node forces, and rows of R.
 
 by_rate, by_gain : slopes by a [N s/m] and by a' [kg].  solved : the column of the matrix, then its solution.
 row, by_velocity : of the matrix [N s/m], and dR/dv [N s/m].  Flat arrays of 3 (n + 1) numbers.
-gain_row, velocity_row : by_gain and by_velocity, interleaved, with the node in the middle once.
-"""
+gain_row, velocity_row : by_gain and by_velocity, interleaved, counting the middle node once."""
 Strand = namedtuple("Strand", "n conditions numbers weights ropes z stage_z w")
 Strand.__doc__ = """A line in a step.
 

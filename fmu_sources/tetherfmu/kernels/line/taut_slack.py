@@ -1,13 +1,13 @@
-"""The taut-slack transition of segments in a Rosenbrock step: what it may cost, and the energy that it would create.
+"""Taut-slack transition of segments in a Rosenbrock step: its error, and the energy that it would create.
 
-All stages of a step hold the stiffness k that a segment has at its start, so the step keeps the sum of kinetic energy and
-k (l - l0)^2/2. Where the segment ends a distance |l - l0| beyond the transition, with the stiffness k', this is
+All stages use the stiffness k of a segment at the start of the step, so the step conserves the sum of kinetic energy and
+k (l - l0)^2/2. If the segment ends a distance |l - l0| beyond the transition, with stiffness k', the spring has
 
     (k - k') (l - l0)^2/2
 
-too much (it went slack) or too little (it became taut) in the spring, and `keep_energy` moves it from or to the speed along
-the segment. Without it steps create energy where segments become taut and lose some where they go slack. The two do not
-balance, since slack segments allow longer steps: an undamped tether swung itself up. Source: docs/models/numerics.md,
+too much energy (it went slack) or too little (it became taut); `keep_energy` transfers it from or to the speed along
+the segment. Otherwise steps create energy where segments become taut and lose some where they go slack. The two do not
+balance, because slack segments permit longer steps: an undamped tether swung itself up. Source: docs/models/numerics.md,
 "Rosenbrock step".
 """
 
@@ -19,13 +19,13 @@ from ..equations.properties import rest_length
 from ..linear_algebra.vectors import add_scaled, dot, get, norm, put, sub
 
 TRANSITION = 0.05  # measured: 0.2 costs more rejections for the same error; with 0.01 an undamped tether may gain energy
-OVERSHOOT = 0.1  # part of the allowed error of a velocity that a damper may cause by being wrong beyond the transition
-ROUNDING = 1e-14  # of positions, relative: an overshoot that is smaller is not sought
+OVERSHOOT = 0.1  # part of the velocity tolerance that a wrong damper may cause beyond the transition
+ROUNDING = 1e-14  # of positions, relative: smaller overshoots are ignored
 
 
 @kernel
 def lighter_free_node(s, conditions, w):
-    """Smaller mass [kg] of the two nodes of a segment, of those that are free."""
+    """Mass [kg] of the lighter free node of a segment."""
     return min(w.mass[s] if s >= conditions.first else inf, w.mass[s + 1] if s + 1 <= conditions.last else inf)
 
 
@@ -39,7 +39,7 @@ def went_over(s, chain, w):
 
 @kernel
 def excess(s, chain, w):
-    """Stiffness [N/m] and damping [N s/m] that the step held in segment s minus those beyond the transition."""
+    """Stiffness [N/m] and damping [N s/m] that the step used in segment s minus their values beyond the transition."""
     rest = rest_length(chain, s)
     held_k, held_c = segment.stiffness(chain, s, w.modes[s], rest)
     present_k, present_c = segment.stiffness(chain, s, -w.modes[s], rest)
@@ -48,9 +48,9 @@ def excess(s, chain, w):
 
 @kernel
 def wrong_impulse(s, chain, h, w):
-    """Impulse [N s] that segment s may have got wrong in a step of h [s] in which it went over the transition; else 0.
+    """Possible impulse error [N s] of segment s in a step of h [s] in which it crossed the transition; else 0.
 
-    Overshoot |l - l0| times the wrong part of the stiffness for a part TRANSITION of the step; `chain` is that at its end.
+    Overshoot |l - l0| times the stiffness error over a part TRANSITION of the step; `chain` is at its end.
     """
     if not went_over(s, chain, w):
         return 0.0
@@ -60,7 +60,7 @@ def wrong_impulse(s, chain, h, w):
 
 @kernel
 def transition_error(conditions, chain, h, w):
-    """Estimate of the velocity error [m/s] of the lighter free node of a segment from `wrong_impulse`; 0 without."""
+    """Velocity error estimate [m/s] of the lighter free node of a segment from `wrong_impulse`; 0 without."""
     worst = 0.0
     for s in range(chain.n):
         impulse = wrong_impulse(s, chain, h, w)
@@ -71,11 +71,11 @@ def transition_error(conditions, chain, h, w):
 
 @kernel
 def part_to_transition(conditions, before, after, h, x, v, speed, w):
-    """Part of a step of h [s] after which the first segment is just beyond the transition; inf if no step has to end there.
+    """Fraction of a step of h [s] that ends with the first segment just beyond the transition; inf if none needs this.
 
-    While a segment is beyond it, its damper is wrong by |c - c'| times its rate: in all by the impulse |c - c'| |l - l0|. A
-    step has to end where this changes the velocity of the lighter free node by more than OVERSHOOT of the allowed error,
-    `speed` [m/s]. l - l0 is taken as a parabola, and the step ends at half of the l - l0 that is allowed there.
+    Beyond the transition the damper of a segment is wrong by |c - c'| times its rate, in total by the impulse
+    |c - c'| |l - l0|. The step must end where this changes the velocity of the lighter free node by more than OVERSHOOT
+    times its tolerance `speed` [m/s]. l - l0 is modelled as a parabola, and the step ends at half of the permitted l - l0.
 
     before, after : `Chain` at the start and at the end of the step.  x, v : nodes at the start [m], [m/s].
     """
@@ -96,7 +96,7 @@ def part_to_transition(conditions, before, after, h, x, v, speed, w):
 
 @kernel
 def part_of_parabola(first, rate, last):
-    """Zero in (0, 1) of a parabola that is `first` at 0, with the slope `rate` and `last`, of the other sign, at 1."""
+    """Zero in (0, 1) of a parabola with value `first` and slope `rate` at 0, and `last`, of the other sign, at 1."""
     bend = last - first - rate
     part = copysign(sqrt(max(rate * rate - 4.0 * bend * first, 0.0)), last)
     return -2.0 * first / (rate + part)
@@ -104,7 +104,7 @@ def part_of_parabola(first, rate, last):
 
 @kernel
 def impulse_between(s, chain, mobility, rate_of_rest, below, above, w):
-    """Impulse [N s] along segment s that keeps the energy if it went over the transition, and the direction; 0 without.
+    """Energy-conserving impulse [N s] along segment s if it crossed the transition, and its direction; 0 without.
 
     mobility : of the rate of l - l0 [1/kg].  rate_of_rest : of l0 [m/s].  below, above : velocities of its nodes [m/s].
     """
@@ -119,12 +119,12 @@ def impulse_between(s, chain, mobility, rate_of_rest, below, above, w):
 
 @kernel
 def keep_energy(conditions, chain, w):
-    """Correct the velocities in w.v (modified) of the nodes of segments that went over the transition.
+    """Correct the velocities in w.v (modified) of the nodes of segments that crossed the transition.
 
-    With the reduced mass m of the free nodes, m (rate'^2 - rate^2)/2 = (k - k') (l - l0)^2/2; a rate that this would turn
-    round becomes 0. A segment that is on its way back already is left alone. All rates are those before the correction, so
-    that it does not matter at which end one begins. `chain` is that at the end of the step. Where rope that comes in moves
-    the only segment, too: `events.keep_energy`.
+    With the reduced mass m of the free nodes, m (rate'^2 - rate^2)/2 = (k - k') (l - l0)^2/2; a rate that this would
+    reverse becomes 0. A segment that already returns is not corrected. All rates are from before the correction, so the
+    result does not depend on the order of the ends. `chain` is at the end of the step. If entering rope moves the only
+    segment, see also `events.keep_energy`.
     """
     below = get(w.v, 0)  # before the correction
     for s in range(chain.n):

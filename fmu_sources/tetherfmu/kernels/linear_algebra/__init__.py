@@ -1,4 +1,4 @@
-"""Small linear algebra: three-vectors and 3x3 matrices in registers, two of them at once, block tridiagonal systems.
+"""Small linear algebra: three-vectors and 3x3 matrices in registers, also two at once, and block tridiagonal systems.
 
-Knows nothing of tethers. The only package that knows LLVM.
+Independent of tethers. Only this package uses LLVM.
 """

@@ -49,7 +49,7 @@ def is_regular(determinant):
 
 @kernel
 def minus_product(a, m, b):
-    """a - m b, summed so that the result waits for b as little as possible."""
+    """a - m b, summed so that the result depends on b as late as possible."""
     return (
         (a[0] - m[0] * b[0]) - (m[1] * b[1] + m[2] * b[2]),
         (a[1] - m[3] * b[0]) - (m[4] * b[1] + m[5] * b[2]),
@@ -59,9 +59,9 @@ def minus_product(a, m, b):
 
 @kernel
 def factorize_halves(rows, up, down, matrix):
-    """Factor so many rows from row `up` upwards and from row `down` downwards, both at once (matrix modified).
+    """Factorize `rows` rows from row `up` upwards and from row `down` downwards, both at once (matrix modified).
 
-    Returns what the blocks of the next two rows lose, as a matrix of pairs, and False if a pivot block is singular.
+    Returns the subtrahend for the next two rows of blocks, as a matrix of pairs, and False if a pivot block is singular.
     """
     diagonal, lower, upper = matrix
     block = get_blocks(diagonal, up, diagonal, down)

@@ -1,10 +1,10 @@
 """Loads and stores of pairs: numbers, vectors and blocks of both halves of a chain at once.
 
-A interleaved array holds the vectors of n + 1 nodes as pairs, those of node k and of its mirror image side by side:
+An interleaved array stores the vectors of n + 1 nodes as pairs, node k and its mirror image side by side:
 
     x_k x_(n-k) y_k y_(n-k) z_k z_(n-k),   k = 0 .. n // 2
 
-The node in the middle of an even n stands there twice. A flat array holds one vector after the other.
+It stores the middle node of an even n twice. A flat array stores one vector after the other.
 """
 
 from ..compilation import kernel
@@ -32,20 +32,20 @@ def put_two(array, i, j, a):
 
 @kernel
 def get_vector_of_pairs(array, place):
-    """Three-vector of pairs from a place of a flat array on."""
+    """Three-vector of pairs at a place of a flat array."""
     return load_pair(array, place), load_pair(array, place + 2), load_pair(array, place + 4)
 
 
 @kernel
 def get_matrix_of_pairs(array, place):
-    """3x3 matrix of pairs, row by row, from a place of a flat array on."""
+    """3x3 matrix of pairs, row by row, at a place of a flat array."""
     rows = get_vector_of_pairs(array, place) + get_vector_of_pairs(array, place + 6)
     return rows + get_vector_of_pairs(array, place + 12)
 
 
 @kernel
 def put_pairs(array, place, pairs):
-    """Write a tuple of pairs from a place of a flat array on (modified)."""
+    """Write a tuple of pairs to a place of a flat array (modified)."""
     for i in range(len(pairs)):
         store_pair(array, place + 2 * i, pairs[i])
 
@@ -92,7 +92,7 @@ def get_node(n, i, array):
 
 @kernel
 def add_to_node(n, i, a, array):
-    """Add a vector to number i of n + 1 in an interleaved array (modified), which has the one in the middle twice."""
+    """Add a vector to number i of n + 1 in an interleaved array (modified), to both copies of a middle node."""
     k = 6 * min(i, n - i) + (1 if 2 * i > n else 0)
     for j in range(3):
         array[k + 2 * j] += a[j]
@@ -129,7 +129,7 @@ def put_side_by_side(a, p, b, q, numbers):
 
 @kernel
 def four_pairs(array, k):
-    """Four pairs from place k of a flat array on."""
+    """Four pairs at place k of a flat array."""
     return load_pair(array, k), load_pair(array, k + 2), load_pair(array, k + 4), load_pair(array, k + 6)
 
 
@@ -147,7 +147,7 @@ def get_blocks(a, i, b, j):
 def pack_blocks(a, i, b, j, m):
     """Write a matrix of pairs into block i of an array and block j of another one (modified), four pairs into each.
 
-    The two numbers of the ninth pair stand at the ends of the blocks.
+    The two numbers of the ninth pair are at the ends of the blocks.
     """
     p, q = 9 * i, 9 * j
     for k in range(4):

@@ -2,7 +2,7 @@
 
     D_0 y_0 + U_0 y_1 = b_0,   L_i y_(i-1) + D_i y_i + U_i y_(i+1) = b_i,   L_n y_(n-1) + D_n y_n = b_n
 
-The inner rows 1 .. n - 1 are factorized as in `block_tridiagonal.py`. With A of these, and their columns that meet the ends,
+The inner rows 1 .. n - 1 are factorized as in `block_tridiagonal.py`. With their matrix A and their columns at the ends,
 
     y = A^-1 b - C_0 y_0 - C_n y_n,   C_0 = A^-1 (L_1, 0, ..., 0),   C_n = A^-1 (0, ..., 0, U_(n-1))
 
@@ -11,9 +11,9 @@ the first and the last row become
     (D_0 - U_0 C_0,1) y_0 - U_0 C_n,1 y_n = b_0 - U_0 (A^-1 b)_1
     (D_n - L_n C_n,n-1) y_n - L_n C_0,n-1 y_0 = b_n - L_n (A^-1 b)_(n-1)
 
-An end that is prescribed, with y = 0, has no columns. `columns` has the 3x3 blocks of C_0, then those of C_n; the blocks of
-mirror rows are packed (`both_ends.pack_blocks`). Ends are numbered: 0 the first row, 1 the last. An end of a line that
-meets no other one may be an inner row as well, and nothing is left of such a line (`Rows`).
+A prescribed end, with y = 0, has no columns. `columns` stores the 3x3 blocks of C_0, then those of C_n, with the blocks of
+mirror rows packed (`both_ends.pack_blocks`). End 0 is the first row, end 1 the last. An unshared end may be an inner row,
+and a line without shared ends condenses to nothing (`Rows`).
 """
 
 from collections import namedtuple
@@ -27,10 +27,9 @@ from .pairs import broadcast, first, pair, second
 from .vectors import add, get, put, scale, sub
 
 Rows = namedtuple("Rows", "n first last start_is_shared end_is_shared")
-Rows.__doc__ = """The rows 0 .. n: the inner ones, which are solved for, are `first` .. `last`; none where first > last.
+Rows.__doc__ = """The rows 0 .. n: inner rows, which are solved for, are `first` .. `last`; none if first > last.
 
-start_is_shared, end_is_shared : whether row 0, and row n, is shared with other systems. Then the inner rows are 1 .. n - 1.
-"""
+start_is_shared, end_is_shared : whether row 0, and row n, is shared with other systems; inner rows are then 1 .. n - 1."""
 
 
 @kernel
@@ -47,7 +46,7 @@ def columns_of(n, end, columns):
 
 @kernel
 def condense(rows, matrix, columns):
-    """Factor the inner rows of a `Matrix` and find the columns of its shared ends (both modified); False if singular."""
+    """Factorize the inner rows of a `Matrix` and compute columns of its shared ends (both modified); False if singular."""
     if rows.first > rows.last:
         return True
     if not factorize(rows.first, rows.last, matrix):
@@ -68,7 +67,7 @@ def find_all_columns(rows, matrix, columns):
 
 @kernel
 def pass_inwards(n, right, matrix, blocks):
-    """Right-hand side of the two rows in the middle, or the one twice, from that beside both ends; see `find_columns`."""
+    """Right-hand side of the two middle rows, or the middle row twice, from the rows beside the ends; see `find_columns`."""
     _, lower, upper = matrix
     middle = n // 2
     if middle == 1:
@@ -83,7 +82,7 @@ def pass_inwards(n, right, matrix, blocks):
 
 @kernel
 def solve_middle(n, right, matrix):
-    """Columns in the two rows in the middle, or in the one twice, from their right-hand side, as a matrix of pairs."""
+    """Columns in the two middle rows, or in one twice, from their right-hand side, as a matrix of pairs."""
     diagonal, lower, upper = matrix
     middle, below = n // 2, n - n // 2
     if middle == below:
@@ -110,7 +109,7 @@ def put_middle(n, two, blocks):
 def find_columns(n, right, matrix, blocks):
     """Columns of an end into `blocks` (modified): A^-1 of `right` in the rows beside both ends, a matrix of pairs.
 
-    As `block_tridiagonal.solve` does it, with a right-hand side of three columns at once.
+    Like `block_tridiagonal.solve`, with three right-hand sides at once.
     """
     diagonal, lower, upper = matrix
     two = solve_middle(n, pass_inwards(n, right, matrix, blocks), matrix)
@@ -134,7 +133,7 @@ def block_beside(n, row_end, blocks):
 
 @kernel
 def whole_row_at_end(rows, end, row, columns):
-    """What is left at a shared end of the row - sum row_i . y_i, as a row of the condensed system."""
+    """Row of the condensed system at a shared end, from the row - sum row_i . y_i."""
     n, blocks = rows.n, columns_of(rows.n, end, columns)
     left = scale(-1.0, get(row, n * end))
     for i in range(1, (n + 1) // 2):
@@ -147,7 +146,7 @@ def whole_row_at_end(rows, end, row, columns):
 
 @kernel
 def condensed_block(n, row_end, column_end, matrix, columns):
-    """Block of the condensed system in the row of one end and the column of the same end or of the other one."""
+    """Block of the condensed system in the row of one end and the column of the same or the other end."""
     outer = 9 * n * row_end
     coupling = get_matrix(matrix.lower if row_end == 1 else matrix.upper, outer)
     own = get_matrix(matrix.diagonal, outer)
@@ -159,7 +158,7 @@ def condensed_block(n, row_end, column_end, matrix, columns):
 
 @kernel
 def solve_inner(rows, matrix, b):
-    """Solve the inner rows of a right-hand side (modified), and leave others as they are."""
+    """Solve the inner rows of a right-hand side (modified); other rows are unchanged."""
     if rows.first <= rows.last:
         solve(rows.first, rows.last, matrix, b)
 
@@ -176,7 +175,7 @@ def what_is_left(n, end, matrix, b):
 
 @kernel
 def expand(rows, columns, y):
-    """Solution in the inner rows (modified) from that of the shared ends, after `solve_inner`."""
+    """Solution in the inner rows (modified) from the solution at the shared ends, after `solve_inner`."""
     n = rows.n
     if rows.start_is_shared:
         subtract_columns(n, columns_of(n, 0, columns), get(y, 0), y)
@@ -186,7 +185,7 @@ def expand(rows, columns, y):
 
 @kernel
 def subtract_columns(n, blocks, at_end, y):
-    """Subtract from the inner rows (modified) what columns make of the solution at their end."""
+    """Subtract the columns times the solution at their end from the inner rows (modified)."""
     both = broadcast(at_end, pair(0.0, 0.0))
     for i in range(1, (n + 1) // 2):
         put_two(y, i, n - i, sub(get_two(y, i, n - i), apply(get_packed_blocks(blocks, i, blocks, n - i), both)))

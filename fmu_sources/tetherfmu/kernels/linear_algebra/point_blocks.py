@@ -1,11 +1,11 @@
-"""Solve the equations of a step at the free points of a system: 3x3 blocks in a band, by elimination without pivots.
+"""Equations of a step at the free points of a system: 3x3 blocks in a band, solved by elimination without pivoting.
 
-    A = L R,   L has unit blocks on its diagonal and F_qp = A_qp D_p^-1 below it, D_p is what is left of the block A_pp
+    A = L R,   L has unit blocks on its diagonal and F_qp = A_qp D_p^-1 below it, D_p is the reduced block A_pp
 
-as within a line (`block_tridiagonal.py`), whose inner nodes these could be. Points in a row, whose neighbours are the next
-ones only, are solved there. The blocks of a diagonal stand one after the other, from the lowest of 2 w + 1 diagonals to the
-highest; the points p - w .. p + w may be neighbours of p (`wiring/ordering.py`). Where the symmetric part of a matrix is
-positive definite, that of each D_p is, too, and no pivots are needed; a symmetric matrix is definite if all D_p are.
+as within a line (`block_tridiagonal.py`), whose inner nodes these could be. Points in a row, with only the next ones as
+neighbours, are solved there. The diagonals of blocks are stored one after the other, from the lowest of 2 w + 1 to the
+highest; the points p - w .. p + w may be neighbours of p (`wiring/ordering.py`). If the symmetric part of a matrix is
+positive definite, so is that of each D_p, and no pivoting is needed; a symmetric matrix is definite if all D_p are.
 Source: Golub and Van Loan, Matrix Computations, 4th ed., sections 3.2.10 (block elimination), 4.2 (positive definite
 matrices) and 4.3 (bands).
 """
@@ -47,7 +47,7 @@ def in_a_row(count, matrix):
 
 @kernel
 def eliminate(count, w, p, last, matrix):
-    """Take the row p of blocks, whose D_p is inverted, out of those below it up to `last` (matrix modified)."""
+    """Eliminate row p of blocks, with inverted D_p, from the rows below it up to `last` (matrix modified)."""
     inverted = get_matrix(matrix, place_of(count, w, p, p))
     for q in range(p + 1, last + 1):
         factor = multiply(get_matrix(matrix, place_of(count, w, q, p)), inverted)
@@ -98,9 +98,9 @@ def place_of_number(count, w, i, j):
 
 @kernel
 def factorize_definite(count, w, matrix):
-    """Factor a matrix as one of numbers (modified), for pivots of any size; False if one is not positive.
+    """Factorize a matrix entry by entry (modified), for pivots of any size; False if one is not positive.
 
-    Blocks, which cofactors invert, lose more where a line is far stiffer along than across.
+    Inverting blocks by cofactors loses more accuracy if a line is far stiffer axially than laterally.
     """
     for k in range(3 * count):
         pivot, end = matrix[place_of_number(count, w, k, k)], min(3 * (k // 3 + w + 1), 3 * count)

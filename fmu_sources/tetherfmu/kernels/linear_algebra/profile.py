@@ -1,9 +1,9 @@
 """Dense equations with a profile: L U without pivoting; nothing is stored in a row before its first entry.
 
-The profile is symmetric: row i of L begins in the same column as column i of U begins in its row. Both stand side by side,
-so that every inner product runs through two arrays from place to place:
+The profile is symmetric: row i of L begins in the same column as column i of U begins in its row. Both are stored side by
+side, so every inner product runs through two contiguous arrays:
 
-    lower : rows of L with the diagonal of U, once factorized 1 over it;  upper : columns of U above it
+    lower : rows of L with the diagonal of U, inverted by `factorize`;  upper : columns of U above it
     a place of row i is `start[i]` + column
 """
 
@@ -30,14 +30,14 @@ def begin(profile, m):
 
 @kernel
 def join(profile, i, j):
-    """Let the profile (modified) have the entries i, j and j, i."""
+    """Extend the profile (modified) by the entries i, j and j, i."""
     low, high = min(i, j), max(i, j)
     profile.first[high] = min(profile.first[high], low)
 
 
 @kernel
 def add_entry(profile, i, j, value):
-    """Add a number to the entry i, j (modified), which the profile has."""
+    """Add a number to the entry i, j (modified), which must be in the profile."""
     if j <= i:
         profile.lower[int(profile.start[i]) + j] += value
     else:
@@ -46,7 +46,7 @@ def add_entry(profile, i, j, value):
 
 @kernel
 def hold_row(profile, m, i):
-    """Let row i (modified) be that of the unit matrix."""
+    """Replace row i (modified) by a unit row."""
     for j in range(int(profile.first[i]), i):
         profile.lower[int(profile.start[i]) + j] = 0.0
     profile.lower[int(profile.start[i]) + i] = 1.0
@@ -57,7 +57,7 @@ def hold_row(profile, m, i):
 
 @kernel
 def inner(a, at_a, b, at_b, count):
-    """Inner product of so many numbers of two arrays."""
+    """Inner product of `count` numbers of two arrays."""
     total = 0.0
     for k in range(count):
         total += a[at_a + k] * b[at_b + k]
@@ -66,7 +66,7 @@ def inner(a, at_a, b, at_b, count):
 
 @kernel
 def factorize(profile, m):
-    """Factor m rows in place (modified); False if a pivot is 0 or no number."""
+    """Factorize m rows in place (modified); False if a pivot is 0 or not a number."""
     first, start, lower, upper = profile
     regular = True
     for i in range(m):
@@ -85,7 +85,7 @@ def factorize(profile, m):
 
 @kernel
 def solve(profile, m, right, solution):
-    """Solution (modified) of m equations that are factorized."""
+    """Solution (modified) of m factorized equations."""
     first, start, lower, upper = profile
     for i in range(m):
         own, here = int(first[i]), int(start[i])

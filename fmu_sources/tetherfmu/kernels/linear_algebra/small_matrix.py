@@ -1,4 +1,4 @@
-"""A small dense matrix in a flat array, row by row: that of the sheaves of a system."""
+"""A small dense matrix in a flat array, row by row, for the sheaves of a system."""
 
 from ..arrays import clear
 from ..compilation import kernel

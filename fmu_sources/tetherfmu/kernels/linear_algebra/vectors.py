@@ -1,4 +1,4 @@
-"""Three-vectors as tuples of numbers, or of pairs: they live in registers, so nothing is allocated."""
+"""Three-vectors as tuples of numbers or of pairs: they stay in registers, so nothing is allocated."""
 
 from math import sqrt
 

@@ -1,7 +1,7 @@
-"""Steps within a communication step, chosen by the error of all lines: the loop of the adaptive solver.
+"""Error-controlled steps within a communication step: the loop of the adaptive solver.
 
-One step for all: its error is the largest of those of the lines, each over what is allowed in that line. `step_control.py`
-has the errors of a line and the rule for the next step, whose memory stands in the state of the first line.
+All lines share one step: its error is the largest relative error of any line. `step_control.py` defines the error of a line
+and the rule for the next step; the state of the first line stores its memory.
 """
 
 from math import inf, nan
@@ -49,7 +49,7 @@ from .breaks import begin_breaks, break_lines, can_any_break, part_to_break
 
 @kernel
 def larger_error(a, b):
-    """The larger one of two errors; NaN if one of them is (`max(a, b)` is NaN only if a is)."""
+    """The larger of two errors; NaN if one of them is (`max(a, b)` is NaN only if a is)."""
     if a >= b:
         return a
     return b if b > a else nan
@@ -57,7 +57,7 @@ def larger_error(a, b):
 
 @view
 def chain_in_step(system, k, time):
-    """The `Chain` of line k at a time [s] of the communication step, with coordinates as at the stage."""
+    """`Chain` of line k at a time [s] of the communication step, with coordinates at the stage."""
     if has_rope(system, k):
         return chain_at_stage(system, k)
     return chain_during(conditions_of(system, k), time)
@@ -65,7 +65,7 @@ def chain_in_step(system, k, time):
 
 @kernel
 def error_of_line(system, k, time, h):
-    """Error of the step of h [s] to a time [s] of the communication step in line k, over what is allowed [-]."""
+    """Relative error of line k in the step of h [s] to a time [s] of the communication step [-]."""
     w, chain, (_, v) = integrator_of(system, k), chain_in_step(system, k, time), motion_of(system, k)
     error, largest = error_of_step(conditions_of(system, k), chain, h, v, events.drum_error(system, k), w)
     numbers_of(system, k)[LARGEST] = largest
@@ -74,9 +74,9 @@ def error_of_line(system, k, time, h):
 
 @kernel
 def error_of_lines(system, time, h):
-    """Error of the step of h [s] to a time [s] of the communication step, over what is allowed [-].
+    """Relative error of the step of h [s] to a time [s] of the communication step [-].
 
-    Where segments of several lines at a point went over the transition, the point takes the sum of their impulses
+    If segments of several lines at a point crossed the transition, the point receives the sum of their impulses
     (`taut_slack.keep_energy`).
     """
     clear(points_of(system).change)
@@ -97,7 +97,7 @@ def error_of_lines(system, time, h):
 
 @kernel
 def attempt(system, time, h):
-    """Try a step of h [s] from a time [s] of the communication step; its error over what is allowed [-]."""
+    """Try a step of h [s] from a time [s] of the communication step; returns its relative error [-]."""
     if not system_step.step(system, time, h):
         return inf
     error = error_of_lines(system, time + h, h)
@@ -106,7 +106,7 @@ def attempt(system, time, h):
 
 @kernel
 def accept(system, time, h, is_last):
-    """Let lines, drums and coordinates (modified) have the results of the step of h [s] from a time [s] on.
+    """Accept the results of the step of h [s] from a time [s] in lines, drums and coordinates (modified).
 
     is_last : of the communication step.
     """
@@ -123,9 +123,9 @@ def accept(system, time, h, is_last):
 
 @kernel
 def part_to_slack(system, time, h, weight):
-    """Part of the step of h [s] from a time [s] after which a segment has just gone over its transition.
+    """Fraction of the step of h [s] from a time [s] after which a segment has just crossed its transition.
 
-    inf if no step has to end there, see `part_to_transition`.  weight : as of `part_to_break`.
+    inf if no step has to end there, see `part_to_transition`.  weight : as for `part_to_break`.
     """
     least = inf
     for k in range(lines_of(system)):
@@ -150,9 +150,9 @@ def work_of(system):
 
 @kernel
 def integrate(system, duration):
-    """Advance the lines (modified) over a communication step of `duration` [s] with steps chosen by the error estimate.
+    """Advance the lines (modified) over a communication step of `duration` [s] with error-controlled steps.
 
-    Solver memory and counters stand in the state of the first line. Returns a status: OK, STEP_BUDGET_SPENT, STEP_TOO_SMALL
+    The state of the first line stores solver memory and counters. Returns a status: OK, STEP_BUDGET_SPENT, STEP_TOO_SMALL
     or, about a line, NO_LENGTH.
     """
     memory = state_of(system, 0)
@@ -163,7 +163,7 @@ def integrate(system, duration):
     may_break = begin_breaks(system)
     is_new = True  # whether a piece begins
     piece, weight = inf, 1.0
-    beyond = 0.0  # time at which the next event of a drum is known to be over, 0 without
+    beyond = 0.0  # a time after the next event of a drum, 0 if unknown
     idle = 0
     while time < duration:
         if is_given_up(memory, tried, budget, time, duration):

@@ -1,8 +1,8 @@
-"""When a segment breaks within a communication step: as soon as its tension reaches its breaking force.
+"""Breaking of a segment within a communication step, as soon as its tension reaches its breaking force.
 
-Steps of the adaptive solver end there, as at an event of a coordinate (`events.py`); fixed steps break at their ends, which
-keeps their work bounded. A line breaks once, at the segment that lacks least. Its winch is braked, and so is the rope that
-flows.
+The adaptive solver ends a step there, as at an event of a coordinate (`events.py`); fixed steps break lines at their ends,
+which keeps the work bounded. A line breaks once, at the segment closest to its breaking force. Breaking brakes its winch and
+the flowing rope.
 """
 
 from math import inf
@@ -65,7 +65,7 @@ can_any_break = any_line(can_break)
 
 @kernel
 def weakest(chain, x, v):
-    """Segment that lacks least to its breaking force, what it lacks [N], and that force [N].
+    """Segment closest to its breaking force, the force that is missing [N], and the breaking force [N].
 
     With the nodes at x [m], v [m/s].
     """
@@ -83,9 +83,9 @@ def weakest(chain, x, v):
 
 @kernel
 def part_to_break(system, time, h, weight):
-    """Part of the step of h [s] from a time [s] after which the first line is expected to break; inf if none has in it.
+    """Fraction of the step of h [s] from a time [s] after which the first line is expected to break; inf if none does.
 
-    weight : of the way to it, below 1 where the last piece was too long.
+    weight : on the interpolation, below 1 after a piece that was too long.
     """
     least = inf
     for k in range(lines_of(system)):
@@ -100,7 +100,7 @@ def part_to_break(system, time, h, weight):
 
 @kernel
 def stop_winch(system, k, time):
-    """Let line k (modified) keep its length from a time [s] of the communication step on."""
+    """Keep the length of line k (modified) constant from a time [s] of the communication step."""
     chain, state = chain_of_state(system, k, time), state_of(system, k)
     if chain.reeling != 0.0 and feels_rope(chain.parameters):
         jump_alone(system, k, chain, -chain.reeling, time)
@@ -111,7 +111,7 @@ def stop_winch(system, k, time):
 
 @kernel
 def push_point(system, point, impulse, time):
-    """Let a free point (modified, at the ends of all its lines) take an impulse [N s] at a time [s]."""
+    """Apply an impulse [N s] to a free point (modified, at the ends of all its lines) at a time [s]."""
     mass = 0.0
     for k in range(lines_of(system)):
         chain = chain_of_state(system, k, time)
@@ -128,7 +128,7 @@ def push_point(system, point, impulse, time):
 
 @kernel
 def jump_alone(system, k, chain, change, time):
-    """Let the nodes of line k (modified) take a change of the rate at its start [m/s], as in `events.stop`."""
+    """Apply a jump of the rate at its start [m/s] to the nodes of line k (modified), as in `events.stop`."""
     own, (x, v) = strand_of(system, k), motion_of(system, k)
     interleave(own.n, x, own.w.stage_x)
     node_masses(chain, own.w.stage_mass)
@@ -145,7 +145,7 @@ def jump_alone(system, k, chain, change, time):
 
 @kernel
 def break_line(system, k, s, tension, time):
-    """Let segment s of line k (modified) break under a tension [N] at a time [s] of the communication step."""
+    """Break segment s of line k (modified) under a tension [N] at a time [s] of the communication step."""
     state, chain, (x, _) = state_of(system, k), chain_of_state(system, k, time), motion_of(system, k)
     length, _ = segment.geometry(sub(get(x, s + 1), get(x, s)))
     elongation, stiffness = segment.spring(chain, s, length, False)
@@ -164,7 +164,7 @@ def break_line(system, k, s, tension, time):
 
 @kernel
 def break_lines(system, time):
-    """Break lines (modified) whose tension is what they bear, at a time [s] of the communication step; whether any did."""
+    """Break lines (modified) that reach their breaking force at a time [s] of the communication step; whether any did."""
     count = 0
     for k in range(lines_of(system)):
         if can_break(system, k):
@@ -178,7 +178,7 @@ def break_lines(system, time):
 
 @kernel
 def begin_breaks(system):
-    """Break lines (modified) that bear too much as a communication step begins; whether any may break in it."""
+    """Break overloaded lines (modified) at the beginning of a communication step; whether any may break in it."""
     if not can_any_break(system):
         return False
     return not break_lines(system, 0.0) or can_any_break(system)
@@ -186,7 +186,7 @@ def begin_breaks(system):
 
 @kernel
 def place_all_ends(system, time):
-    """Put all driven ends (modified) on their curves at a time [s] of the communication step."""
+    """Move all driven ends (modified) along their curves to a time [s] of the communication step."""
     for k in range(lines_of(system)):
         x, v = motion_of(system, k)
         place_ends(conditions_of(system, k), time, x, v)
@@ -194,7 +194,7 @@ def place_all_ends(system, time):
 
 @kernel
 def break_at_ends(system, step):
-    """The same at the start and at the end of a communication step [s] in which nothing moves but driven ends (modified)."""
+    """`break_lines` at the start and end of a communication step [s] in which only driven ends move (modified)."""
     if can_any_break(system) and not break_lines(system, 0.0):
         place_all_ends(system, step)
         break_lines(system, step)
@@ -202,13 +202,13 @@ def break_at_ends(system, step):
 
 @kernel
 def keep_reeling(system, k):
-    """Keep how line k reels in the communication step, for `go_back` (modified)."""
+    """Save how line k reels in the communication step, for `go_back` (modified)."""
     put_numbers(numbers_of(system, k), KEPT_REELING, conditions_of(system, k).reeling)
 
 
 @kernel
 def mend_winch(system, k, step, first):
-    """Let line k (modified), mended, reel in a communication step [s] as before it broke in it; first : state before it."""
+    """Restore the reeling that the mended line k (modified) had in a communication step [s]; first : the earlier state."""
     state, reeling = state_of(system, k), reeling_at(numbers_of(system, k), KEPT_REELING)
     put_reeling(system, k, reeling)
     if follows_force(parameters_of(system, k)):
@@ -220,7 +220,7 @@ def mend_winch(system, k, step, first):
 
 @kernel
 def go_back(system, step, before):
-    """Let the lines (modified) be as whole in a communication step [s] as in the states `before`."""
+    """Restore the lines (modified) that are whole in the states `before`, in a communication step [s]."""
     for k in range(lines_of(system)):
         state, first = state_of(system, k), state_of(with_states(system, before), k)
         if state[at.TORN_SEGMENT] != 0.0 and first[at.TORN_SEGMENT] == 0.0:

@@ -1,19 +1,19 @@
-"""The drum of a winch at a tether that is in equilibrium at every instant: two numbers, length L and speed u.
+"""Winch drum on a tether that is in equilibrium at every instant: two unknowns, length L and speed u.
 
     m du/dt = T(L, t) - W - c u - F sign(u),   dL/dt = u      (`equations/drum.py`)
 
-T is the tension at the ground of the tether between its ends, found anew for each L. L-stable diagonally implicit
-Runge-Kutta method of order 3, whose third stage is the result; each stage is one equation for one length, in which T falls
-and the rest grows:
+T is the ground tension of the tether between its ends, solved for each L. The method is an L-stable diagonally implicit
+Runge-Kutta method of order 3, whose third stage is the result. Each stage is one equation for one length, in which T
+decreases and the other terms increase:
 
     m (u - u*)/(g h) = T(L) - W - c u - F sign(u),   u = (L - L*)/(g h)
-    L*, u* = L0, u0 + h sum of b (dL/dt, du/dt) over the stages before;   after g h, c h, h
+    L*, u* = L0, u0 + h sum of b (dL/dt, du/dt) over earlier stages;   after g h, c h, h
 
-The error of a piece is measured by the tension that it makes: see `error_of_piece`. With `fixed_step` pieces have that
-length, and no error; by backward Euler they are one stage over h.
+The error of a piece is measured as a tension error: see `error_of_piece`. With `fixed_step` pieces have that length and no
+error estimate; with backward Euler a piece is one stage over h.
 
-Without mass and damping nothing is left to integrate: T(L) = W + F sign(u) at the end of the step. Pieces end where the
-drum begins to turn, comes to rest or comes to a stop. See docs/models/numerics.md, "Rope coordinates".
+Without mass and damping nothing needs to be integrated: T(L) = W + F sign(u) at the end of the step. Pieces end where the
+drum starts, comes to rest or reaches a stop. See docs/models/numerics.md, "Rope coordinates".
 Source: R. Alexander, Diagonally implicit Runge-Kutta methods for stiff ODEs, SIAM J. Numer. Anal. 14 (1977) 1006.
 """
 
@@ -39,20 +39,20 @@ NOTHING, AT_END, WITHIN, AT_STOP, TURNED_BACK = range(5)  # events of a piece; t
 GAMMA = 0.43586652150845906  # g: the root of g^3 - 3 g^2 + 3/2 g - 1/6 = 0 that makes it L-stable
 MIDDLE = 0.5 * (1.0 + GAMMA)  # c
 B1, B2 = -1.5 * GAMMA**2 + 4.0 * GAMMA - 0.25, 1.5 * GAMMA**2 - 5.0 * GAMMA + 1.25
-# weights of a method of order 2 in the first two stages, less those of the method
+# weights of an order-2 method in the first two stages, minus the weights of this method
 _SECOND = (1.0 - 2.0 * GAMMA) / (1.0 - GAMMA)
 ERROR_1, ERROR_2, ERROR_3 = 1.0 - _SECOND - B1, _SECOND - B2, -GAMMA
-FROM_START = 1.0 / 6.0  # weight of the slope at the start beside that to which those of these stages lead back
-IN_DRUMS = 0.15  # nothing else takes the energy of a drum out that swings on its tether, and errors add up
+FROM_START = 1.0 / 6.0  # weight of the initial slope and of its extrapolation from these stages
+IN_DRUMS = 0.15  # nothing else damps a drum that swings on its tether, and errors add up
 STRONGEST_CUT = 0.1  # of a piece over the one before
 MOST_PIECES = 100_000  # of a communication step
 SHARES = 4  # of the budget of iterations
 MOST_EVALUATIONS = 80  # of the tension for one length
-MOST_FAILURES = 2  # shapes that are not found, each after the whole ladder of `rest.solve`, until it is given up
-FARTHEST = 0.02  # change of the length, relative, between two of them: each shape is sought from the last one
+MOST_FAILURES = 2  # failed shapes, each after the whole ladder of `rest.solve`, before it gives up
+FARTHEST = 0.02  # relative change of the length between evaluations: each shape starts from the last one
 EXACT, ROUNDING = 1e-13, 3e-16  # of the forces; of the length
 NARROW = 1e-12  # interval of the length, relative, in which its tension jumps by rounding
-LONGEST = 1e7  # [m], beyond which no length is sought for
+LONGEST = 1e7  # [m], upper limit of the search
 SHORTEST_ARRIVAL = 1e-4  # of the communication step: a piece that ends at a stop is no longer
 MOST_SHORT = 8  # pieces in a row that end before an event, until the next one is at least twice as long as the last
 
@@ -60,15 +60,13 @@ Step = namedtuple("Step", "n parameters ground kite drum most fixed")
 Step.__doc__ = """A communication step.
 
 n, parameters : number of segments and flat array.  ground, kite : prescribed motion of the ends, see `StepInputs`.
-drum : `Drum`.  most : iterations since the start, where the search for equilibria is given up.  fixed : `FixedSteps`.
-"""
+drum : `Drum`.  most : iterations since the start at which the equilibrium search is abandoned.  fixed : `FixedSteps`."""
 Instant = namedtuple("Instant", "time length speed pull")
 Instant.__doc__ = """The drum at a time [s] of the communication step: length L [m], speed u [m/s], tension T [N]."""
 Piece = namedtuple("Piece", "direction start h end")
 Piece.__doc__ = """A piece of a communication step, in which the drum turns in a direction or is held.
 
-start : `Instant`.  h : its length [s].  end : its end [s], exactly that of the communication step in the last piece.
-"""
+start : `Instant`.  h : its length [s].  end : its end [s], exactly the end of the communication step in the last piece."""
 Stage = namedtuple("Stage", "direction time h length speed")
 Stage.__doc__ = """A stage of a piece that ends at a time [s].
 
@@ -77,10 +75,9 @@ h : gamma times the length of the piece, or all of it without mass and damping [
 EventSearch = namedtuple("EventSearch", "h weight beyond short least")
 EventSearch.__doc__ = """The search for the next event.
 
-h : length of the piece to try next [s], inf without an event.  weight : of the way to it, below 1 where the last piece was
-too long.  beyond : time at which it is known to be over [s], 0 without.  short : pieces in a row that ended before it.
-least : length of the next piece after more than `MOST_SHORT` of them [s].
-"""
+h : length of the piece to try next [s], inf without an event.  weight : on the interpolation, below 1 after a piece that was
+too long.  beyond : a time after the event [s], 0 without.  short : consecutive pieces that ended before it.
+least : length of the next piece after more than `MOST_SHORT` of them [s]."""
 
 
 # --- stages
@@ -88,7 +85,7 @@ least : length of the next piece after more than `MOST_SHORT` of them [s].
 
 @kernel
 def place(step, time, state):
-    """Put the ends of a state (modified) where they are at a time [s] of the communication step."""
+    """Move the ends of a state (modified) to a time [s] of the communication step."""
     put_ends(step.n, state, target(*step.ground, time), target(*step.kite, time))
 
 
@@ -102,17 +99,17 @@ def residual_of(drum, stage, length, pull):
 
 @kernel
 def speed_with(drum, stage, pull):
-    """Speed [m/s] at a stage with this tension [N]: from the forces, as lengths in short pieces are rounded."""
+    """Speed [m/s] at a stage with this tension [N]: from the forces, because lengths in short pieces are rounded."""
     free = balance(drum, stage.direction, pull, 0.0, stage.time)
     return (drum.mass * stage.speed + stage.h * free) / (drum.mass + stage.h * drum.damping)
 
 
 @kernel
 def slope_error(h, first, slopes):
-    """Error estimate of what has these slopes in the stages of a piece of h [s], and the first one at its start.
+    """Error estimate from slopes in the stages of a piece of h [s], and the first slope, at its start.
 
-    The larger one of two: by a method of order 2 in the first two stages, and by how far the first slope is from where those
-    lead back, which sees a tether that goes slack or taut before the first stage.
+    The larger of two estimates: an order-2 method in the first two stages, and the distance of the initial slope from its
+    extrapolation back from them, which detects a tether that goes slack or taut before the first stage.
     """
     one, two, three = slopes
     by_order = ERROR_1 * one + ERROR_2 * two + ERROR_3 * three
@@ -122,10 +119,10 @@ def slope_error(h, first, slopes):
 
 @kernel
 def error_of_piece(step, piece, speeds, rates, pull, stiffness):
-    """Error of the tension after a piece over what is allowed, with these speeds [m/s] and their rates [m/s2] in its stages.
+    """Relative error of the tension after a piece, from speeds [m/s] and their rates [m/s2] in its stages.
 
-    Of a tether with the stiffness EA [N], under a tension [N] at its end. Allowed is the part IN_DRUMS of what chains are
-    allowed of the largest force, see `step_control.errors_of_segments`.
+    For a tether with the stiffness EA [N], under an end tension [N]. The tolerance is IN_DRUMS times the tolerance of
+    chains, relative to the largest force, see `step_control.errors_of_segments`.
     """
     drum, start, h = step.drum, piece.start, piece.h
     spring, tolerance = stiffness / start.length, step.parameters[at.RELATIVE_TOLERANCE]
@@ -148,7 +145,7 @@ def error_of_piece(step, piece, speeds, rates, pull, stiffness):
 
 @kernel
 def event_of(drum, piece, end):
-    """The event of a piece with an `Instant` at its end; and the room that is left until it, below 0 where it is over."""
+    """Event of a piece with an `Instant` at its end; and the margin until it, negative if it has passed."""
     start, direction, change = piece.start, piece.direction, end.length - piece.start.length
     if drum.mass == 0.0 and drum.friction > 0.0 and change * direction < -ROUNDING * start.length:
         return TURNED_BACK, 0.0
@@ -164,7 +161,7 @@ def event_of(drum, piece, end):
 
 @kernel
 def is_too_long(event, h, duration):
-    """Whether a piece of h [s] with this event is tried again, shorter.  duration : of the communication step [s]."""
+    """Whether to repeat a piece of h [s] with this event, shorter.  duration : of the communication step [s]."""
     if event == TURNED_BACK:
         return h > SHORTEST_PART * duration
     if event == AT_STOP:
@@ -174,13 +171,13 @@ def is_too_long(event, h, duration):
 
 @kernel
 def search_from(time, beyond, short, least):
-    """`EventSearch` from a time [s] on; other arguments as there."""
+    """`EventSearch` from a time [s] on; other arguments as for `EventSearch`."""
     return EventSearch(beyond - time if beyond > time else inf, 1.0, beyond, short, least)
 
 
 @kernel
 def shorten(search, drum, piece, event, room):
-    """`EventSearch` after a piece that is too long; room : that is left at its end."""
+    """`EventSearch` after a piece that is too long; room : margin at its end."""
     weight, h, beyond = search.weight, 0.5 * piece.h, piece.end
     if event == TURNED_BACK:
         h, beyond = 0.25 * piece.h, search.beyond
@@ -196,7 +193,7 @@ def shorten(search, drum, piece, event, room):
 
 @kernel
 def search_after(search, piece, event):
-    """`EventSearch` after a piece that is accepted."""
+    """`EventSearch` after an accepted piece."""
     if event != NOTHING or search.beyond <= piece.end:
         return search_from(piece.end, 0.0, 0, 0.0)
     return search_from(piece.end, search.beyond, search.short + 1, 2.0 * piece.h)
@@ -204,7 +201,7 @@ def search_after(search, piece, event):
 
 @kernel
 def turn(drum, now, is_held):
-    """Direction in which the drum turns next, and the `Instant` from which it does; is_held : whether friction holds it."""
+    """Next direction of the drum, and the `Instant` of its start; is_held : whether friction holds it."""
     direction, speed = next_motion(drum, is_held, now.time, now.length, now.speed, now.pull)
     return direction, Instant(now.time, now.length, speed, now.pull)
 
@@ -218,25 +215,25 @@ def come_to_rest(drum, direction, end, event):
 
 
 def advance_with(settle, tension, largest):
-    """The kernel advance(n, parameters, given, state, work) of a variant, which returns a status.
+    """Return the kernel advance(n, parameters, given, state, work) of a variant, which returns a status.
 
-    settle : kernel (n, parameters, state, work) that brings a state (modified) into equilibrium between its ends and returns
-    a status.  tension : kernel (n, parameters, state) of the tension at the ground [N] of such a state.  largest : kernel
+    settle : kernel (n, parameters, state, work) that solves the equilibrium of a state (modified) between its ends and
+    returns a status.  tension : kernel (n, parameters, state) of the ground tension [N] in such a state.  largest : kernel
     (n, parameters, state, work) of its largest tension [N].
     """
 
     @kernel
     def tension_with(step, length, state, work):
-        """A status, and the tension [N] with an unstretched length [m], which the state (modified) then has."""
+        """A status, and the tension [N] at an unstretched length [m], which is written to the state (modified)."""
         state[at.LENGTH] = length
         status = settle(step.n, step.parameters, state, work)
         return status, tension(step.n, step.parameters, state)
 
     @kernel
     def find(step, stage, guess, state, work):
-        """Length [m] of a stage, sought from a guess [m], and the tension with it [N]; and a status.
+        """Length [m] of a stage, from an initial guess [m], with its tension [N]; and a status.
 
-        The state (modified) has this length in the end. A length beyond a stop is that of the stop.
+        Leaves the state (modified) at this length. A length beyond a stop is replaced by the stop.
         """
         drum, h = step.drum, stage.h
         inertia = drum.mass / (h * h) + drum.damping / h
@@ -268,7 +265,7 @@ def advance_with(settle, tension, largest):
 
     @kernel
     def keep_balance(step, piece, state, work):
-        """A piece in which a drum without mass and damping turns: status, `Instant` at its end, error [-]."""
+        """A piece in which a massless, undamped drum turns: status, `Instant` at its end, error [-]."""
         start, h = piece.start, piece.h
         before = distance_of_ends(step.n, state)
         stage = Stage(piece.direction, start.time + h, h, start.length, 0.0)
@@ -279,7 +276,7 @@ def advance_with(settle, tension, largest):
 
     @kernel
     def end_of_stage(step, direction, h, onward, guess, state, work):
-        """A stage of h [s] from an `Instant` that its start is the end of: a status, and the `Instant` at its end."""
+        """A stage of h [s] from an `Instant`, the end of its start: a status, and the `Instant` at its end."""
         stage = Stage(direction, onward.time + h, h, onward.length, onward.speed)
         place(step, stage.time, state)
         length, pull, status = find(step, stage, guess, state, work)
@@ -287,7 +284,7 @@ def advance_with(settle, tension, largest):
 
     @kernel
     def integrate(step, piece, state, work):
-        """The same of any other drum that turns, in three stages; one with backward Euler."""
+        """`keep_balance` for any other turning drum, in three stages; one with backward Euler."""
         direction, start, h, part = piece.direction, piece.start, piece.h, GAMMA * piece.h
         if step.fixed.size > 0.0 and step.fixed.method == at.BACKWARD_EULER:
             status, end = end_of_stage(step, direction, h, start, start.length + h * start.speed, state, work)
@@ -315,7 +312,7 @@ def advance_with(settle, tension, largest):
 
     @kernel
     def attempt(step, piece, state, work):
-        """The same of any drum that turns or is held."""
+        """`keep_balance` for any drum, turning or held."""
         if piece.direction == HELD:
             place(step, piece.start.time + piece.h, state)
             status, pull = tension_with(step, piece.start.length, state, work)
@@ -367,7 +364,7 @@ def advance_with(settle, tension, largest):
             event, room = event_of(drum, piece, end)
             if is_too_long(event, h_now, duration):
                 search = shorten(search, drum, piece, event, room)
-            elif event == TURNED_BACK:  # at once: friction holds it
+            elif event == TURNED_BACK:  # immediately held by friction
                 search = search_from(start.time, search.beyond, search.short, search.least)
                 direction, start = turn(drum, start, True)
             else:

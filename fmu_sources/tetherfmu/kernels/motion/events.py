@@ -1,18 +1,18 @@
-"""What can happen to a rope coordinate within a communication step, whatever it is: it moves, is held, stops.
+"""Events of a rope coordinate within a communication step: it starts moving, comes to rest, or stops.
 
-    RESTS                  friction brings it to rest: its speed gets 0
-    FORWARDS, BACKWARDS    a held one begins to move: ropes pull with more than its friction, or than the cone of a sheave,
+    RESTS                  friction brings it to rest: its speed reaches 0
+    FORWARDS, BACKWARDS    it starts: rope forces exceed its friction, or leave the cone of a sheave,
                            1/E <= T_1/T_2 <= E
-    STOPS                  a line at it is as short as its segments may be (two-blocking), or as long as its drum pays it out
+    STOPS                  one of its lines is as short as its segments permit (two-blocking), or fully paid out
 
-A step that passes an event is tried again, shorter, until it ends there: a piece of the communication step. `room_until`
-says how far each is, `part_to_event` where the next piece ends, `turn` which coordinates move in it. At a stop nothing pulls
-at the rope for an instant, so that it keeps its momentum: when rates of rope jump by da, nodes jump with it,
+A step that passes an event is repeated, shorter, until it ends there: a piece of the communication step. `room_until`
+measures the margin to each event, `part_to_event` the end of the next piece, `turn` selects the coordinates that move in it.
+At a stop no force acts on the rope for an instant, so it keeps its momentum: when rates of rope jump by da, nodes jump too,
 
     m_i dv_i = sum over both ends of col_ie da_e,   col_ie: slope of the force on node i by a_e' (`equations/rope.py`)
 
-and other coordinates and free points take their parts, by the same matrix as of accelerations. Drums without mass by the
-stretch_rate law have no momentum: `line/massless_drum.py`.
+and so do other coordinates and free points, with the matrix of the accelerations. Massless drums under the stretch_rate law
+have no momentum: `line/massless_drum.py`.
 """
 
 from math import inf
@@ -65,11 +65,11 @@ from ..points.room import (
 )
 from .states import evaluate, go_to_state, hold, nodes_of
 
-AT_STOP = 1e-9  # of the shortest length: a line that is longer by less is as short as it may be
-MOST_STARTS = 2  # of a coordinate while it is sought which of them move
-LOCATED = 1e-10  # of a length: how far a piece may end beyond a stop
-MOST_IDLE = 100  # pieces one after the other in which none moves that are so short that rounding keeps the tensions
-AT_ONCE = 1e-6  # part of the communication step in which a drum without mass makes good a jump of its force
+AT_STOP = 1e-9  # relative to the shortest length: tolerance within which a line is at its stop
+MOST_STARTS = 2  # starts of a coordinate while `turn` searches
+LOCATED = 1e-10  # relative to a length: how far a piece may end beyond a stop
+MOST_IDLE = 100  # consecutive pieces without motion, so short that rounding keeps the tensions
+AT_ONCE = 1e-6  # part of the communication step in which a massless drum absorbs a force jump
 RESTS, FORWARDS, BACKWARDS, STOPS_FORWARDS, STOPS_BACKWARDS, NO_EVENT = range(6)
 
 # --- stops
@@ -77,7 +77,7 @@ RESTS, FORWARDS, BACKWARDS, STOPS_FORWARDS, STOPS_BACKWARDS, NO_EVENT = range(6)
 
 @kernel
 def room_to_stop(system, j, sign):
-    """Room until a coordinate that moves forwards (sign 1) or backwards (-1) comes to a stop, over LOCATED, at a stage."""
+    """Margin until a coordinate that moves forwards (sign 1) or backwards (-1) reaches a stop, over LOCATED, at a stage."""
     least = inf
     for k in range(lines_of(system)):
         growth, length = sign * growth_of(system, j, k), numbers_of(system, k)[LENGTH]
@@ -90,22 +90,22 @@ def room_to_stop(system, j, sign):
 
 @kernel
 def may_move(system, j, sign):
-    """Whether a coordinate may move forwards (sign 1) or backwards (-1) from a stage."""
+    """Whether a coordinate can move forwards (sign 1) or backwards (-1) from a stage."""
     return coordinate_at(system, j)[room.IS_BRAKED] == 0.0 and room_to_stop(system, j, sign) > AT_STOP / LOCATED
 
 
 @kernel
 def has_to_stop(system, j):
-    """Whether a coordinate moves that may not, in the state."""
+    """Whether a coordinate moves against a stop, in the state."""
     speed = coordinate_at(system, j)[room.SPEED]
     return speed != 0.0 and not may_move(system, j, 1.0 if speed > 0.0 else -1.0)
 
 
 @kernel
 def stop(system, time):
-    """Stop all coordinates that have to (modified), with the jumps of nodes and points (modified); whether any has to.
+    """Stop all coordinates at their stops (modified), with the jumps of nodes and points (modified); whether any stopped.
 
-    All are as in the state.
+    All are in their state.
     """
     stops = 0
     for j in range(count_of(system)):
@@ -144,7 +144,7 @@ def stop(system, time):
 
 @kernel
 def place_at_stop(system, j):
-    """Let the line of a drum of its own (modified) be exactly as long as at the stop that it has come to."""
+    """Set the line of a drum of its own (modified) to exactly the length of the stop reached."""
     k = line_of(system, j)
     if has_own_drum(system, k):
         length, reeling = numbers_of(system, k)[LENGTH], conditions_of(system, k).reeling
@@ -155,7 +155,7 @@ def place_at_stop(system, j):
 
 @kernel
 def jump(system, k, change_first, change_last):
-    """Let the inner nodes of line k (modified) take changes of the rates of rope that comes in [m/s]."""
+    """Apply jumps of the rates of entering rope [m/s] to the inner nodes of line k (modified)."""
     own, n, (_, v), conditions = strand_of(system, k), segments_of(system, k), motion_of(system, k), conditions_of(system, k)
     a, b = rope_in(n, own.ropes, 0).by_gain, rope_in(n, own.ropes, 1).by_gain
     for i in range(conditions.first, conditions.last + 1):
@@ -168,7 +168,7 @@ def jump(system, k, change_first, change_last):
 
 @kernel
 def jump_ends(system, k, changes):
-    """Let the ends of line k (modified) at free points take the changes of these [m/s]."""
+    """Apply the velocity jumps [m/s] of its free points to the ends of line k (modified)."""
     _, v = motion_of(system, k)
     for end in range(2):
         if is_at_point(system, k, end):
@@ -180,7 +180,7 @@ def jump_ends(system, k, changes):
 
 @kernel
 def urges_now(system, j):
-    """The same with the tensions that are known."""
+    """`net.urges` with the known tensions."""
     own, k = coordinate_at(system, j), line_of(system, j)
     if is_drum(system, j):
         return net.urges(system, j, own[room.AGAINST], own[room.PULLED], 1.0)
@@ -189,13 +189,13 @@ def urges_now(system, j):
 
 @kernel
 def set_free(own, sign):
-    """Let a coordinate with these numbers (modified) move in a direction, 0 for any."""
+    """Permit a coordinate with these numbers (modified) to move in a direction, 0 for any."""
     own[room.IS_HELD], own[room.SIGN] = 0.0, sign
 
 
 @kernel
 def begin_directions(system):
-    """Which coordinates move as far as their speeds say (modified); how many more may begin to."""
+    """Moving coordinates according to their speeds (modified); returns how many more may start."""
     undecided = 0
     for j in range(count_of(system)):
         own = coordinate_at(system, j)
@@ -214,7 +214,7 @@ def begin_directions(system):
 
 @kernel
 def hold_what_turns_round(system):
-    """Hold the coordinate that would turn round at once, the fastest one of them (modified); whether there is one."""
+    """Hold the fastest coordinate that would reverse immediately (modified); whether there is one."""
     found, most = -1, 0.0
     for j in range(count_of(system)):
         own = coordinate_at(system, j)
@@ -228,9 +228,9 @@ def hold_what_turns_round(system):
 
 @kernel
 def start_what_is_pulled(system):
-    """Let the coordinate move that is pulled most beyond its friction (modified); whether there is one.
+    """Start the coordinate with the largest force beyond friction (modified); whether there is one.
 
-    Each is started no more than twice, in whatever direction.
+    Each is started no more than twice, in any direction.
     """
     found, most, way = -1, 0.0, 0.0
     for j in range(count_of(system)):
@@ -248,7 +248,7 @@ def start_what_is_pulled(system):
 
 @kernel
 def turn(system, time, duration):
-    """Find which coordinates (modified) move from a time [s] on; False if a drum without mass finds no balance.
+    """Select the coordinates (modified) that move from a time [s] on; False if a massless drum has no balance.
 
     duration : of the communication step [s].
     """
@@ -269,26 +269,26 @@ def turn(system, time, duration):
     return True
 
 
-# --- drums without mass
+# --- massless drums
 
 
 @view
 def drum_at(system, j):
-    """`Drum` of a drum."""
+    """`Drum` of a drum coordinate."""
     conditions = conditions_of(system, line_of(system, j))
     return drum_of(conditions.parameters, conditions.force, conditions.force_rate)
 
 
 @view
 def instant_of(system, j, time, is_after):
-    """`Instant` of a drum without mass at a time [s]; is_after : of a step that is tried."""
+    """`Instant` of a massless drum at a time [s]; is_after : of a trial step."""
     numbers = numbers_of(system, line_of(system, j))
     return Instant(time, numbers[LENGTH], numbers[RATE], *nodes_of(system, line_of(system, j), is_after))
 
 
 @kernel
 def turn_massless(system, j, time, duration):
-    """Let a drum without mass (modified) turn, or be held, from a time [s] on; False if it cannot."""
+    """Turn or hold a massless drum (modified) from a time [s] on; False if that is impossible."""
     k, own, drum, now = line_of(system, j), coordinate_at(system, j), drum_at(system, j), instant_of(system, j, time, False)
     conditions, direction, length, speed, found = conditions_of(system, k), HELD, now.length, 0.0, True
     if own[room.TURNED_BACK] == 0.0:
@@ -310,7 +310,7 @@ def turn_massless(system, j, time, duration):
 
 @kernel
 def project_massless(system, time, h):
-    """Let drums without mass (modified) have their balance after a step of h [s] to a time [s]; whether all do."""
+    """Balance massless drums (modified) after a step of h [s] to a time [s]; whether all are balanced."""
     for j in range(count_of(system)):
         own, k = coordinate_at(system, j), line_of(system, j)
         if own[room.IS_MASSLESS] != 0.0 and is_free(system, j):
@@ -329,7 +329,7 @@ def project_massless(system, time, h):
 
 @view
 def drum_error(system, k):
-    """`DrumError` of line k: with the mass of a drum of its own."""
+    """`DrumError` of line k, with the mass of its own drum."""
     if not has_rope(system, k):
         return DrumError(0.0, 0.0, inf, False)
     numbers = numbers_of(system, k)
@@ -344,7 +344,7 @@ def drum_error(system, k):
 
 @kernel
 def error_of_coordinate(system, j, h):
-    """Error of a coordinate in a step of h [s] over what is allowed [-], as of a node that moves with the rope there."""
+    """Relative error of a coordinate in a step of h [s] [-], as for a node that moves with its rope."""
     own, worst = coordinate_at(system, j), 0.0
     for k in range(lines_of(system)):
         weight = abs(weight_of(system, j, k, 0)) + abs(weight_of(system, j, k, 1))
@@ -365,7 +365,7 @@ def error_of_coordinate(system, j, h):
 
 @kernel
 def error_of_coordinates(system, h):
-    """The largest one of those that move."""
+    """Largest relative error of the moving coordinates."""
     worst = 0.0
     for j in range(count_of(system)):
         if is_free(system, j):
@@ -373,12 +373,12 @@ def error_of_coordinates(system, h):
     return worst
 
 
-# --- lines of a single segment: rope that comes in moves its ends apart as nodes do
+# --- single-segment lines: entering rope moves the ends apart as nodes do
 
 
 @kernel
 def mobility_of_rate(system, k):
-    """How much L' of line k changes by an impulse along it [1/kg], with the coordinates that are free there."""
+    """Change of L' of line k per impulse along it [1/kg], with its free coordinates."""
     mobility = 0.0
     for j in range(count_of(system)):
         growth = growth_of(system, j, k)
@@ -390,7 +390,7 @@ def mobility_of_rate(system, k):
 
 @kernel
 def mobility_of_ends(system, k, w):
-    """The same of both ends of line k, a single segment: 0 where they are driven."""
+    """Change of the end velocities of line k, a single segment, per impulse [1/kg]: 0 for driven ends."""
     conditions = conditions_of(system, k)
     return 1.0 / w.mass[0] if conditions.first == 0 else 0.0, 1.0 / w.mass[1] if conditions.last == 1 else 0.0
 
@@ -399,11 +399,11 @@ def mobility_of_ends(system, k, w):
 def transition_of_rate(system, k, chain, h, w):
     """Error of L' of line k, a single segment, from its `taut_slack.wrong_impulse` in a step of h [s].
 
-    Over what is allowed [-], squared; 0 where it is less. chain, w : as for `step_control.error_of_step`.
+    Relative to the tolerance [-], squared; 0 if it is below. chain, w : as for `step_control.error_of_step`.
     """
     of_rope, (_, v), conditions = mobility_of_rate(system, k), motion_of(system, k), conditions_of(system, k)
     if has_own_drum(system, k):
-        of_rope = 0.0  # its error is that of the drum
+        of_rope = 0.0  # `drum_error` covers it
     of_start, of_end = mobility_of_ends(system, k, w)
     _, allowed = allowed_errors(conditions, v)
     allowed = max(allowed, conditions.parameters[at.RELATIVE_TOLERANCE] * abs(chain.reeling))
@@ -413,9 +413,9 @@ def transition_of_rate(system, k, chain, h, w):
 
 @kernel
 def keep_energy(system, k, chain, w):
-    """Let the ends and the coordinates (modified) of line k, a single segment, have the speeds that keep the energy.
+    """Correct the speeds of ends and coordinates (modified) of line k, a single segment, so that energy is conserved.
 
-    Each gets its part of the impulse, see `taut_slack.impulse_between`.
+    Each receives its part of the impulse, see `taut_slack.impulse_between`.
     """
     of_rope, (of_start, of_end) = mobility_of_rate(system, k), mobility_of_ends(system, k, w)
     mobility = of_rope + of_start + of_end
@@ -431,7 +431,7 @@ def keep_energy(system, k, chain, w):
 
 @kernel
 def settle_single_segment(system, k, time, h):
-    """Error of L' of line k, if it is a single segment with ropes, in a step to a time [s]; speeds keep the energy."""
+    """Error of L' of line k, if it is a single segment with ropes, in a step to a time [s]; corrects speeds for energy."""
     if not has_rope(system, k) or segments_of(system, k) > 1:
         return 0.0
     chain, w = chain_at_stage(system, k), integrator_of(system, k)
@@ -441,14 +441,14 @@ def settle_single_segment(system, k, time, h):
     return error
 
 
-# --- where a piece ends
+# --- end of a piece
 
 
 @kernel
 def room_until(system, j, event, is_after):
-    """Room until an event of a coordinate, over how far below 0 is as good as 0 [-]; inf: there is none.
+    """Margin until an event of a coordinate, relative to the tolerance of 0 [-]; inf: there is none.
 
-    is_after : after a step that is tried, else in the state, both as at the stage, evaluated.
+    is_after : after a trial step, else in the state, both evaluated as at the stage.
     """
     own = coordinate_at(system, j)
     sign, speed = 1.0 if event in (STOPS_FORWARDS, FORWARDS) else -1.0, own[room.SPEED_NOW]
@@ -467,9 +467,9 @@ def room_until(system, j, event, is_after):
 
 @kernel
 def find_event(system, j):
-    """The event of a coordinate that has happened by most after a step, with its room, into its numbers (modified).
+    """Store the event that a coordinate passed by most in a step, with its margin, in its numbers (modified).
 
-    Whether there is one.
+    Returns whether there is one.
     """
     own, least, found = coordinate_at(system, j), -1.0, NO_EVENT
     for event in range(NO_EVENT):
@@ -482,9 +482,9 @@ def find_event(system, j):
 
 @kernel
 def part_to_event(system, time, h, weight):
-    """Part of the step of h [s] from a time [s] after which the first event is expected; inf if none has happened in it.
+    """Fraction of the step of h [s] from a time [s] after which the first event is expected; inf if none has happened.
 
-    weight : of the way to it, below 1 where the last piece was too long.
+    weight : on the interpolation, below 1 after a piece that was too long.
     """
     least, happened, free = inf, 0, count_free(system)
     if free < count_of(system):
@@ -511,7 +511,7 @@ def part_to_event(system, time, h, weight):
 
 @kernel
 def keep_results(system, is_kept):
-    """Keep what coordinates have after a step that is tried, or put it back (modified)."""
+    """Save the coordinates after a trial step, or restore them (modified)."""
     for j in range(count_of(system)):
         own = coordinate_at(system, j)
         for i, place in ((0, room.PASSED_NOW), (1, room.SPEED_NOW), (2, room.GAIN_NOW)):
@@ -523,12 +523,12 @@ def keep_results(system, is_kept):
 
 @kernel
 def accept(system, time):
-    """Let all coordinates (modified) have the results of a step to a time [s]; friction and stops bring them to rest."""
+    """Accept the results of a step to a time [s] in all coordinates (modified); friction and stops bring them to rest."""
     for j in range(count_of(system)):
         own = coordinate_at(system, j)
         if is_free(system, j):
             turns_round = own[room.FRICTION] != 0.0 and own[room.SIGN] * own[room.SPEED_NOW] < 0.0
             own[room.PASSED], own[room.SPEED] = own[room.PASSED_NOW], 0.0 if turns_round else own[room.SPEED_NOW]
-            own[room.TURNED_BACK] = 1.0 if turns_round else 0.0  # of a drum without mass
+            own[room.TURNED_BACK] = 1.0 if turns_round else 0.0  # for a massless drum
     go_to_state(system, time)
     stop(system, time)

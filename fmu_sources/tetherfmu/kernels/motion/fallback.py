@@ -1,8 +1,8 @@
-"""Why a fixed step of three stages is left for one of backward Euler, and how such steps are counted.
+"""Reasons to replace a fixed three-stage step by backward Euler, and a count of such steps.
 
-A drum comes to rest or to a stop in it; a stage does not converge; a node bounces off the ground; or a segment goes slack or
-taut, a node touches down or lifts off, or the iteration is long, and the energy of all lines and points together grows by
-more than ends, winches, wind and loads can have put in. Steps that are too long for a stiff line are not tried with stages.
+Reasons: a drum comes to rest or to a stop; a stage does not converge; a node bounces off the ground; or a segment goes slack
+or taut, a node touches down or lifts off, or the iteration is long, and the total energy grows by more than ends, winches,
+wind and loads can have supplied. Steps that are too long for a stiff line skip the stages.
 """
 
 from math import inf, pi
@@ -42,18 +42,18 @@ from ..points.room import (
 )
 from . import turning
 
-# why a step is one of backward Euler: at once, or after stages that were left, which is what is noted
+# reasons for a fallback: without trying stages, or after rejected stages; only the latter are reported
 ASKED = 1
 AT_STOP, ON_GROUND, HARD = limits.FALLBACK_AT_STOP, limits.FALLBACK_ON_GROUND, limits.FALLBACK_HARD
-RESOLVED, WELL_RESOLVED = 1.0, 0.35  # h times the frequency of a stiff line along itself: by stages; to 1 % of the force
-RECENT_STEPS = 1000.0  # of which it counts how many are of backward Euler, in a mean that forgets
+RESOLVED, WELL_RESOLVED = 1.0, 0.35  # limits of h times a line's axial frequency: for stages, for 1 % in force
+RECENT_STEPS = 1000.0  # memory of the running mean of the share of backward Euler steps
 
-# --- what happens in a step
+# --- events in a step
 
 
 @kernel
 def is_any_on_ground(system):
-    """Whether a node that moves freely is on the ground or below it."""
+    """Whether a free node is on or below the ground."""
     for k in range(lines_of(system)):
         conditions, (x, _) = conditions_of(system, k), motion_of(system, k)
         if has_ground(conditions.parameters):
@@ -66,7 +66,7 @@ def is_any_on_ground(system):
 
 @kernel
 def lands_or_lifts_off(system, k):
-    """Whether a node of line k that moves freely came to the ground since the step was started, or left it."""
+    """Whether a free node of line k has touched down or lifted off since the start of the step."""
     conditions, old, (new, _) = conditions_of(system, k), stages_of(system, k).x, motion_of(system, k)
     if has_ground(conditions.parameters):
         height = ground_of(conditions.parameters).height
@@ -78,10 +78,10 @@ def lands_or_lifts_off(system, k):
 
 @kernel
 def least_swing(system, k):
-    """Square of the lowest frequency [1/s2] with which line k swings along itself, at its stiffest; about, and not above it.
+    """Approximate square of the lowest axial frequency [1/s2] of line k at its stiffest; never above the true value.
 
-    Its stiffness over the mass of its nodes and its free ends: less where it swings against one end that is driven, more
-    where between two.
+    Stiffness over the mass of its nodes and free ends: lower if it swings against one driven end, higher between
+    two.
     """
     conditions, mass, n = conditions_of(system, k), scratch_of(system, k).mass, segments_of(system, k)
     moving, ends = 0.0, 0
@@ -110,9 +110,9 @@ is_any_stiff = any_line(is_stiff)
 
 @kernel
 def stiff_swing(system, h):
-    """The same of the line that swings fastest of those that are as stiff as `limits.STIFF`; 0 without one.
+    """`least_swing` of the fastest line that is as stiff as `limits.STIFF`; 0 if there is none.
 
-    h : of the fixed steps [s].  Masses stand in the scratch space afterwards.
+    h : of the fixed steps [s].  Writes masses into the scratch space.
     """
     if not is_any_stiff(system):
         return 0.0
@@ -127,7 +127,7 @@ def stiff_swing(system, h):
 
 @view
 def chain_then(system, k, time, which):
-    """`Chain` of line k at a time [s], with what coordinates have let in then, one of their numbers."""
+    """`Chain` of line k at a time [s], with the rope that coordinates have let in by then, one of their numbers."""
     if has_rope(system, k):
         return chain_reached(system, k, time, which)
     return chain_during(conditions_of(system, k), time)
@@ -135,7 +135,7 @@ def chain_then(system, k, time, which):
 
 @kernel
 def crosses(system, start, end):
-    """Whether a segment went slack or taut, or a node to the ground or off, since the step was started; its times [s]."""
+    """Whether a segment went slack or taut, or a node touched down or lifted off, since the start of the step; times [s]."""
     for k in range(lines_of(system)):
         if moves(system, k):
             old, (new, _), conditions = stages_of(system, k).x, motion_of(system, k), conditions_of(system, k)
@@ -151,9 +151,9 @@ def crosses(system, start, end):
 
 @kernel
 def bounces(system, h):
-    """Whether a node that came to the ground in a step of h [s] by stages leaves it faster than the ground lets go of one.
+    """Whether a node that hits the ground in a three-stage step of h [s] leaves it faster than the contact law permits.
 
-    The start of a stage continues the accelerations of those before, and so a strong impact: upwards.
+    A stage start extrapolates earlier accelerations, so also a strong upward impact.
     """
     for k in range(lines_of(system)):
         conditions, (_, v), w = conditions_of(system, k), motion_of(system, k), stages_of(system, k)
@@ -168,7 +168,7 @@ def bounces(system, h):
 
 @kernel
 def hard_at(system):
-    """Why a step is left whose iteration or energy is not as it should be."""
+    """Reason to reject a step with too long an iteration or too much energy."""
     return ON_GROUND if is_any_on_ground(system) else HARD
 
 
@@ -177,7 +177,7 @@ def hard_at(system):
 
 @kernel
 def energy_and_power_of_line(system, k, time, is_new):
-    """Energy [J] and largest power [W] of line k with its sheave and its parts of the loads on points, by masses."""
+    """Energy [J] and largest power [W] of line k with its sheave and its share (by mass) of the loads on points."""
     points, w, (x, v) = points_of(system), stages_of(system, k), motion_of(system, k)
     here, speed, conditions = x if is_new else w.x, v if is_new else w.v, conditions_of(system, k)
     of_rope, grown = 0.0, 0.0
@@ -198,9 +198,9 @@ def energy_and_power_of_line(system, k, time, is_new):
 
 @kernel
 def energy_and_power(system, time, is_new):
-    """Energy [J] and largest power [W] as in `second_order.energy_and_power`, of all lines, points and coordinates.
+    """Energy [J] and largest power [W] of all lines, points and coordinates, as in `second_order.energy_and_power`.
 
-    is_new : whether of the state, else of that at the start of the step.
+    is_new : at the state, else at the start of the step.
     """
     energy, power = turning.energy_of_drums(system), 0.0
     for k in range(lines_of(system)):
@@ -213,7 +213,7 @@ def energy_and_power(system, time, is_new):
 
 @kernel
 def is_explained(system, time, h):
-    """Whether the energy after a step of h [s] at a time [s] is at most that before it and what was put in."""
+    """Whether the energy after a step of h [s] at a time [s] is at most the earlier energy plus the supplied energy."""
     turning.go_to_start(system, time)
     before, power = energy_and_power(system, time, False)
     turning.come_back(system, time + h)
@@ -223,12 +223,12 @@ def is_explained(system, time, h):
     return after - before - motors <= h * (power + later) + rounding
 
 
-# --- how many
+# --- counts
 
 
 @kernel
 def count_fallback(memory, why):
-    """Count a step, done by backward Euler if there is a reason `why`, in the state (modified); note if they are many."""
+    """Count a step in the state (modified), by backward Euler if there is a reason `why`; note if there are many."""
     fell_back = 0.0 if why == 0 else 1.0
     memory[at.FALLBACKS] += fell_back
     memory[at.RECENT_FALLBACKS] += (fell_back - memory[at.RECENT_FALLBACKS]) / RECENT_STEPS

@@ -1,7 +1,7 @@
 """Fixed steps: three stages of all lines (`second_order.py`), or backward Euler (`backward_euler.py`).
 
-What makes a step of one line one of backward Euler (a drum that comes to rest, a stiffness, a stage that does not converge,
-energy that nobody put in) makes that of all lines one, see `fallback.py`.
+If one line falls back to backward Euler, the whole system does: when a drum comes to rest, a segment is too stiff, a stage
+does not converge, or the energy grows without input, see `fallback.py`.
 """
 
 from math import inf, sqrt
@@ -63,16 +63,16 @@ from .fallback import (
     stiff_swing,
 )
 
-HELD_FROM = LAST_ITERATIONS - MOST_ITERATIONS  # of the iterations of the finest parts: so that they come to an end
+HELD_FROM = LAST_ITERATIONS - MOST_ITERATIONS  # of the iterations of the finest parts: lets them converge
 
 # --- backward Euler
 
 
 @kernel
 def note_unconverged(system, all_of_them, taken):
-    """Count a step that was ended before it converged in the numbers (modified) of the lines that had not, or of all.
+    """Count a step that ended unconverged in the numbers (modified) of the unconverged lines, or of all lines.
 
-    taken : part of the last move.
+    taken : fraction of the last displacement.
     """
     for k in range(lines_of(system)):
         if moves(system, k) and (all_of_them or is_unconverged(system, k, taken)):
@@ -81,7 +81,7 @@ def note_unconverged(system, all_of_them, taken):
 
 @kernel
 def take_all(system, step):
-    """Let all lines (modified) have the result of the iteration."""
+    """Accept the result of the iteration in all lines (modified)."""
     for k in range(lines_of(system)):
         if moves(system, k):
             x, v = motion_of(system, k)
@@ -90,16 +90,16 @@ def take_all(system, step):
 
 @kernel
 def count_unconverged(system, step, taken):
-    """Number of lines and coordinates that have not converged; taken : part of the last move."""
+    """Number of lines and coordinates that have not converged; taken : fraction of the last displacement."""
     return unconverged_lines(system, taken) + fixed.unconverged(system, step)
 
 
 @kernel
 def take_step(system, step, most, in_any_case):
-    """A step of backward Euler of all lines (modified): whether it was taken, and the iterations, negative if singular.
+    """A backward Euler step of all lines (modified): whether it was accepted, and its iterations, negative if singular.
 
-    most : iterations at most.  in_any_case : whether to take a result that has not converged.  Coordinates do not
-    get its result.
+    most : maximum number of iterations.  in_any_case : whether to accept an unconverged result.  Coordinates are not
+    updated.
     """
     start(system, step)
     iterations, taken, unconverged, phi = 0, inf, 1, 0.0
@@ -129,9 +129,9 @@ def take_step(system, step, most, in_any_case):
 
 @kernel
 def take_in_any_case(system, time, h):
-    """A step of backward Euler of h [s] of all lines (modified) at a time [s], taken as it is after some iterations: these.
+    """A backward Euler step of h [s] of all lines (modified) at a time [s] with bounded iterations; returns their number.
 
-    Where it does not converge with coordinates, lines take it alone, with speeds that are not above those before, in as many
+    If it does not converge with coordinates, the lines step alone, with speeds limited to the earlier ones, in as many
     iterations again.
     """
     iterations = 0
@@ -147,7 +147,7 @@ def take_in_any_case(system, time, h):
 
 @kernel
 def subdivided_step(system, time, h):
-    """One step of h [s] of all lines (modified) at a time [s], in parts where it does not converge as a whole.
+    """One step of h [s] of all lines (modified) at a time [s], subdivided if it does not converge as a whole.
 
     Returns the number of iterations, at most `limits.WORST_SUBDIVIDED`, with drums WORST_SUBDIVIDED_WITH_DRUM; negative if
     a matrix is singular.
@@ -170,14 +170,14 @@ def subdivided_step(system, time, h):
     return iterations
 
 
-# --- the stages
+# --- stages
 
 
 @kernel
 def begin_stage(system, i, known):
-    """Put all lines (modified), the results of the stage before, where stage i starts, with the accelerations to expect.
+    """Move all lines (modified) from the result of the previous stage to the start of stage i, with expected accelerations.
 
-    known : as for `second_order.expect`.  Before the first stage their motion is kept.
+    known : as for `second_order.expect`.  Before the first stage their motion is saved.
     """
     for k in range(lines_of(system)):
         w, (x, v) = stages_of(system, k), motion_of(system, k)
@@ -192,7 +192,7 @@ def begin_stage(system, i, known):
 
 @kernel
 def go_back(system):
-    """Put all lines, drums and ropes (modified) back to the start of the step."""
+    """Reset all lines, drums and ropes (modified) to the start of the step."""
     for k in range(lines_of(system)):
         w, (x, v) = stages_of(system, k), motion_of(system, k)
         copy(w.x, x)
@@ -201,9 +201,9 @@ def go_back(system):
 
 @kernel
 def stages(system, time, h, known):
-    """One step of h [s] of all lines (modified) at a time [s]: why it is not to be taken, 0 if it is; its iterations.
+    """One step of h [s] of all lines (modified) at a time [s]: the reason to reject it, 0 if accepted; its iterations.
 
-    known : how many accelerations of stages before are known.
+    known : number of known accelerations of earlier stages.
     """
     reach, iterations, does_cross = GAMMA * h, 0, False
     for i in range(STAGES):
@@ -231,10 +231,10 @@ def stages(system, time, h, known):
 
 @kernel
 def step(system, method, time, h, known):
-    """One step of h [s] of all lines (modified) at a time [s]: its iterations, and why it is not one of three stages, or 0.
+    """One step of h [s] of all lines (modified) at a time [s]: its iterations, and the reason for a fallback, or 0.
 
     method : of `backward_euler.FixedSteps`.  known : as for `stages`.
-    At most `limits.WORST_WORK` iterations, each with one factorization, with drums WORST_WORK_WITH_DRUM; negative where a
+    At most `limits.WORST_WORK` iterations, each with one factorization, with drums WORST_WORK_WITH_DRUM; negative if a
     matrix is singular.
     """
     if method == at.BACKWARD_EULER:
@@ -250,7 +250,7 @@ def step(system, method, time, h, known):
 
 @kernel
 def truncated_step(system, time, h):
-    """One step of backward Euler of all lines (modified), taken as it is: its iterations. All lines count as unconverged."""
+    """One backward Euler step of all lines (modified), accepted as unconverged and counted so in all: its iterations."""
     turning.attempt_whole_step(system, time, h)
     iterations = take_in_any_case(system, time, h)
     turning.end_whole_step(system, time, h)
@@ -260,7 +260,7 @@ def truncated_step(system, time, h):
 
 @kernel
 def note_peaks(system, time):
-    """Keep the largest tensions of all lines at a time [s] of the communication step in their states (modified)."""
+    """Store the largest tensions of all lines at a time [s] of the communication step in their states (modified)."""
     for k in range(lines_of(system)):
         conditions, (x, v) = conditions_of(system, k), motion_of(system, k)
         chain = chain_of_state(system, k, time) if has_rope(system, k) else chain_during(conditions, time)
@@ -271,9 +271,9 @@ def note_peaks(system, time):
 def integrate(system, steps, duration):
     """Advance all lines (modified) over a communication step of `duration` [s] with `backward_euler.FixedSteps`.
 
-    A communication step that is no multiple is divided evenly into steps of at most their size. Once the budget of
-    iterations is spent, which takes hard steps, the others are ended after `limits.LAST_ITERATIONS` of backward Euler.
-    Counters stand in the state of the first line, how often iterations were ended in the numbers of each. Returns a status:
+    A communication step that is not a multiple is divided evenly into steps of at most their size. Once hard steps have
+    used up the iteration budget, the other steps end after `limits.LAST_ITERATIONS` of backward Euler. The state of the
+    first line stores the counters, the numbers of each line its truncated iterations. Returns a status:
     OK, FIXED_STEPS_TOO_MANY, STATE_NOT_FINITE or, about a line, NO_LENGTH or REELED_TOO_SHORT.
     """
     budget = at.ITERATION_BUDGET // work_of(system)
@@ -309,24 +309,24 @@ def integrate(system, steps, duration):
             note_peaks(system, i * h + h)
         if may_break and break_lines(system, i * h + h):
             may_break, known = can_any_break(system), 0
-    events.begin_directions(system)  # which of them move at the end
+    events.begin_directions(system)  # coordinates that move at the end
     memory[at.STEPS] += count
     memory[at.ITERATIONS] += spent
     return OK
 
 
-# --- the bound
+# --- bound
 
 worst = kernel(most_of_a_step)
 
 
 @kernel
 def most_iterations(n, steps, has_drum, duration):
-    """The most iterations, each with one factorization, in a communication step of `duration` [s]: a bound in code.
+    """Maximum number of iterations, each with one factorization, in a communication step of `duration` [s]: bound in code.
 
         min(w m,  3 b + w + l m),   b = ITERATION_BUDGET/n
 
-    of m `backward_euler.FixedSteps` of n segments; w : those of a hard step, l : of one after more than 3 b. 0 : adaptive.
+    for m `backward_euler.FixedSteps` of n segments; w : of a hard step, l : of one after more than 3 b. 0 : adaptive.
     """
     if steps.size == 0.0:
         return 0.0

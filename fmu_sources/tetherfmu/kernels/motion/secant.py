@@ -1,7 +1,7 @@
-"""The root of a function that grows: secant method, in an interval with a change of sign once it is known.
+"""Root of an increasing function: secant method, within a sign-change interval once that is known.
 
-Before that the steps grow where the function hardly changes. In the interval, a place outside of it is replaced by that of
-the Illinois method, which also comes every fourth time, and the middle every eighth time.
+Before that, the steps grow where the function hardly changes. Within the interval, the Illinois method replaces a point
+outside of it and every fourth point, bisection every eighth point.
 Source: M. Dowell and P. Jarratt, A modified regula falsi method for computing the root of an equation, BIT 11 (1971) 168.
 """
 
@@ -10,37 +10,36 @@ from math import copysign
 
 from ..compilation import kernel
 
-NUDGE = 1e-15  # relative, where a step is lost in rounding
+NUDGE = 1e-15  # relative, where rounding cancels a step
 
 Search = namedtuple("Search", "lowest highest low high below above last residual slope change count")
 Search.__doc__ = """A search between two limits.
 
-low, high : interval of the root.  below, above : the function there, 0 where it is not known.  last, residual : the last
-place and the function there.  slope : of the function.  change : the last step.  count : of the places so far.
-"""
+low, high : interval of the root.  below, above : function values there, 0 if unknown.  last, residual : last point
+and its function value.  slope : of the function.  change : last step.  count : number of points so far."""
 
 
 @kernel
 def begin(lowest, highest, guess, slope):
-    """`Search` between two limits with a first slope, and the first place."""
+    """`Search` between two limits with an initial slope, and the first point."""
     place = min(highest, max(lowest, guess))
     return Search(lowest, highest, lowest, highest, 0.0, 0.0, place, 0.0, slope, 0.0, 0), place
 
 
 @kernel
 def has_interval(search):
-    """Whether an interval with a change of sign is known."""
+    """Whether a sign-change interval is known."""
     return search.below < 0.0 < search.above
 
 
 @kernel
 def go_on(search, place, residual, farthest):
-    """`Search` with the function at a place, and the next place, at most `farthest` away; the same if there is none."""
+    """`Search` updated with a function value, and the next point, at most `farthest` away; unchanged if there is none."""
     lowest, highest, low, high, below, above, last, last_residual, slope, change, count = search
     if place != last and (residual - last_residual) / (place - last) > 0.0:
         slope = (residual - last_residual) / (place - last)
     if residual < 0.0:
-        above *= 0.5 if last_residual < 0.0 else 1.0  # the same end twice: its other one counts less
+        above *= 0.5 if last_residual < 0.0 else 1.0  # the same end twice: halve the other value
         low, below = place, residual
     else:
         below *= 0.5 if last_residual > 0.0 else 1.0

@@ -1,4 +1,4 @@
-"""Rope coordinates at a state of the lines: their tensions and accelerations, and what the state keeps of them."""
+"""Rope coordinates in a state of the lines: their tensions, their accelerations, and their storage in the state."""
 
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import plausibility as limits
@@ -36,14 +36,14 @@ from ..points.room import (
 
 @view
 def nodes_of(system, k, is_after):
-    """Positions [m] and velocities [m/s] of the nodes of line k: of a Rosenbrock step that is tried, or of its state."""
+    """Positions [m] and velocities [m/s] of the nodes of line k: from a trial Rosenbrock step, or from its state."""
     w, (x, v) = integrator_of(system, k), motion_of(system, k)
     return (w.x, w.v) if is_after else (x, v)
 
 
 @kernel
 def go_to_state(system, time):
-    """Let coordinates and lines (modified) be at a stage as in their state, at a time [s]."""
+    """Set coordinates and lines (modified) to their state at a time [s], as a stage."""
     room.settle(system)
     for j in range(count_of(system)):
         own = coordinate_at(system, j)
@@ -55,9 +55,9 @@ def go_to_state(system, time):
 
 @kernel
 def evaluate(system, time, is_after):
-    """Tensions at all coordinates, and accelerations of those that are free (modified), at a time [s].
+    """Tensions at all coordinates, and accelerations of the free ones (modified), at a time [s].
 
-    is_after : of a step that is tried; else of the states, to which everything went.  Scratch space is modified.
+    is_after : of a trial step; else of the states, after `go_to_state`.  Scratch space is modified.
     """
     for j in range(count_of(system)):
         coordinate_at(system, j)[room.GAIN_NOW] = 0.0
@@ -92,12 +92,12 @@ def hold(own):
     own[room.IS_HELD], own[room.SIGN], own[room.GAIN_NOW], own[room.ACCELERATION] = 1.0, 0.0, 0.0, 0.0
 
 
-# --- the end of a communication step
+# --- end of a communication step
 
 
 @kernel
 def end_lengths(system, time):
-    """Let the states (modified) have the lengths of lines with ropes at the end of a communication step [s]."""
+    """Store the lengths of lines with ropes in their states (modified) at the end of a communication step [s]."""
     go_to_state(system, time)
     for k in range(lines_of(system)):
         if is_rope(system, k):
@@ -107,11 +107,11 @@ def end_lengths(system, time):
 
 @kernel
 def end_coordinates(system, time):
-    """Let the states (modified) have all that coordinates are at the end of a communication step, a time [s]."""
+    """Store all coordinates in the states (modified) at the end of a communication step, a time [s]."""
     for j in range(count_of(system)):
         own = coordinate_at(system, j)
         if own[room.SPEED] == 0.0 and own[room.FRICTION] != 0.0:
-            hold(own)  # so that it gains no speed
+            hold(own)  # prevents acceleration
     if count_of(system) > 0 and globals_of(system).header[room.IS_KNOWN] == 0.0:
         go_to_state(system, time)
         evaluate(system, time, False)
@@ -122,7 +122,7 @@ def end_coordinates(system, time):
 
 @kernel
 def write_coordinates(system, k):
-    """What the sheave at the end of line k and the drum that it carries are, into its state (modified)."""
+    """Store the sheave at the end of line k and the drum that it carries in its state (modified)."""
     numbers, state = numbers_of(system, k), state_of(system, k)
     if goes_on(system, k):
         own = coordinate_at(system, int(numbers[SHEAVE]))
@@ -138,7 +138,7 @@ def write_coordinates(system, k):
 
 @kernel
 def end_tension(system, k, end):
-    """Tension [N] at an end of line k into which no coordinate lets rope, after `evaluate`."""
+    """Tension [N] at an end of line k without coordinates, after `evaluate`."""
     own, n = strand_of(system, k), segments_of(system, k)
     total = own.numbers[PULL + end] + own.numbers[CORNER + 1] * own.numbers[HELD_GAIN + 1 - end]
     if is_at_point(system, k, end):
@@ -156,7 +156,7 @@ def tension_at(system, k, end):
 
 @kernel
 def write_ends(system, k):
-    """Tensions at the ends of line k into its state (modified), after `evaluate`; none at a sheave is noted."""
+    """Store the end tensions of line k in its state (modified), after `evaluate`; note a slack rope at a sheave."""
     state = state_of(system, k)
     if has_longest(system, k) and feels_rope(conditions_of(system, k).parameters):
         state[at.TENSION_AT_DRUM] = numbers_of(system, k)[TENSION]

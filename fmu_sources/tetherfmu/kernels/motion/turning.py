@@ -1,10 +1,10 @@
-"""Rope coordinates in fixed steps: how all of them move in the stages of a step, and in backward Euler.
+"""Rope coordinates in fixed steps: their joint motion in three-stage steps and in backward Euler.
 
     q1 = q0 + g h u1,   u1 = u0 + g h f(x1, v1, q1, u1)/m,   and so on, as x and v of a node (`line/second_order.py`)
 
-A stage is a step of backward Euler over g h (`points/fixed.py`). A step is taken anew by backward Euler where one without
-coordinates is, and where one of them begins to move, comes to rest or to a stop within it. That stops the ropes at its ends,
-and nodes take their momentum (`events.stop`). What makes a step of one backward Euler makes that of the whole system one.
+A stage is a backward Euler step over g h (`points/fixed.py`). A step falls back to backward Euler for the reasons that apply
+without coordinates, and where a coordinate starts, comes to rest or reaches a stop. Backward Euler stops the ropes at the
+ends of its steps, and nodes absorb their momentum (`events.stop`). If one coordinate falls back, the whole system does.
 """
 
 from tetherfmu.runtime import layout as at
@@ -39,12 +39,12 @@ from . import events
 from .events import drum_at, instant_of
 from .states import go_to_state
 
-# --- a step that is attempted
+# --- trial step
 
 
 @kernel
 def attempt(system, time, h):
-    """Let all coordinates (modified) begin a step of h [s] at a time [s] with guesses of their speeds, in SPEED_NOW."""
+    """Begin a step of h [s] at a time [s] for all coordinates (modified), with guesses of their speeds in SPEED_NOW."""
     for j in range(count_of(system)):
         own = coordinate_at(system, j)
         own[room.IS_HELD], own[room.SIGN], own[room.CHANGE], own[room.IS_FOUND] = 0.0, 0.0, 0.0, 0.0
@@ -56,7 +56,7 @@ def attempt(system, time, h):
 
 @kernel
 def begin(system):
-    """Let a fixed step of all coordinates (modified) begin with their states."""
+    """Begin a fixed step of all coordinates (modified) from their states."""
     for j in range(count_of(system)):
         own = coordinate_at(system, j)
         own[room.REACHED], own[room.REACHED_SPEED] = own[room.PASSED], own[room.SPEED]
@@ -69,7 +69,7 @@ def begin(system):
 
 @kernel
 def attempt_whole_step(system, time, h):
-    """Let all coordinates (modified) begin a step of backward Euler of h [s] at a time [s]; friction turns none round."""
+    """Begin a backward Euler step of h [s] at a time [s] for all coordinates (modified); friction reverses none of them."""
     begin(system)
     for j in range(count_of(system)):
         own = coordinate_at(system, j)
@@ -80,13 +80,13 @@ def attempt_whole_step(system, time, h):
 
 @kernel
 def has_inertia(system, j):
-    """Whether a coordinate does not jump where friction changes its sign: rope over a sheave, or a drum that has mass."""
+    """Whether the speed is continuous where friction changes sign: rope over a sheave, or a drum with mass."""
     return not is_drum(system, j) or coordinate_at(system, j)[room.MASS] > 0.0
 
 
 @kernel
 def accept(system):
-    """Let all coordinates (modified) have what the step has led to."""
+    """Accept the result of the step in all coordinates (modified)."""
     for j in range(count_of(system)):
         own = coordinate_at(system, j)
         own[room.PASSED], own[room.SPEED], own[room.ACCELERATION] = (
@@ -98,7 +98,7 @@ def accept(system):
 
 @kernel
 def end_whole_step(system, time, h):
-    """Let all coordinates (modified) have the result of a step of backward Euler of h [s] from a time [s] on, and stop."""
+    """Accept a backward Euler step of h [s] from a time [s] in all coordinates (modified), and apply stops."""
     accept(system)
     if count_of(system) > 0:
         go_to_state(system, time + h)
@@ -111,9 +111,9 @@ def end_whole_step(system, time, h):
 
 @kernel
 def begin_stage(system, i, time, reach, known):
-    """Let all coordinates (modified), the results of the stage before, begin stage i of `reach` [s] at a time [s].
+    """Begin stage i over `reach` [s] at a time [s] in all coordinates (modified), from the results of the previous stage.
 
-    Their speeds in the last stages are continued to a guess; known : of how many of these before the step they are known.
+    Extrapolates the speeds of earlier stages to a guess; known : number of stages before the step with known speeds.
     """
     if i == 0:
         begin(system)
@@ -139,7 +139,7 @@ def begin_stage(system, i, time, reach, known):
 
 @kernel
 def end_stage(system):
-    """Whether no coordinate has come to a stop in a stage."""
+    """Whether no coordinate reached a stop in a stage."""
     at_stops = 0
     for j in range(count_of(system)):
         own = coordinate_at(system, j)
@@ -149,7 +149,7 @@ def end_stage(system):
 
 @kernel
 def turns_smoothly(has_friction, has_mass, speed, first, second, third):
-    """Whether a coordinate moves, or is held, throughout a step, with its speeds [m/s] at the start and in the stages."""
+    """Whether a coordinate either moves or is held throughout a step; speeds [m/s] : at the start and in the stages."""
     if first == 0.0 and second == 0.0 and third == 0.0:
         return not has_mass or speed == 0.0
     if first == 0.0 or second == 0.0 or third == 0.0:
@@ -161,7 +161,7 @@ def turns_smoothly(has_friction, has_mass, speed, first, second, third):
 
 @kernel
 def turn_smoothly(system):
-    """Whether each coordinate moves, or is held, throughout a step whose stages are done."""
+    """Whether each coordinate either moves or is held throughout a step after its stages."""
     for j in range(count_of(system)):
         own = coordinate_at(system, j)
         stages = own[room.LONG_BEFORE], own[room.BEFORE], own[room.SPEED_NOW]
@@ -172,7 +172,7 @@ def turn_smoothly(system):
 
 @kernel
 def end_stages(system, time, h):
-    """Let all coordinates (modified) have the result of the stages of a step of h [s] from a time [s] on."""
+    """Accept the stages of a step of h [s] from a time [s] in all coordinates (modified)."""
     accept(system)
     go_to_state(system, time + h)
 
@@ -182,7 +182,7 @@ def end_stages(system, time, h):
 
 @kernel
 def go_to_start(system, time):
-    """Let coordinates and lines (modified) be where a step of three stages started, at a time [s]; `come_back` undoes it."""
+    """Reset coordinates and lines (modified) to the start of a three-stage step, a time [s]; `come_back` undoes it."""
     for j in range(count_of(system)):
         own = coordinate_at(system, j)
         own[room.KEPT], own[room.KEPT + 1], own[room.KEPT + 2] = (
@@ -196,7 +196,7 @@ def go_to_start(system, time):
 
 @kernel
 def come_back(system, time):
-    """Let coordinates and lines (modified) be where that step ended, at a time [s]."""
+    """Return coordinates and lines (modified) to the end of that step, a time [s]."""
     for j in range(count_of(system)):
         own = coordinate_at(system, j)
         own[room.PASSED_NOW], own[room.SPEED_NOW], own[room.GAIN_NOW] = (
@@ -209,10 +209,10 @@ def come_back(system, time):
 
 @kernel
 def energy_and_power(system, k, x, v):
-    """Kinetic energy [J] of the rope that flows in line k and of the sheave at its end; most power [W] that comes in.
+    """Kinetic energy [J] of flowing rope in line k and of the sheave at its end; upper bound of the power [W] supplied.
 
-    With the nodes at x [m] and velocities v [m/s], and coordinates as at the stage. The power is what rope brings from a
-    winch, a drum or a driven end, and the strain that it has there.
+    With the nodes at x [m] and velocities v [m/s], and coordinates at the stage. Rope supplies power from a winch, a drum
+    or a driven end, including its strain there.
     """
     numbers, spring = numbers_of(system, k), chain_at_stage(system, k)
     if not feels_rope(spring.parameters):
@@ -242,7 +242,7 @@ def energy_and_power(system, k, x, v):
 
 @kernel
 def power_of_spring(chain, x, v):
-    """Power [W] at most with which energy grows as a drum lengthens all segments, and only the first one pulls at it."""
+    """Upper bound of the power [W] gained when a drum lengthens all segments but only the first one pulls on it."""
     power, first = 0.0, 0.0
     for s in range(chain.n):
         stretched, e = segment.geometry(sub(get(x, s + 1), get(x, s)))
@@ -254,7 +254,7 @@ def power_of_spring(chain, x, v):
 
 @kernel
 def energy_of_drums(system):
-    """Kinetic energy [J] of all drums, as at the stage."""
+    """Kinetic energy [J] of all drums at the stage."""
     energy = 0.0
     for j in range(count_of(system)):
         own = coordinate_at(system, j)
@@ -278,9 +278,9 @@ def work_of_motors(system, time, h):
 
 @kernel
 def balance(system, time, d):
-    """Let all drums without mass that turn (modified) have T = W + c u + F sign(u) after a step, at its end [s]; a status.
+    """Restore T = W + c u + F sign(u) for all turning massless drums (modified) at the end of a step [s]; returns a status.
 
-    d : as for `massless_drum.project`.  The plan (modified) then says which line it is about.
+    d : as for `massless_drum.project`.  The plan (modified) stores the line of the status.
     """
     for j in range(count_of(system)):
         own, k = coordinate_at(system, j), line_of(system, j)
@@ -302,7 +302,7 @@ def balance(system, time, d):
 
 @kernel
 def check(system):
-    """OK, or REELED_TOO_SHORT about a line that its winch has left too short; the plan (modified) says which."""
+    """OK, or REELED_TOO_SHORT for a line that its winch has left too short, whose number the plan (modified) stores."""
     for k in range(lines_of(system)):
         if has_rope(system, k) and numbers_of(system, k)[LENGTH] < at.SHORTEST_PART * shortest_of(system, k):
             note_line(system.plan, k)

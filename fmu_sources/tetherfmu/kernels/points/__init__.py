@@ -1,4 +1,4 @@
-"""What couples lines in a step: the equations of all lines and free points at once, with the drums of their winches.
+"""Coupling of lines in a step: joint equations of all lines and free points, with the drums of their winches.
 
 Imports `line`, `equations` and `linear_algebra`.
 """

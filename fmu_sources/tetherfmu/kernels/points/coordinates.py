@@ -1,12 +1,12 @@
-"""Which rope coordinates a system has: metres of rope that pass a sheave, or that a drum pays out.
+"""The rope coordinates of a system: metres of rope that pass a sheave, or that a drum pays out.
 
-    sheave at the end of line k     takes rope out of line k over its end, and lets it into line k + 1 over its start
-    drum that line k carries        lets rope into the start of each line that it holds, with the ratio of the line
-    drum of a line of its own       the same with one line and the ratio 1
+    sheave at the end of line k     moves rope out of the end of line k and into the start of line k + 1
+    drum that line k carries        lets rope into the start of each of its lines, with the ratio of the line
+    drum of a line of its own       lets rope into the start of its line with the ratio 1
 
-A line at several drums has the sum of what they let in. What a coordinate does follows from energies alone, whatever it is:
-`equations/rope.py`, `line/strand.py`, `net.py`. Here is what the parameters say of them, and where the search for the
-lengths of lines at rest keeps its numbers.
+Payouts of several drums on one line are summed. The motion of all coordinates follows from energies alone:
+`equations/rope.py`, `line/strand.py`, `net.py`. This file reads their parameters and provides the scratch space in which
+the search for equilibrium lengths stores its numbers.
 """
 
 from tetherfmu.runtime import layout as at
@@ -22,7 +22,7 @@ from ..flat_arrays import part
 
 @kernel
 def carries_drum(system, k):
-    """Whether line k carries a drum that turns beside sheaves or that several lines share, also where it broke."""
+    """Whether line k carries a drum that is shared or used with sheaves, even if the line is broken."""
     parameters = parameters_of(system, k)
     control = parameters[at.WHOLE_CONTROL if is_torn(parameters) else at.WINCH_CONTROL]
     return number_of_line(system, k, places.DRUM) != 0 and control == at.WINCH_BY_FORCE
@@ -30,13 +30,13 @@ def carries_drum(system, k):
 
 @kernel
 def has_own_drum(system, k):
-    """Whether line k has a drum to itself: a winch controlled by force, in a system without sheaves and shared drums."""
+    """Whether line k has its own drum: a force-controlled winch in a system without sheaves and shared drums."""
     return winch.follows_force(parameters_of(system, k)) and not has_coordinates(system)
 
 
 @kernel
 def held_ratio(system, k, carrier):
-    """Ratio [-] with which the drum that the line `carrier` carries holds line k; 0 where it does not."""
+    """Ratio [-] with which the drum on the line `carrier` drives line k; 0 if it does not."""
     total, parameters = 0.0, parameters_of(system, k)
     for i in range(at.MOST_HOLDERS):
         if parameters[at.HELD_BY + i] == carrier + 1.0:
@@ -46,28 +46,28 @@ def held_ratio(system, k, carrier):
 
 @kernel
 def ratio_of(system, k, carrier):
-    """Rope of line k for each metre that the drum pays out which the line `carrier` carries [-]."""
+    """Rope of line k per metre that the drum on the line `carrier` pays out [-]."""
     return held_ratio(system, k, carrier) if is_turned(system, k) else 0.0
 
 
 @kernel
 def shortest_of(system, k):
-    """Unstretched length [m] below which line k does not get."""
+    """Shortest unstretched length [m] of line k."""
     return parameters_of(system, k)[at.SHORTEST_LENGTH]
 
 
 @kernel
 def longest_of(system, k):
-    """Unstretched length [m] to which its drum pays out line k at most."""
+    """Longest unstretched length [m] to which its drum pays out line k."""
     return parameters_of(system, k)[at.LONGEST_LENGTH]
 
 
-# --- how drums start
+# --- start of drums
 
 
 @kernel
 def start_speed(system, k):
-    """Speed [m/s] at which drums pay out line k at the start: those of its holders, which their carriers have as inputs."""
+    """Initial payout speed [m/s] of line k by drums: sum over its holders, from the inputs of their carriers."""
     total, parameters = 0.0, parameters_of(system, k)
     for i in range(at.MOST_HOLDERS):
         holder = int(parameters[at.HELD_BY + i])
@@ -87,7 +87,7 @@ def largest_ratio(system, carrier):
 
 @kernel
 def is_alone(system, k):
-    """Whether the drum that line k carries is as a winch of its own: with the ratio 1, and nothing else at either."""
+    """Whether the drum on line k is equivalent to a winch of its own: ratio 1, one line, no other coordinate."""
     others = 0
     for j in range(lines_of(system)):
         others += j != k and (ratio_of(system, j, k) != 0.0 or ratio_of(system, k, j) != 0.0)
@@ -96,7 +96,7 @@ def is_alone(system, k):
 
 @kernel
 def has_sought_drum(system, k):
-    """Whether line k carries a drum that is to be in balance at the start together with sheaves, or with several lines."""
+    """Whether the drum on line k starts in a balance that involves sheaves or several lines."""
     if not (carries_drum(system, k) and winch.is_sought(parameters_of(system, k))):
         return False
     return goes_on(system, k) or not is_alone(system, k)
@@ -104,7 +104,7 @@ def has_sought_drum(system, k):
 
 @kernel
 def is_sought_by_drums(system, k):
-    """Whether such a drum holds line k."""
+    """Whether such a drum drives line k."""
     count = 0
     for carrier in range(lines_of(system)):
         count += ratio_of(system, k, carrier) != 0.0 and has_sought_drum(system, carrier)
@@ -113,30 +113,30 @@ def is_sought_by_drums(system, k):
 
 @kernel
 def is_shared_out(system, k):
-    """Whether line k starts with a length that is found with others: a portion, or one that such a drum holds."""
+    """Whether the initial length of line k is solved with others: a portion, or a line of such a drum."""
     return is_portion(system, k) or is_sought_by_drums(system, k)
 
 
-# --- room for the search at rest
+# --- scratch space of the search at rest
 
 LENGTH_AT_REST, REST_NUMBERS = 0, 2  # [m]
 
 
 @view
 def numbers_at_rest(system, k):
-    """Numbers of line k while lengths are sought at rest: LENGTH_AT_REST."""
+    """Numbers of line k while equilibrium lengths are solved: LENGTH_AT_REST."""
     return part(system.work, number_of_line(system, k, places.PORTION_WORK), REST_NUMBERS)
 
 
 @kernel
 def rest_size(count):
-    """Length of what `shared_at_rest` needs of so many coordinates."""
+    """Length of `shared_at_rest` for so many coordinates."""
     return count * (2 * count + 4) + 1
 
 
 @view
 def shared_at_rest(system, count):
-    """Two matrices and three vectors of so many coordinates; room for one number more of each, and one."""
+    """Two matrices and three vectors for so many coordinates, plus one number each, and one."""
     first, square = number_in(system.plan, places.SHEAVES_WORK), count * count
     vectors = first + 2 * square
     matrices = part(system.work, first, square), part(system.work, first + square, square)

@@ -1,13 +1,13 @@
-"""The descent in a fixed step: all lines and free points at once, bounded as `backward_euler.py` says.
+"""Descent in a fixed step, for all lines and free points together, bounded as described in `backward_euler.py`.
 
-The incremental potential is the sum of those of the lines. A free point moves by one free flight,
-with the load and the mass of the whole point; each line has that of its own half segment there, so that
+The incremental potential is the sum of the line potentials. All lines of a free point use the same free flight,
+with the load and mass of the whole point; each line contributes the mass of its half segment there, so that
 
     sum_k m_k |x - y|^2/(2 h^2) = M |x - y|^2/(2 h^2),   y = x0 + h v0 + h^2 (gravity + load/M),   M = sum_k m_k
 
-An iteration is one of Newton's method for all nodes, with the inner nodes of each line condensed as in `step.py`. A
-shorter one is taken of all lines together, and all of them converge before it ends. The matrices are positive definite,
-and so is what is left of them at the points.
+Each iteration is a Newton iteration for all nodes, with the inner nodes of each line condensed as in `step.py`. A
+shortened step applies to all lines, and the iteration ends when all have converged. The matrices are positive definite,
+and so are their Schur complements at the points.
 """
 
 from math import inf, sqrt
@@ -28,17 +28,17 @@ from ..linear_algebra.vectors import dot, get, sub
 from . import fixed
 from .room import attempt_of, columns_of, moves, numbers_of, scratch_of
 
-# phases of an iteration: from LATE on drums only change their speeds where the lines converge with them, from HELD on the
-# friction on the ground is that of the iteration before
+# phases of an iteration: from LATE on drum speeds change only if the lines converge with them, from HELD on the
+# ground friction is frozen at the previous iteration
 EARLY, LATE, HELD = 0, 1, 2
-STUCK = -1.0  # instead of the part of a move that was taken: no part of it goes down
+STUCK = -1.0  # in place of the step fraction: no fraction lowers Phi
 
-# --- the potential and its minimum
+# --- potential and its minimum
 
 
 @kernel
 def does_any_flow(system, step):
-    """Whether the rope of any line flows past its nodes: its forces are anew in each iteration."""
+    """Whether rope flows past the nodes of any line, whose flow forces change in each iteration."""
     count = 0
     for k in range(lines_of(system)):
         count += moves(system, k) and flow.flows(attempt_of(system, k, step).chain)
@@ -47,7 +47,7 @@ def does_any_flow(system, step):
 
 @kernel
 def potential(system, step, is_trial):
-    """Phi [J] of all lines at the positions of the iteration, or at those to try, and its error of rounding [J]."""
+    """Phi [J] of all lines at the iterate or at the trial positions, and its rounding error [J]."""
     total, rounding = 0.0, 0.0
     for k in range(lines_of(system)):
         if moves(system, k):
@@ -74,7 +74,7 @@ def condense_line(system, k, step, phase):
 
 @kernel
 def take_moves(system, step):
-    """Let the moves of all lines (modified) be those that were found; the part of them to try."""
+    """Copy the solved displacements of all lines (modified); returns the fraction to try."""
     taken = 1.0
     for k in range(lines_of(system)):
         if moves(system, k):
@@ -86,9 +86,9 @@ def take_moves(system, step):
 
 @kernel
 def direction(system, step, phase):
-    """Move of all nodes [m] by Newton's method, with the speeds of coordinates (modified); the part to try, 0: singular.
+    """Newton displacement of all nodes [m], with the coordinate speeds (modified); returns the fraction to try, 0: singular.
 
-    phase : EARLY, LATE or HELD. Late in the iteration the speeds only change where the lines converge with them.
+    phase : EARLY, LATE or HELD. Late in the iteration speeds change only if the lines converge with them.
     """
     for k in range(lines_of(system)):
         if moves(system, k) and not condense_line(system, k, step, phase):
@@ -110,7 +110,7 @@ def direction(system, step, phase):
 
 @kernel
 def farthest(system):
-    """Number of lines that have not converged with the positions to try as moves [m]."""
+    """Number of lines that have not converged, with the trial positions as displacements [m]."""
     count = 0
     for k in range(lines_of(system)):
         if moves(system, k):
@@ -120,10 +120,9 @@ def farthest(system):
 
 @kernel
 def descend(system, step, before, phase):
-    """One iteration of all lines (modified) from where Phi is `before` [J], inf if it is not known.
+    """One iteration of all lines (modified) from Phi = `before` [J], inf if unknown.
 
-    phase : EARLY, LATE or HELD.  Returns Phi [J] and the part of the move that was taken: STUCK, or inf where a matrix is
-    singular.
+    phase : EARLY, LATE or HELD.  Returns Phi [J] and the step fraction: STUCK, or inf if a matrix is singular.
     """
     taken = direction(system, step, phase)
     if taken == 0.0:
@@ -141,7 +140,7 @@ def descend(system, step, before, phase):
 
 @kernel
 def try_part(system, taken):
-    """Positions to try [m] (modified) after a part of the move."""
+    """Trial positions [m] (modified) after a fraction of the displacement."""
     for k in range(lines_of(system)):
         if moves(system, k):
             w = scratch_of(system, k)
@@ -151,7 +150,7 @@ def try_part(system, taken):
 
 @kernel
 def go_along(system, step, taken, before):
-    """Move all lines (modified) by this part of the move, halved until Phi falls; results as those of `descend`."""
+    """Move all lines (modified) by this fraction, halved until Phi decreases; returns the results of `descend`."""
     for _ in range(MOST_HALVINGS + 1):
         try_part(system, taken)
         now, rounding = potential(system, step, True)
@@ -164,7 +163,7 @@ def go_along(system, step, taken, before):
 
 @kernel
 def take_trial(system):
-    """Let the iteration (modified) have the positions to try."""
+    """Accept the trial positions as iterate (modified)."""
     for k in range(lines_of(system)):
         if moves(system, k):
             w = scratch_of(system, k)
@@ -173,13 +172,13 @@ def take_trial(system):
 
 @kernel
 def is_unconverged(system, k, taken):
-    """Whether this part of the last move leads a node of line k further than one moves in a line that has converged."""
+    """Whether this fraction of the last displacement moves a node of line k further than the convergence limit."""
     return is_far(system, k, scratch_of(system, k).move, taken)
 
 
 @kernel
 def is_far(system, k, move, taken):
-    """The same of any move [m]."""
+    """Whether this fraction of any displacement [m] of line k does."""
     square = 0.0
     for i in range(segments_of(system, k) + 1):
         square = max(square, dot(get(move, i), get(move, i)))
@@ -198,7 +197,7 @@ def unconverged_lines(system, taken):
 
 @kernel
 def holds(system, step):
-    """Whether all springs still have the mode with which the matrix was made."""
+    """Whether all springs still have the mode for which the matrix was built."""
     for k in range(lines_of(system)):
         if moves(system, k):
             w, chain = scratch_of(system, k), attempt_of(system, k, step).chain
@@ -211,7 +210,7 @@ def holds(system, step):
 
 @kernel
 def rests_on_ground(system, step):
-    """Whether the ground carries and holds all nodes as in the last iteration."""
+    """Whether ground support and friction of all nodes are unchanged since the last iteration."""
     for k in range(lines_of(system)):
         if moves(system, k) and has_ground(parameters_of(system, k)):
             w = scratch_of(system, k)

@@ -1,13 +1,12 @@
-"""Rope coordinates in an iteration of a fixed step: their speeds are found with the moves of all nodes.
+"""Rope coordinates in an iteration of a fixed step: their speeds are solved together with the displacements of all nodes.
 
     sum over their ends of E (T - mu u^2) - c u - F sign(u) - W = m (u - u0)/h,   q = q0 + h u,   all at the end of the step
 
-Lines and points have the matrix and the gradient of the incremental potential, columns and rows are those of
-`line/strand.py` at the iterate, with v = (x - x0)/h, v' = (v - v0)/h and u' = (u - u0)/h. One solution gives moves and
-changes of all speeds together. A coordinate moves forwards or backwards, which only friction tells apart, is held while it
-does not pull, or runs at a limit of its speed: where a line gets as short or as long as it may be. Which of these it is
-shows only in the solution: it is sought as it moves now, then as it was found, until all are found as they were sought. If
-they are not after `MOST_TRIES`, the speeds that were found last are taken: no convergence.
+Lines and points contribute the matrix and gradient of the incremental potential; `line/strand.py` provides columns and rows
+at the iterate, with v = (x - x0)/h, v' = (v - v0)/h and u' = (u - u0)/h. One solve yields all displacements and speed
+changes. A coordinate is in one of five states: moving forwards or backwards (different only with friction), held, or at a
+speed limit, where a line reaches its shortest or longest length. Solve with the assumed states, update them from the
+solution, repeat until nothing changes. After `MOST_TRIES` the last speeds are used, and the step has not converged.
 """
 
 from math import inf
@@ -64,27 +63,27 @@ from .room import (
     unknowns_of,
 )
 
-AT_LOWEST, BACKWARDS, HELD, FORWARDS, AT_HIGHEST, GIVEN = -2.0, -1.0, 0.0, 1.0, 2.0, 3.0  # ways
-CLOSE = 1e-6  # of a tension, whose change an iteration may leave as its square
-WITHIN = 1e-6  # of a length, by which a line may be beyond its limits
-MOST_TRIES, ALL_AT_ONCE = 16, 4  # at ways in an iteration; after so many only one coordinate is sought another way at a time
-LEAST_PIVOT = 1e-3  # of what the slope of the equation of a coordinate is where the ropes do not yield
-LEAST_LENGTH = 0.25  # of the shortest length of a line, below which an iteration does not take it
-MOST_RUN = 0.1  # part of a line by which an iteration changes it
+AT_LOWEST, BACKWARDS, HELD, FORWARDS, AT_HIGHEST, GIVEN = -2.0, -1.0, 0.0, 1.0, 2.0, 3.0  # states; GIVEN: prescribed speed
+CLOSE = 1e-6  # relative tension change at convergence; the remaining error is its square
+WITHIN = 1e-6  # tolerance of the length limits, relative
+MOST_TRIES, ALL_AT_ONCE = 16, 4  # solves per iteration; solves after which states change one at a time
+LEAST_PIVOT = 1e-3  # smallest pivot, relative to the coordinate's slope with rigid ropes
+LEAST_LENGTH = 0.25  # lower bound of a line in an iteration, relative to its shortest length
+MOST_RUN = 0.1  # largest change of a line in an iteration, relative
 
 # --- lengths
 
 
 @kernel
 def put_speed(own, h, speed):
-    """Let a coordinate with these numbers (modified) have a speed [m/s] at the end of a step of h [s]."""
+    """Set the speed [m/s] of a coordinate (its numbers are modified) at the end of a step of h [s]."""
     own[room.SPEED_NOW], own[room.PASSED_NOW] = speed, own[room.REACHED] + h * speed
     own[room.GAIN_NOW] = (speed - own[room.REACHED_SPEED]) / h
 
 
 @kernel
 def place_lines(system, end):
-    """Lengths and rates of all lines with ropes (modified) at a time [s], the end of the step."""
+    """Lengths and rates of all lines with ropes (modified) at the end of the step, a time [s]."""
     for k in range(lines_of(system)):
         if has_rope(system, k):
             take_rates(system, k, end)
@@ -94,7 +93,7 @@ def place_lines(system, end):
 
 @kernel
 def is_out_of_limits(system, k, sign):
-    """Whether line k is longer (sign 1) or shorter (sign -1) than it may be in the iteration."""
+    """Whether line k exceeds its longest (sign 1) or is below its shortest (sign -1) length in the iteration."""
     length = numbers_of(system, k)[LENGTH]
     if sign > 0.0:
         return has_longest(system, k) and length > (1.0 + WITHIN) * longest_of(system, k)
@@ -103,7 +102,7 @@ def is_out_of_limits(system, k, sign):
 
 @kernel
 def stop_what_exceeds(system, h):
-    """Let no coordinate (modified) take lines beyond the lengths that they may have in a step of h [s]; how many."""
+    """Stop coordinates (modified) that move lines beyond their length limits in a step of h [s]; returns how many."""
     count = 0
     for k in range(lines_of(system)):
         for sign in (-1.0, 1.0):
@@ -118,7 +117,7 @@ def stop_what_exceeds(system, h):
 
 @kernel
 def keep_lengths(system, step):
-    """Let speeds (modified) that an iteration has left not exceed those before, and keep all lines within their lengths."""
+    """Limit unconverged speeds (modified) to the earlier ones, and all lines to their length limits."""
     end = step.time + step.h
     for j in range(count_of(system)):
         own = coordinate_at(system, j)
@@ -132,14 +131,14 @@ def keep_lengths(system, step):
 
 @kernel
 def room_left(longer, shorter):
-    """How far a length [m] is from the one [m] at which it stops; 0 if rounding alone keeps it from there."""
+    """Distance of a length [m] from its limit [m]; 0 within rounding."""
     left = longer - shorter
     return left if left > at.ROUNDED_STOP * shorter else 0.0
 
 
 @kernel
 def limits_by(system, k, growth, speed, h):
-    """Lowest and highest speed [m/s] of a coordinate that lets line k get longer by `growth`, with its speed now."""
+    """Lowest and highest speed [m/s] of a coordinate that lengthens line k by `growth` per metre; speed : present one."""
     length = numbers_of(system, k)[LENGTH] - growth * (h * speed)
     inwards = room_left(length, shortest_of(system, k)) / (abs(growth) * h)
     outwards = room_left(longest_of(system, k), length) / (abs(growth) * h) if has_longest(system, k) else inf
@@ -148,7 +147,7 @@ def limits_by(system, k, growth, speed, h):
 
 @kernel
 def take_limits(system, j, h):
-    """Limits of the speed of a coordinate in an iteration of a step of h [s] (modified)."""
+    """Speed limits of a coordinate in an iteration of a step of h [s] (modified)."""
     own = coordinate_at(system, j)
     speed, lowest, highest, least = own[room.SPEED_NOW], -inf, inf, inf
     for k in range(lines_of(system)):
@@ -173,7 +172,7 @@ def take_limits(system, j, h):
 
 @kernel
 def load_on_end(system, k, end, time):
-    """Load [N] at a time [s] on an end of line k that may be free, and the mass there [kg], a point's with all its lines."""
+    """Load [N] at a time [s] on a free end of line k, and its mass [kg]; a point's mass includes all its lines."""
     if is_at_point(system, k, end):
         point = point_at(system, k, end)
         return load_at(system, point, time), points_of(system).mass[point]
@@ -237,7 +236,7 @@ def take_rope(system, k, step):
 
 @kernel
 def seek(system, h, is_given):
-    """Let all coordinates (modified) be sought as they move now, in a step of h [s], or with the speeds that they have."""
+    """Set the assumed state of all coordinates (modified) from their motion in a step of h [s], or prescribe speeds."""
     for j in range(count_of(system)):
         take_limits(system, j, h)
         own = coordinate_at(system, j)
@@ -253,13 +252,13 @@ def seek(system, h, is_given):
 
 @kernel
 def is_moving(own):
-    """Whether a coordinate is sought with its equation."""
+    """Whether the equation of a coordinate is solved (it is neither held nor prescribed)."""
     return abs(own[room.WAY]) == FORWARDS
 
 
 @kernel
 def take_signs(system):
-    """Signs of friction as coordinates are sought, and tensions as they count with these (modified)."""
+    """Signs of friction in the assumed states, and the resulting effective tensions (modified)."""
     for j in range(count_of(system)):
         own = coordinate_at(system, j)
         own[room.SIGN] = own[room.WAY] if is_moving(own) and own[room.FRICTION] != 0.0 else 0.0
@@ -274,7 +273,7 @@ def take_signs(system):
 
 @kernel
 def place_equations(system, step):
-    """Matrix and right-hand side of all global unknowns as coordinates are sought (modified); False if it is singular."""
+    """Matrix and right-hand side of all global unknowns for the assumed states (modified); False if it is singular."""
     h, points, whole, m = step.h, 3 * free_points(system), globals_of(system), unknowns_of(system)
     if m == 0:
         return True
@@ -307,7 +306,7 @@ def place_equations(system, step):
 
 @kernel
 def take_moves(system, h):
-    """Moves of all nodes [m] from the solution into the positions to try, and the changes of tensions, MOVED (modified)."""
+    """Displacements of all nodes [m] into the positions to try, and the tension changes MOVED (modified)."""
     for k in range(lines_of(system)):
         if moves(system, k):
             w = scratch_of(system, k)
@@ -320,7 +319,7 @@ def take_moves(system, h):
 
 @kernel
 def take_change(system, k, end, h):
-    """MOVED of an end of line k (modified), once its nodes have their moves."""
+    """MOVED of an end of line k (modified), from the displacements of its nodes."""
     own, w, numbers, n = strand_of(system, k), scratch_of(system, k), numbers_of(system, k), segments_of(system, k)
     row = rope_in(n, own.ropes, end).row
     total = net.inner_of_line(rows_of(system, k), row, w.trial)
@@ -333,12 +332,12 @@ def take_change(system, k, end, h):
     numbers[MOVED + end] = total * numbers[SLOPE + end] / numbers[FACTOR + end]
 
 
-# --- how they are found
+# --- states of the coordinates
 
 
 @kernel
 def tensions_at(system, j):
-    """What sets against coordinate j, and what pulls it, at the end of the move: T_1 and T_2 of a sheave [N]."""
+    """Opposing and pulling force at coordinate j after the displacement: T_1 and T_2 of a sheave [N]."""
     own, k = coordinate_at(system, j), line_of(system, j)
     if not is_drum(system, j):
         behind, ahead = numbers_of(system, k), numbers_of(system, k + 1)
@@ -356,7 +355,7 @@ def tensions_at(system, j):
 
 @kernel
 def left_over(system, j, time, h, way, change):
-    """Force [N] that the equation of coordinate j leaves on a way, with a change of its speed [m/s], at a time [s]."""
+    """Residual [N] of coordinate j in a state (`way`), after a change of its speed [m/s], at a time [s]."""
     own, (behind, ahead) = coordinate_at(system, j), tensions_at(system, j)
     speed = own[room.SPEED_NOW] + change
     inertia = own[room.MASS] * (speed - own[room.REACHED_SPEED]) / h
@@ -371,12 +370,12 @@ def left_over(system, j, time, h, way, change):
 
 @kernel
 def way_of_held(system, j, time, h):
-    """Which way coordinate j, which is held, goes next with the changes of the tensions, at a time [s]; h [s]."""
+    """Next state of the held coordinate j, given the tension changes at a time [s]; h [s]."""
     own, (behind, ahead) = coordinate_at(system, j), tensions_at(system, j)
     if is_drum(system, j):
         behind += own[room.LOAD] + time * own[room.LOAD_RATE]
     forwards, backwards, margin = net.urges(system, j, behind, ahead, own[room.LOSS])
-    going_on = own[room.MASS] * own[room.REACHED_SPEED] / h  # of what it loses by being held
+    going_on = own[room.MASS] * own[room.REACHED_SPEED] / h  # momentum lost by holding it, over h
     if own[room.HIGHEST] > 0.0 and forwards + going_on > margin:
         return FORWARDS
     if own[room.LOWEST] < 0.0 and backwards - going_on > margin:
@@ -386,7 +385,7 @@ def way_of_held(system, j, time, h):
 
 @kernel
 def way_of_moving(own, speed):
-    """Which way a coordinate that moves goes next with the speed [m/s] that was found; SOUGHT (modified), if it is given."""
+    """Next state of a moving coordinate with the solved speed [m/s]; sets SOUGHT (modified) for a prescribed speed."""
     way, lowest, highest = own[room.WAY], own[room.LOWEST], own[room.HIGHEST]
     if own[room.FRICTION] != 0.0:
         lowest, highest = (max(lowest, 0.0), highest) if way == FORWARDS else (lowest, min(highest, 0.0))
@@ -400,7 +399,7 @@ def way_of_moving(own, speed):
 
 @kernel
 def next_way(system, j, time, h, change):
-    """Which way coordinate j goes next with a change of its speed [m/s]; SOUGHT (modified)."""
+    """Next state of coordinate j after a change of its speed [m/s]; SOUGHT (modified)."""
     own = coordinate_at(system, j)
     way = own[room.WAY]
     if is_moving(own):
@@ -414,7 +413,7 @@ def next_way(system, j, time, h, change):
 
 @kernel
 def seek_next(system, step, one_at_a_time):
-    """Let those (modified) that are found as they were not sought be sought in another way, or one of them; how many."""
+    """Update the coordinates (modified) that contradict their assumed state, or only one of them; returns how many."""
     others, solution, points = 0, globals_of(system).solution, 3 * free_points(system)
     for j in range(count_of(system)):
         if not (one_at_a_time and others > 0):
@@ -429,13 +428,13 @@ def seek_next(system, step, one_at_a_time):
 
 @kernel
 def is_small(change, tension, stiffness):
-    """Whether what a change of a tension [N] leaves is less than a part CLOSE of it, or its square of EA [N]."""
+    """Whether a tension change [N] leaves an error below a part CLOSE of the tension, or its square of EA [N]."""
     return change * change <= 2.0 * stiffness * CLOSE * (abs(tension) + CLOSE * stiffness)
 
 
 @kernel
 def is_close(system, j):
-    """Whether the changes of all tensions at coordinate j are small, once all lines have their moves."""
+    """Whether all tension changes at coordinate j are small, after the displacement of all lines."""
     others = 0
     for k in range(lines_of(system)):
         for end in range(2):
@@ -448,7 +447,7 @@ def is_close(system, j):
 
 @kernel
 def solve_with(system, step):
-    """Moves and speeds with all coordinates as they are sought (modified); False if the matrix is singular."""
+    """Displacements and speeds for the assumed states (modified); False if the matrix is singular."""
     take_signs(system)
     if not place_equations(system, step):
         return False
@@ -458,7 +457,7 @@ def solve_with(system, step):
 
 @kernel
 def begin_moves(system, step):
-    """What an iteration needs of ropes, once its lines are condensed (modified)."""
+    """Rope terms of an iteration, after its lines are condensed (modified)."""
     for k in range(lines_of(system)):
         if has_rope(system, k):
             take_rope(system, k, step)
@@ -469,9 +468,9 @@ def begin_moves(system, step):
 
 @kernel
 def find_moves(system, step):
-    """Moves of all nodes [m] and speeds of all coordinates (modified); False if a matrix is singular.
+    """Displacements of all nodes [m] and speeds of all coordinates (modified); False if a matrix is singular.
 
-    `begin_moves` is done.
+    Call `begin_moves` first.
     """
     seek(system, step.h, False)
     are_found = False
@@ -487,7 +486,7 @@ def find_moves(system, step):
 
 @kernel
 def take_speeds(system, step, are_found):
-    """Let all coordinates (modified) have the speeds that were found; lengths, masses and the forces of rope follow."""
+    """Apply the solved speeds to all coordinates (modified), and update lengths, masses and flow forces."""
     solution, points = globals_of(system).solution, 3 * free_points(system)
     for j in range(count_of(system)):
         own = coordinate_at(system, j)
@@ -513,14 +512,14 @@ def take_speeds(system, step, are_found):
 
 @kernel
 def leave_speeds(system):
-    """Let an iteration leave the speeds of all coordinates as they are, not found (modified)."""
+    """Keep the speeds of all coordinates in an iteration, marked as not converged (modified)."""
     for j in range(count_of(system)):
         coordinate_at(system, j)[room.CHANGE], coordinate_at(system, j)[room.IS_FOUND] = 0.0, 0.0
 
 
 @kernel
 def has_changed(system):
-    """Whether the last iteration has changed any speed."""
+    """Whether the last iteration changed any speed."""
     count = 0
     for j in range(count_of(system)):
         count += coordinate_at(system, j)[room.CHANGE] != 0.0
@@ -529,7 +528,7 @@ def has_changed(system):
 
 @kernel
 def is_unconverged(system, j, h):
-    """Whether coordinate j is not found, or the last iteration moved the rope at it too far."""
+    """Whether coordinate j has not converged, or the last iteration moved its rope too far."""
     own, count = coordinate_at(system, j), 0
     moved = h * abs(own[room.CHANGE])
     for k in range(lines_of(system)):
@@ -540,7 +539,7 @@ def is_unconverged(system, j, h):
 
 @kernel
 def unconverged(system, step):
-    """Number of coordinates that are not found, or whose ropes moved too far, and of lines beyond their lengths."""
+    """Number of unconverged coordinates and of lines beyond their length limits."""
     count = 0
     if step.turns:
         for j in range(count_of(system)):

@@ -1,7 +1,7 @@
-"""Where the descent in a fixed step begins: with free flight, or with all lines carried along, whichever has the lower Phi.
+"""Initial guess of the descent in a fixed step: free flight or carried lines, whichever has the lower Phi.
 
-A flight of many segment lengths in a step tears the chain; so does, where it swings, a chain that keeps its shape. Lines are
-carried along by their ends, free points by the mean of their neighbours, where lines count by one over their lengths.
+Free flight over many segment lengths per step tears the chain apart; in a swinging chain, so does keeping its shape. Carried
+lines follow their ends; free points follow the mean of their neighbours, with lines weighted by 1/length.
 """
 
 from math import inf
@@ -33,7 +33,7 @@ from .room import (
 
 @kernel
 def start(system, step):
-    """Fill what `backward_euler.start` does of all lines; free ends have their loads in their free flight."""
+    """Fill all lines as `backward_euler.start`; the free flight of free ends includes their loads."""
     for k in range(lines_of(system)):
         if moves(system, k):
             attempt, (x, _) = attempt_of(system, k, step), motion_of(system, k)
@@ -54,7 +54,7 @@ def is_driven(system, k, end):
 
 @kernel
 def move_of_driven(system, k, end):
-    """How far the driven end of line k moves in the step [m]."""
+    """Displacement of the driven end of line k in the step [m]."""
     w, node = scratch_of(system, k), segments_of(system, k) * end
     x, _ = motion_of(system, k)
     return sub(get(w.free, node), get(x, node))
@@ -62,7 +62,7 @@ def move_of_driven(system, k, end):
 
 @kernel
 def add_weight(system, k, whole):
-    """Add line k to the equations of the mean moves of the free points (modified); whether one of its points is driven."""
+    """Add line k to the equations of mean point displacements (modified); returns whether one of its points is driven."""
     weight = 1.0 / conditions_of(system, k).reeling[0]
     for end in range(2):
         if is_at_point(system, k, end):
@@ -79,7 +79,7 @@ def add_weight(system, k, whole):
 
 @kernel
 def carry_points(system, whole):
-    """Moves of the free points [m] (modified) when all lines are carried along; 0 if none is driven."""
+    """Displacements of the free points [m] (modified) when all lines are carried along; 0 if none is driven."""
     m, points = unknowns_of(system), 3 * free_points(system)
     if points == 0:
         return
@@ -99,7 +99,7 @@ def carry_points(system, whole):
 
 @kernel
 def move_of_end(system, k, end, moved):
-    """Move of an end of line k [m], carried along: as its point, or as itself if it is driven, else as the other end."""
+    """Displacement of an end of line k [m], carried along: with its point, by its own curve, or like the other end."""
     if is_at_point(system, k, end):
         return get(moved, point_at(system, k, end))
     if is_driven(system, k, end):
@@ -109,7 +109,7 @@ def move_of_end(system, k, end, moved):
 
 @kernel
 def carry(system, step):
-    """Positions to try (modified) to which all lines are carried along; Phi [J] there."""
+    """Trial positions (modified) with all lines carried along; returns Phi [J] there."""
     whole = globals_of(system)
     carry_points(system, whole)
     for k in range(lines_of(system)):
@@ -122,7 +122,7 @@ def carry(system, step):
 
 @kernel
 def add_drag(system, step):
-    """`backward_euler.add_drag` of all lines (modified) at the positions of the iteration."""
+    """`backward_euler.add_drag` of all lines (modified) at the iterate."""
     for k in range(lines_of(system)):
         if moves(system, k):
             w = scratch_of(system, k)
@@ -131,7 +131,7 @@ def add_drag(system, step):
 
 @kernel
 def guess(system, step):
-    """Positions to start from of all lines (modified): free, or carried along; Phi [J] there, with the drag there."""
+    """Initial positions of all lines (modified), in free flight or carried along; returns Phi [J] with the drag there."""
     carried = carry(system, step)
     for k in range(lines_of(system)):
         if moves(system, k):
@@ -145,10 +145,10 @@ def guess(system, step):
 
 @kernel
 def begin_as_expected(system, step):
-    """The first iteration of all lines (modified) with the accelerations that are expected; see `descent.descend`.
+    """First iteration of all lines (modified) with the expected accelerations; see `descent.descend`.
 
-    Where no node moves by more than one that has converged Phi is not asked, and inf. Elsewhere, if Phi is lower with the
-    lines carried along, the results are that of a new `guess` and inf.
+    If no node moves beyond the convergence limit, Phi is not evaluated (inf). Otherwise, if Phi is lower with carried lines,
+    the result is a new `guess`, and inf.
     """
     for k in range(lines_of(system)):
         if moves(system, k):

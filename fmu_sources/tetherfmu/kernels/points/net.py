@@ -1,12 +1,12 @@
-"""Global unknowns, free points and rope coordinates alike: their equations, in which lines are condensed substructures.
+"""Equations of the global unknowns (free points and rope coordinates); condensed lines are their substructures.
 
-    point        M v' = load + sum over its lines of the force on their ends
-    coordinate   m u' + c u + F sign(u) + W = sum over the ends of lines into which it lets rope of weight E (T - mu u^2)
+    point        M v' = load + sum of the forces of its lines' ends
+    coordinate   m u' + c u + F sign(u) + W = sum over its line ends of weight E (T - mu u^2)
 
-E is the loss of a sheave on the side to which it adds tension, 1 elsewhere: there mu u^2 of both sides is the same and
-cancels (`E counts` below). T of an end depends on accelerations by T(R), see `line/strand.py`. What a line is to others is
-added up here: blocks between its points, and a column and a row for each end that is held, times the weights. The matrix has
-a profile (`linear_algebra.profile`); a coordinate that is held has the row of the unit matrix.
+E is the sheave loss on the side where friction adds tension (`loss_at`), and 1 elsewhere; where E is 1 on both sides,
+mu u^2 is equal on both and cancels. T at an end depends on accelerations through T(R), see `line/strand.py`. This file
+assembles the contributions of the lines: blocks between their points, and a weighted column and row for each end with
+coordinates. The matrix is stored by profile (`linear_algebra.profile`); the row of a held coordinate is a unit row.
 """
 
 from math import atan2, exp
@@ -58,29 +58,29 @@ from .room import (
     weight_of,
 )
 
-MOST_CORRECTIONS, BALANCED = 8, 1e-13  # of Newton's method for u'; what is left over the tensions when it has converged
-OVERLOAD = 1e-8  # of its forces: with how much more than its friction a coordinate begins to move
-TINY = 1e-200  # what keeps a quotient from 0/0
+MOST_CORRECTIONS, BALANCED = 8, 1e-13  # Newton's method for u': iterations; relative residual at convergence
+OVERLOAD = 1e-8  # fraction of the forces by which the load must exceed friction to start a coordinate
+TINY = 1e-200  # avoids 0/0
 
-# --- what a coordinate has of its own
+# --- terms of a coordinate itself
 
 
 @kernel
 def moving_at(system, k, j):
-    """mu u^2 [N] of rope of line k over the sheave j at a stage."""
+    """mu u^2 [N] of rope of line k on sheave j at a stage."""
     return property_of(conditions_of(system, k), 0, at.LINE_DENSITY) * coordinate_at(system, j)[room.SPEED_NOW] ** 2
 
 
 @kernel
 def losses_beside(system, j):
-    """E behind and ahead of the sheave j, as they count."""
+    """Effective E of the portions behind and ahead of sheave j."""
     k = line_of(system, j)
     return numbers_of(system, k)[FACTOR + 1], numbers_of(system, k + 1)[FACTOR]
 
 
 @kernel
 def own_force(system, j, time):
-    """Force [N] on coordinate j at a stage, a time [s], but for its lines and its inertia."""
+    """Force [N] on coordinate j at a stage at a time [s], without lines and inertia."""
     own = coordinate_at(system, j)
     if is_drum(system, j):
         counter = own[room.LOAD] + time * own[room.LOAD_RATE] + own[room.DAMPING] * own[room.SPEED_NOW]
@@ -93,7 +93,7 @@ def own_force(system, j, time):
 
 @kernel
 def take_damping(system, j):
-    """BY_SPEED of coordinate j (modified) at the start of the step."""
+    """BY_SPEED of coordinate j at the start of the step (modified)."""
     own = coordinate_at(system, j)
     own[room.BY_SPEED] = own[room.DAMPING]
     if not is_drum(system, j) and own[room.SIGN] != 0.0:
@@ -104,18 +104,18 @@ def take_damping(system, j):
 
 @kernel
 def mass_at(system, j, k):
-    """Mass [kg] of a coordinate with that of the rope of line k which moves past nodes at rest."""
+    """Mass [kg] of a coordinate, including the rope of line k that moves past nodes at rest."""
     total = coordinate_at(system, j)[room.MASS]
     for end in range(2):
         weight = weight_of(system, j, k, end)
-        if weight != 0.0:  # else the line may not know its slopes
+        if weight != 0.0:  # otherwise the line's slopes may be undefined
             total -= weight * weight * numbers_of(system, k)[BY_GAIN + 3 * end]
     return total
 
 
 @kernel
 def inertia_of(system, j):
-    """The same of all lines."""
+    """Mass [kg] of a coordinate, including the moving rope of all lines."""
     mass = coordinate_at(system, j)[room.MASS]
     total = mass
     for k in range(lines_of(system)):
@@ -125,9 +125,9 @@ def inertia_of(system, j):
 
 @kernel
 def urges(system, j, behind, ahead, loss):
-    """Forces [N] with which tensions pull a coordinate forwards and backwards beyond what holds it; a margin of these.
+    """Forces [N] beyond friction that pull a coordinate forwards and backwards, and a tolerance for both.
 
-    behind, ahead : what sets against a drum and what its ropes pull, or T_1 and T_2 of a sheave [N].  loss : E of it.
+    behind, ahead : opposing and pulling forces of a drum, or T_1 and T_2 of a sheave [N].  loss : E of the sheave.
     """
     own = coordinate_at(system, j)
     if is_drum(system, j):
@@ -142,7 +142,7 @@ def urges(system, j, behind, ahead, loss):
 
 @kernel
 def wrap_of(towards_1, towards_2):
-    """Angle of wrap [rad] from the vectors away from a sheave along both portions."""
+    """Wrap angle [rad] from the two vectors that lead away from a sheave along its portions."""
     _, d_1 = segment.geometry(towards_1)
     _, d_2 = segment.geometry(towards_2)
     return atan2(norm(cross(d_1, d_2)), -dot(d_1, d_2))
@@ -158,7 +158,7 @@ def loss_with(parameters, towards_1, towards_2):
 
 @kernel
 def turn_of(towards, other):
-    """Slope of the angle of wrap by the vector away from a sheave along one portion [1/m]; other : along the other one."""
+    """Slope of the wrap angle by `towards` [1/m]; towards, other : vectors away from the sheave along the two portions."""
     length, d = segment.geometry(towards)
     _, e = segment.geometry(other)
     across = add_scaled(e, -dot(d, e), d)
@@ -168,7 +168,7 @@ def turn_of(towards, other):
 
 @view
 def away_at_stage(system, k):
-    """Vectors away from the sheave at the end of line k along both portions at a stage [m]."""
+    """Vectors [m] from the sheave at the end of line k along both portions at a stage."""
     n, x_1, x_2 = segments_of(system, k), strand_of(system, k).w.stage_x, strand_of(system, k + 1).w.stage_x
     here = get_node(n, n, x_1)
     return sub(get_node(n, n - 1, x_1), here), sub(get_node(segments_of(system, k + 1), 1, x_2), here)
@@ -188,7 +188,7 @@ def take_losses(system):
 
 @kernel
 def loss_at(system, k, end, tension):
-    """E that a tension [N] at an end of line k counts with: where rope runs on over a sheave against it, and it pulls."""
+    """E that multiplies a tension [N] at an end of line k: the sheave loss where taut rope runs on over the sheave."""
     if not has_sheaves(system):
         return 1.0
     j = int(numbers_of(system, k)[room.SHEAVE]) if end == 1 else -1
@@ -208,7 +208,7 @@ def stiffness_at(system, k, end):
 
 @kernel
 def take_tension(system, k, end, pull):
-    """T [N] of an end of line k from R [N], and with what factor it counts (modified)."""
+    """T [N] of an end of line k from R [N], and the factor E of T (modified)."""
     numbers = numbers_of(system, k)
     numbers[TENSION + end], numbers[FACTOR + end] = pull, 1.0
     if rope.feels_rope(parameters_of(system, k)):
@@ -218,7 +218,7 @@ def take_tension(system, k, end, pull):
 
 @kernel
 def take_slope(system, k, end):
-    """Slope of what it counts by R (modified), which stays as it is at the start of a step."""
+    """Slope of E T by R (modified), constant during a step."""
     numbers = numbers_of(system, k)
     numbers[SLOPE + end] = numbers[FACTOR + end]
     if rope.feels_rope(parameters_of(system, k)):
@@ -227,7 +227,7 @@ def take_slope(system, k, end):
 
 @kernel
 def count_tensions(system):
-    """Tensions of all ends that are held at a stage (modified), whose pulls are known."""
+    """Tensions of all ends with coordinates at a stage (modified), from known pulls."""
     take_losses(system)
     for k in range(lines_of(system)):
         for end in range(2):
@@ -235,7 +235,7 @@ def count_tensions(system):
                 take_tension(system, k, end, numbers_of(system, k)[PULL + end])
 
 
-# --- what a line adds
+# --- contributions of a line
 
 
 @kernel
@@ -247,7 +247,7 @@ def add_to_unknown(system, point, a, array):
 
 @kernel
 def place_blocks(system, k, matrix):
-    """Add the blocks that couple the free points of line k, which is condensed, to the global matrix (modified)."""
+    """Add the blocks that couple the free points of the condensed line k to the global matrix (modified)."""
     n, columns, whole = segments_of(system, k), room.columns_of(system, k), globals_of(system).matrix
     for end in range(2):
         for other in range(2):
@@ -261,9 +261,9 @@ def place_blocks(system, k, matrix):
 
 @kernel
 def place_ropes(system, k, matrix, per):
-    """Add columns and rows of the ends of line k that are held to the global matrix (modified).
+    """Add the columns and rows of line k's ends with coordinates to the global matrix (modified).
 
-    per : of a row by the velocities of nodes, times what is solved for.  The columns are solved in the inner rows.
+    per : velocity per unit of the solved variable, scales rows.  The inner rows of the columns are already solved.
     """
     n, rows, ropes = segments_of(system, k), rows_of(system, k), room.room_in_step(system, k).ropes
     for end in range(2):
@@ -281,7 +281,7 @@ def place_ropes(system, k, matrix, per):
 
 @kernel
 def place_border(system, k, end, other, down, across):
-    """Add a column and a row of an end of line k that is held, at its free point `other`, to the matrix (modified)."""
+    """Add the column and row of an end of line k with coordinates, at its free point `other`, to the matrix (modified)."""
     whole, points, slope = globals_of(system).matrix, 3 * free_points(system), numbers_of(system, k)[SLOPE + end]
     point = 3 * point_at(system, k, other)
     for i in range(holders_of(system, k, end)):
@@ -293,7 +293,7 @@ def place_border(system, k, end, other, down, across):
 
 @kernel
 def place_corner(system, k, end, other, slope):
-    """Add to the matrix (modified) what rope that comes in over one end, or the same, does to T of an end of line k."""
+    """Add to the matrix (modified) the effect of rope that enters over `other` (either end) on T of an end of line k."""
     whole, points = globals_of(system).matrix, 3 * free_points(system)
     for i in range(holders_of(system, k, end)):
         j, of_row = holder(system, k, end, i)
@@ -320,7 +320,7 @@ def inner_of_line(rows, a, b):
 
 @kernel
 def clear_matrix(system):
-    """Let the matrix of the global unknowns (modified) be 0."""
+    """Set the matrix of the global unknowns to 0 (modified)."""
     m, whole = unknowns_of(system), globals_of(system).matrix
     count = int(whole.start[m - 1]) + m if m > 0 else 0
     for i in range(count):
@@ -329,7 +329,7 @@ def clear_matrix(system):
 
 @kernel
 def begin_matrix(system, d):
-    """Matrix of the global unknowns without lines in a Rosenbrock step (modified)."""
+    """Matrix of the global unknowns in a Rosenbrock step, without lines (modified)."""
     clear_matrix(system)
     for j in range(count_of(system)):
         own, i = coordinate_at(system, j), 3 * free_points(system) + j
@@ -338,7 +338,7 @@ def begin_matrix(system, d):
 
 @kernel
 def hold(system):
-    """Let the rows of coordinates that are held say that they do not move (modified)."""
+    """Replace the rows of held coordinates by unit rows (modified)."""
     for j in range(count_of(system)):
         if not is_free(system, j):
             profile.hold_row(globals_of(system).matrix, unknowns_of(system), 3 * free_points(system) + j)
@@ -346,13 +346,13 @@ def hold(system):
 
 @kernel
 def factorize(system):
-    """Factor the matrix of the global unknowns (modified); False if it is singular."""
+    """Factorize the matrix of the global unknowns (modified); False if it is singular."""
     return profile.factorize(globals_of(system).matrix, unknowns_of(system))
 
 
 @kernel
 def solve(system):
-    """Solution of all global unknowns (modified) from the right-hand side, with 0 of coordinates that are held."""
+    """Solution of all global unknowns (modified) from the right-hand side; 0 for held coordinates."""
     whole = globals_of(system)
     for j in range(count_of(system)):
         if not is_free(system, j):
@@ -365,7 +365,7 @@ def solve(system):
 
 @kernel
 def sum_masses(system, at_stage):
-    """Masses of the free points [kg] from the ends of their lines (modified); at_stage : else at the start of the step."""
+    """Masses of the free points [kg] from their line ends (modified), at a stage or else at the start of the step."""
     points = points_of(system)
     clear(points.mass)
     for k in range(lines_of(system)):
@@ -378,9 +378,9 @@ def sum_masses(system, at_stage):
 
 @kernel
 def find_accelerations(system, time, is_rope):
-    """Accelerations of all global unknowns, and of nodes of lines with ropes, and all tensions at a stage (modified).
+    """Accelerations of all global unknowns and of the nodes of lines with ropes, and all tensions at a stage (modified).
 
-    Forces are known for those that are driven alone, slopes by gains are known; `begin` of a step or `evaluate` at a state.
+    Requires forces with only driven ends accelerating, and slopes by gains: `begin` of a step or `evaluate` at a state.
     is_rope : whether any line has ropes.
     """
     for k in range(lines_of(system)):
@@ -399,7 +399,7 @@ def find_accelerations(system, time, is_rope):
 
 @kernel
 def take_inner_response(own, rows):
-    """Let PULL and CORNER of a line (modified) have what its inner nodes do, which give way; from both ends at once."""
+    """Add the response of the free inner nodes of a line to its PULL and CORNER (modified), from both ends at once."""
     n, w, numbers, ends = own.n, own.w, own.numbers, (rope_in(own.n, own.ropes, 0), rope_in(own.n, own.ropes, 1))
     a, b, nothing = ends[0].by_gain, ends[1].by_gain, pair(0.0, 0.0)
     pull_a, pull_b, of_aa, of_ab, of_bb = nothing, nothing, nothing, nothing, nothing
@@ -422,7 +422,7 @@ def take_inner_response(own, rows):
 
 @kernel
 def begin_accelerations(system, time):
-    """First accelerations of all global unknowns: points without coordinates, these as they were last (modified)."""
+    """Initial accelerations of all global unknowns (modified): points without coordinates, coordinates unchanged."""
     whole, points = globals_of(system), points_of(system)
     for point in range(free_points(system)):
         load = load_at(system, point, time)
@@ -439,7 +439,7 @@ def begin_accelerations(system, time):
 
 @kernel
 def add_forces_at_points(system, array):
-    """Add the forces at a stage of all lines on free points, without coordinates that gain speed, to an array (modified)."""
+    """Add the line forces on free points at a stage, without accelerating coordinates, to an array (modified)."""
     for k in range(lines_of(system)):
         n = segments_of(system, k)
         for end in range(2):
@@ -449,13 +449,13 @@ def add_forces_at_points(system, array):
 
 @kernel
 def acceleration_of_point(system, point):
-    """Acceleration of a free point [m/s2] that was found."""
+    """Computed acceleration of a free point [m/s2]."""
     return get(globals_of(system).accelerations, point)
 
 
 @kernel
 def correct_accelerations(system, time):
-    """Newton's method for the accelerations of all global unknowns (modified); its matrix is made once."""
+    """Newton's method for the accelerations of all global unknowns (modified); its matrix is assembled once."""
     whole, points = globals_of(system), 3 * free_points(system)
     for correction in range(MOST_CORRECTIONS):
         if take_residuals(system, time) <= BALANCED:
@@ -473,9 +473,9 @@ def correct_accelerations(system, time):
 
 @kernel
 def take_residuals(system, time):
-    """What the equations of all unknowns leave, as right-hand side, with the present accelerations, and tensions (modified).
+    """Residuals of all unknowns at the present accelerations as right-hand side, and the tensions (all modified).
 
-    Returns the largest one over the forces there.
+    Returns the largest residual relative to the forces at its unknown.
     """
     whole, points, masses = globals_of(system), 3 * free_points(system), points_of(system).mass
     clear(whole.right)
@@ -513,7 +513,7 @@ def take_residuals(system, time):
 
 @kernel
 def pull_with_accelerations(system, k):
-    """Tensions of the ends of line k with the present accelerations, added to coordinates, and what those do to points.
+    """Add the end tensions of line k at the present accelerations to its coordinates, and their reaction to its points.
 
     All modified.
     """
@@ -540,7 +540,7 @@ def pull_with_accelerations(system, k):
 
 @kernel
 def place_masses(system):
-    """Matrix of all accelerations (modified); what is held, or has no mass, gains none."""
+    """Matrix of all accelerations (modified); held or massless coordinates do not accelerate."""
     clear_matrix(system)
     whole, points = globals_of(system).matrix, 3 * free_points(system)
     for i in range(points):
@@ -564,7 +564,7 @@ def place_masses(system):
 
 @kernel
 def finish_accelerations(system, k):
-    """Accelerations of the nodes of line k, and forces with those of coordinates (modified)."""
+    """Accelerations of the nodes of line k, and forces including the accelerating coordinates (modified)."""
     own, n = strand_of(system, k), segments_of(system, k)
     a, b = rope_in(n, own.ropes, 0).by_gain, rope_in(n, own.ropes, 1).by_gain
     for i in range(n // 2 + 1):
@@ -582,7 +582,7 @@ def finish_accelerations(system, k):
 
 @kernel
 def put_accelerations_of_points(system, k):
-    """Accelerations of the free points at line k into its own (modified)."""
+    """Copy the accelerations of the free points of line k into its nodes (modified)."""
     z = strand_of(system, k).z
     for end in range(2):
         if is_at_point(system, k, end):
@@ -596,10 +596,10 @@ def put_accelerations_of_points(system, k):
 
 @kernel
 def add_wrap(system, j, time, d):
-    """Add what the angle of wrap at the sheave j does to its friction to the rows beside it (modified)."""
+    """Add the dependence of friction on the wrap angle at sheave j to the rows of both portions (modified)."""
     k, sign = line_of(system, j), coordinate_at(system, j)[room.SIGN]
     grip = parameters_of(system, k)[at.SHEAVE_FRICTION]
-    end, line = (1, k) if sign > 0.0 else (0, k + 1)  # of which the tension counts more
+    end, line = (1, k) if sign > 0.0 else (0, k + 1)  # the portion with the higher tension
     loss, tension = numbers_of(system, line)[FACTOR + end], numbers_of(system, line)[TENSION + end]
     if grip == 0.0 or sign == 0.0 or loss == 1.0:
         return
@@ -614,7 +614,7 @@ def add_wrap(system, j, time, d):
 
 @kernel
 def add_to_row(system, k, end, i, slope, time, d):
-    """Add a slope of R of an end of line k by the position of node i [N/m] to its row, or its rate by that to OF_TIME."""
+    """Add a slope of R at an end of line k by the position of node i [N/m] to its row, or for a driven node to OF_TIME."""
     own, conditions = strand_of(system, k), conditions_of(system, k)
     if conditions.first <= i <= conditions.last:
         add_at(rope_in(own.n, own.ropes, end).row, i, scale(d, slope))
@@ -625,7 +625,7 @@ def add_to_row(system, k, end, i, slope, time, d):
 
 @kernel
 def begin_right(system, stage, time, h):
-    """Right-hand side of the global unknowns but for their lines (modified), at the time [s] of a stage."""
+    """Right-hand side of the global unknowns without their lines (modified), at the time [s] of a stage."""
     whole, points, rates = globals_of(system), free_points(system), points_of(system).load_rate
     for point in range(points):
         load = add_scaled(load_at(system, point, time), GAMMA_I[stage] * h, get(rates, point))
@@ -640,7 +640,7 @@ def begin_right(system, stage, time, h):
 
 @kernel
 def place_right(system, k, matrix, q, per):
-    """Add what is left of line k to the right-hand side (modified), once its inner nodes are solved in q; per : as above."""
+    """Add the condensed right-hand side of line k (modified); its inner nodes are solved in q; per : see `place_ropes`."""
     n, right, points = segments_of(system, k), globals_of(system).right, 3 * free_points(system)
     numbers, ropes = numbers_of(system, k), room.room_in_step(system, k).ropes
     for end in range(2):
@@ -656,7 +656,7 @@ def place_right(system, k, matrix, q, per):
 
 @kernel
 def take_solution(system, k, q):
-    """Solution in all nodes of line k (modified) from that of the global unknowns."""
+    """Solution in all nodes of line k (modified) from the global solution."""
     n, rows, solution, conditions = (
         segments_of(system, k),
         rows_of(system, k),
@@ -678,7 +678,7 @@ def take_solution(system, k, q):
 
 @kernel
 def solution_of_end(system, k, end):
-    """What the solution lets into line k over an end."""
+    """Rope that the solution moves into line k over an end."""
     solution, points, total = globals_of(system).solution, 3 * free_points(system), 0.0
     for i in range(holders_of(system, k, end)):
         j, weight = holder(system, k, end, i)

@@ -1,9 +1,9 @@
-"""Scratch space in a step: of each line, and of the global unknowns, which are free points and rope coordinates.
+"""Scratch space of a step: for each line, and for the global unknowns (free points and rope coordinates).
 
-What stands where, once a communication step has begun (`begin_coordinates`). A line knows which coordinates let rope into
-its ends, its holders, with which weights: +1 of a drum of its own, the ratio of a shared one, and of a sheave -1 into the
-end of the portion before it and +1 into the start of the one behind it. A line without holders is a chain of which the
-length is a polynomial of time (`equations/winch.py`); with holders, that polynomial plus what they let in.
+The layout is fixed once a communication step has begun (`begin_coordinates`). Each line end has holders: the coordinates
+that let rope in over it, each with a weight. The weight is +1 for the line's own drum, the ratio for a shared drum, and for
+a sheave -1 at the end of the portion before it and +1 at the start of the next one. The length of a line without holders is
+a polynomial of time (`equations/winch.py`); with holders, it is that polynomial plus the rope they let in.
 """
 
 from collections import namedtuple
@@ -67,97 +67,95 @@ from .coordinates import carries_drum, has_own_drum
 # --- numbers of a coordinate
 
 (
-    LINE,  # before the sheave, or that carries the drum
+    LINE,  # line before the sheave, or line that carries the drum
     IS_DRUM,
     MASS,  # m [kg], c [N s/m], W [N] and its rate [N/s]
     DAMPING,
     LOAD,
     LOAD_RATE,
     FRICTION,  # F of a drum [N]; of a sheave 1 if it has losses, else 0
-    PASSED,  # rope since `settle` [m], its rate [m/s], the rate of that [m/s2]: in the state
+    PASSED,  # rope since `settle` [m], speed [m/s], acceleration [m/s2]: in the state
     SPEED,
     ACCELERATION,
-    PASSED_NOW,  # the same at a stage, and in the end after the step
+    PASSED_NOW,  # these at a stage, finally after the step
     SPEED_NOW,
     GAIN_NOW,
     OF_REST,  # r_i of a stage [m/s]
-    ADDED_UP,  # of the stages, for its inertia [m/s]
+    ADDED_UP,  # sum over the stages, for the inertia [m/s]
     SPEEDS,  # U of all stages [m/s]
-    WRONG,  # error estimates of the rope over d and of the speed [m/s]
+    WRONG,  # error estimates: rope over d, and speed [m/s]
     WRONG_SPEED,
-    BY_SPEED,  # what sets against it by its speed, at the start of the step [N s/m]
-    TOTAL,  # rope that passed before, since the start of the communication step [m]
-    IS_MASSLESS,  # 1: a drum without mass that feels the tension of the first segment only
-    TURNED_BACK,  # 1: such a drum has turned round under friction, which holds it
-    SIGN,  # of the speed that friction knows; 0 without friction, and where either may be
-    IS_HELD,  # 1: it does not move in this piece of time
-    IS_BRAKED,  # 1: nothing that it holds is whole
+    BY_SPEED,  # slope of the opposing force by the speed, at the start of the step [N s/m]
+    TOTAL,  # rope passed since the start of the communication step, before `settle` [m]
+    IS_MASSLESS,  # 1: a massless drum, driven only by the tension of the first segment
+    TURNED_BACK,  # 1: a massless drum has reversed under friction, which now holds it
+    SIGN,  # sign of the speed in the friction law; 0 without friction or if undetermined
+    IS_HELD,  # 1: at rest in this piece of time
+    IS_BRAKED,  # 1: all its lines are broken
     LOSS,  # E of a sheave at a stage [-]
-    PULLED,  # sum of the forces of the ropes without friction, their magnitudes, and those it sets against them [N]
+    PULLED,  # rope forces without friction, their magnitudes, opposing forces [N]
     AGAINST,
     MAGNITUDE,
-    EVENT,  # that has happened after a step, and the room that is left until it, below 0
+    EVENT,  # event that happened in a step, and its margin (below 0)
     ROOM,
-    STARTED,  # how often it began to move while it was sought which do
-    KEPT,  # PASSED_NOW, SPEED_NOW and GAIN_NOW of a step that is tried
+    STARTED,  # how often it was started while `events.turn` searched
+    KEPT,  # PASSED_NOW, SPEED_NOW and GAIN_NOW of a trial step
     # fixed steps
-    REACHED,  # PASSED and SPEED where the step, or its stage, starts
+    REACHED,  # PASSED and SPEED at the start of the step or stage
     REACHED_SPEED,
-    START_SPEED,  # at the start of a step of three stages [m/s], and rope there [m]
+    START_SPEED,  # speed [m/s] and rope [m] at the start of a three-stage step
     START_PASSED,
-    ONWARD_PASSED,  # the start of the third stage but for the result of the second one
+    ONWARD_PASSED,  # start of the third stage without the result of the second
     ONWARD_SPEED,
-    BEFORE,  # speeds in the last stage but one, and in the one before it [m/s]
+    BEFORE,  # speeds in the last but one stage and in the one before [m/s]
     LONG_BEFORE,
-    KEEPS,  # sign of the speed that friction does not let turn round in the step, 0: it may
-    LOWEST,  # limits of the speed in the iteration [m/s]
+    KEEPS,  # sign that friction keeps the speed from changing in the step; 0: free
+    LOWEST,  # speed limits in the iteration [m/s]
     HIGHEST,
-    WAY,  # how the speed is sought in the iteration, and its value where that is given [m/s]
+    WAY,  # assumed state in the iteration, and its speed if prescribed [m/s]
     SOUGHT,
-    CHANGE,  # by how much the last iteration changed it [m/s]
-    IS_FOUND,  # 1 if it was found as it was sought, and the tensions are close; else 0
+    CHANGE,  # change in the last iteration [m/s]
+    IS_FOUND,  # 1 if the assumed state was confirmed and tensions converged; else 0
     _,
     COORDINATE,
 ) = places_of(*[1] * 15, STAGES, *[1] * 16, 3, *[1] * 15, 1)
 
-COUNT, IS_KNOWN, HEADER = 0, 1, 2  # of the global unknowns: how many coordinates; whether tensions are those of the states
+COUNT, IS_KNOWN, HEADER = 0, 1, 2  # global unknowns: number of coordinates; whether tensions match the states
 
 Room = namedtuple("Room", "numbers columns weights ropes z stage_z own")
 Room.__doc__ = """Scratch arrays of a line.
 
-numbers : see `line/strand_room.py`.  columns : of its ends, see `linear_algebra.condensed`.  weights, ropes : see there.
+numbers, weights, ropes : see `line/strand_room.py`.  columns : of its ends, see `linear_algebra.condensed`.
 z, stage_z : accelerations of the nodes at the start of the step and at a stage [m/s2], interleaved.
-own : of the methods, see `own_size`.
-"""
+own : arrays of the methods, see `own_size`."""
 Globals = namedtuple("Globals", "header right solution accelerations matrix")
 Globals.__doc__ = """Scratch arrays of m = 3 (free points) + coordinates unknowns.
 
-header : COUNT, ...  right, solution, accelerations : of all, m.
-matrix : `Profile`. The numbers of all coordinates stand behind the header, see `coordinate_at`.
-"""
+header : COUNT, ...  right, solution, accelerations : m numbers each.
+matrix : `Profile`. The numbers of all coordinates follow the header, see `coordinate_at`."""
 
 # --- sizes
 
 
 @kernel
 def own_size(n):
-    """Length of the room of both methods: a Rosenbrock step, whose arrays hold rows and columns of both, and a fixed one.
+    """Length of the arrays of a line for both methods: Rosenbrock steps (with rows and columns of both) and fixed steps.
 
-    They share `arrays.shared_arrays`, at its start.
+    Both start with `arrays.shared_arrays`.
     """
     return fixed_at(n) + second_order.workspace_size(n)
 
 
 @kernel
 def fixed_at(n):
-    """Place of the other arrays of a fixed step in it, an even number."""
+    """Offset of the other arrays of a fixed step, an even number."""
     size = rosenbrock.workspace_size(n)
     return size + size % 2
 
 
 @kernel
 def line_work_size(n):
-    """Length of what a line of n segments needs of `work`: an even number, so that pairs lie within a line of the cache."""
+    """Length of a line of n segments in `work`: an even number, so that pairs do not cross cache lines."""
     size = CONDITIONS + condensed.columns_size(n) + NUMBERS + own_size(n) + 4 * (n + 1) + ropes_size(n)
     size += 2 * interleaved_size(n)
     return size + size % 2
@@ -165,7 +163,7 @@ def line_work_size(n):
 
 @kernel
 def globals_size(points, band, coordinates):
-    """Length of what so many free points with this band, and coordinates at most, need of `work`."""
+    """Length of the global arrays in `work`, for these numbers of free points and coordinates (maximum), and this band."""
     m = 3 * points + coordinates
     size = HEADER + 5 * m + 2 * profile_size(points, band, coordinates) + COORDINATE * coordinates
     return size + size % 2
@@ -173,13 +171,13 @@ def globals_size(points, band, coordinates):
 
 @kernel
 def profile_size(points, band, coordinates):
-    """Most numbers of one triangle of their matrix."""
+    """Maximum number of entries in one triangle of the global matrix."""
     return 9 * points * (band + 1) + coordinates * (3 * points + coordinates)
 
 
 @kernel
 def most_coordinates(system):
-    """How many coordinates a system may have."""
+    """Maximum number of coordinates of a system."""
     return number_in(system.plan, places.SHEAVES) + lines_of(system)
 
 
@@ -200,7 +198,7 @@ def room_in_step(system, k):
 
 @view
 def numbers_of(system, k):
-    """Numbers of line k, at the places above."""
+    """Numbers of line k, indexed by the constants above."""
     return part(behind(CONDITIONS, room_of(system, k)), 0, NUMBERS)
 
 
@@ -271,25 +269,25 @@ def coordinate_at(system, j):
 
 @view
 def speeds_of(own):
-    """What the stages make of the speed of a coordinate [m/s], from its numbers."""
+    """Stage increments U of the speed of a coordinate [m/s], from its numbers."""
     return part(own, SPEEDS, STAGES)
 
 
 @kernel
 def count_of(system):
-    """How many coordinates a system has, in a communication step that has begun."""
+    """Number of coordinates of a system, within a communication step."""
     return int(system.work[number_in(system.plan, places.SHEAVES_WORK) + COUNT])
 
 
 @kernel
 def unknowns_of(system):
-    """How many global unknowns: three of each free point, then one of each coordinate."""
+    """Number of global unknowns: three per free point, then one per coordinate."""
     return 3 * free_points(system) + count_of(system)
 
 
 @kernel
 def line_of(system, j):
-    """The line before a sheave, or that carries a drum."""
+    """Line before a sheave, or line that carries a drum."""
     return int(coordinate_at(system, j)[LINE]) if lines_of(system) > 1 else 0
 
 
@@ -307,7 +305,7 @@ def is_free(system, j):
 
 @kernel
 def count_free(system):
-    """How many may."""
+    """Number of coordinates that may move in this piece of time."""
     count = 0
     for j in range(count_of(system)):
         count += is_free(system, j)
@@ -316,25 +314,25 @@ def count_free(system):
 
 @kernel
 def is_held(system, k, end):
-    """Whether a coordinate lets rope into line k over an end, in a piece of time in which any of the line moves."""
+    """Whether a coordinate lets rope into line k over an end, in a piece of time in which such a coordinate moves."""
     return holders_of(system, k, end) > 0 and numbers_of(system, k)[RUNS] != 0.0
 
 
 @kernel
 def has_rope(system, k):
-    """Whether one does over either end."""
+    """Whether a coordinate lets rope in over either end, in such a piece of time."""
     return numbers_of(system, k)[RUNS] != 0.0
 
 
 @kernel
 def is_rope(system, k):
-    """Whether line k has holders, at rest or not."""
+    """Whether line k has holders, moving or not."""
     return holders_of(system, k, 0) + holders_of(system, k, 1) > 0
 
 
 @kernel
 def holders_of(system, k, end):
-    """How many do over an end."""
+    """Number of holders of an end of line k."""
     if end == 1 and not has_sheaves(system):
         return 0
     return int(numbers_of(system, k)[HOLDERS + end])
@@ -342,7 +340,7 @@ def holders_of(system, k, end):
 
 @kernel
 def holder(system, k, end, i):
-    """Number of the coordinate that is holder i of an end of line k, and its weight."""
+    """Holder i of an end of line k: the number of its coordinate, and its weight."""
     if not has_coordinates(system):
         return int(numbers_of(system, k)[DRUM]), 1.0
     place = at.MOST_HOLDERS * end + i
@@ -351,7 +349,7 @@ def holder(system, k, end, i):
 
 @kernel
 def weight_of(system, j, k, end):
-    """Weight [-] of coordinate j at an end of line k; 0 where it is no holder."""
+    """Weight [-] of coordinate j at an end of line k; 0 if it is not a holder."""
     total = 0.0
     for i in range(holders_of(system, k, end)):
         which, weight = holder(system, k, end, i)
@@ -361,13 +359,13 @@ def weight_of(system, j, k, end):
 
 @kernel
 def growth_of(system, j, k):
-    """By how much coordinate j makes line k longer for each metre that passes [-]."""
+    """Lengthening of line k per metre that passes coordinate j [-]."""
     return weight_of(system, j, k, 0) + weight_of(system, j, k, 1)
 
 
 @kernel
 def let_in(system, k, end, which):
-    """Sum over the holders of an end of line k of their weights times one of their numbers."""
+    """Sum over the holders of an end of line k of weight times the number `which`."""
     total = 0.0
     for i in range(holders_of(system, k, end)):
         j, weight = holder(system, k, end, i)
@@ -377,16 +375,16 @@ def let_in(system, k, end, which):
 
 @kernel
 def let_in_over_both(system, k, which):
-    """The same over both ends: what they make of the length of line k."""
+    """Sum of `let_in` over both ends: the effect on the length of line k."""
     return let_in(system, k, 0, which) + let_in(system, k, 1, which)
 
 
-# --- the start of a communication step
+# --- start of a communication step
 
 
 @kernel
 def begin_coordinates(system):
-    """Let all lines, points and coordinates (modified) begin a communication step with their states."""
+    """Begin a communication step of all lines, points and coordinates (modified) from their states."""
     header, count = globals_of(system).header, 0
     header[COUNT] = header[IS_KNOWN] = 0.0
     for k in range(lines_of(system)):
@@ -414,7 +412,7 @@ def begin_coordinates(system):
 
 @kernel
 def begin_sheave(system, k, own):
-    """Numbers of the sheave at the end of line k (modified)."""
+    """Initialize the numbers of the sheave at the end of line k (modified)."""
     parameters, state = parameters_of(system, k), state_of(system, k)
     has_losses = parameters[at.SHEAVE_FRICTION] > 0.0 or parameters[at.SHEAVE_EFFICIENCY] != 1.0
     clear(own)
@@ -424,7 +422,7 @@ def begin_sheave(system, k, own):
 
 @kernel
 def begin_drum(system, k, own):
-    """Numbers of the drum that line k carries (modified)."""
+    """Initialize the numbers of the drum that line k carries (modified)."""
     conditions, state = conditions_of(system, k), state_of(system, k)
     drum = drum_of(conditions.parameters, conditions.force, conditions.force_rate)
     clear(own)
@@ -439,7 +437,7 @@ def begin_drum(system, k, own):
 
 @kernel
 def hold_by(system, k, end, j, weight):
-    """Let coordinate j be one more holder of an end of line k (modified)."""
+    """Add coordinate j to the holders of an end of line k (modified)."""
     numbers, count = numbers_of(system, k), holders_of(system, k, end)
     place = at.MOST_HOLDERS * end + count
     numbers[HOLDERS + end], numbers[HOLDER + place], numbers[WEIGHT + place] = count + 1.0, j, weight
@@ -447,7 +445,7 @@ def hold_by(system, k, end, j, weight):
 
 @kernel
 def take_holders(system, k):
-    """Holders of both ends of line k (modified). What they pay out is no function of time."""
+    """Holders of both ends of line k (modified); their payout is not a function of time."""
     numbers, parameters = numbers_of(system, k), parameters_of(system, k)
     numbers[HOLDERS] = numbers[HOLDERS + 1] = 0.0
     numbers[FACTOR] = numbers[FACTOR + 1] = 1.0
@@ -469,7 +467,7 @@ def take_holders(system, k):
 
 @kernel
 def take_weights(system, k):
-    """`Weights` of line k (modified). Beyond the gap of a line that has let go, the part of its start falls below 0."""
+    """`Weights` of line k (modified). Beyond the gap of a line that was released, the share of its start is negative."""
     n, conditions, own, of_start = segments_of(system, k), conditions_of(system, k), weights_of(system, k), 1.0
     for i in range(n + 1):
         if i == n and not is_freed(system, k):
@@ -483,7 +481,7 @@ def take_weights(system, k):
 
 @kernel
 def find_profile(system):
-    """Profile of the matrix of all global unknowns (modified): those at a line meet each other."""
+    """Profile of the matrix of all global unknowns (modified): unknowns on the same line are coupled."""
     m, points, matrix = unknowns_of(system), 3 * free_points(system), globals_of(system).matrix
     for i in range(m):
         matrix.first[i] = i - i % 3 if i < points else i
@@ -497,7 +495,7 @@ def find_profile(system):
 
 @kernel
 def join_ends(system, k, end, other, matrix):
-    """Let the profile (modified) have what an end of line k has of unknowns with those of an end."""
+    """Extend the profile (modified) by the coupling between the unknowns of two ends of line k."""
     points = 3 * free_points(system)
     if is_at_point(system, k, end):
         for axis in range(3):
@@ -516,7 +514,7 @@ def join_ends(system, k, end, other, matrix):
 
 @kernel
 def take_brake(system, j):
-    """Brake a drum (modified) that holds nothing that is whole."""
+    """Brake a drum (modified) if all its lines are broken."""
     own, held = coordinate_at(system, j), 0
     for k in range(lines_of(system)):
         for end in range(2):
@@ -532,7 +530,7 @@ def take_brake(system, j):
 
 @kernel
 def take_running(system):
-    """Let lines (modified) whose holders are all held in a piece of time be chains without ropes."""
+    """Treat lines (modified) whose holders are all at rest in a piece of time as chains without ropes."""
     for k in range(lines_of(system)):
         if is_rope(system, k):
             count = 0
@@ -545,7 +543,7 @@ def take_running(system):
 
 @kernel
 def let_all_run(system):
-    """Let all lines with holders (modified) have ropes."""
+    """Treat all lines with holders (modified) as lines with ropes."""
     for k in range(lines_of(system)):
         if is_rope(system, k):
             numbers_of(system, k)[RUNS] = 1.0
@@ -553,7 +551,7 @@ def let_all_run(system):
 
 @kernel
 def settle(system):
-    """Let what has passed belong to the lengths of lines (modified), so that these hold without coordinates."""
+    """Add the passed rope to the lengths of the lines (modified), so that these are complete without coordinates."""
     for k in range(lines_of(system)):
         if is_rope(system, k):
             come_in, reeling = let_in_over_both(system, k, PASSED), conditions_of(system, k).reeling
@@ -569,7 +567,7 @@ def settle(system):
 
 @kernel
 def take_rates(system, k, time):
-    """Length of line k, and rates, gains, rests and inertias of both ends, at a time [s] from the coordinates (modified)."""
+    """Length of line k; rates, gains, rests and inertias of both ends, from the coordinates at a time [s] (modified)."""
     numbers, reeling = numbers_of(system, k), conditions_of(system, k).reeling
     numbers[LENGTH] = winch.length_at(reeling, time)
     for end in range(2):
@@ -592,7 +590,7 @@ def take_rates(system, k, time):
 
 @view
 def chain_at_stage(system, k):
-    """`Chain` of line k, into which coordinates let rope, at a stage; without the forces of rope that flows."""
+    """`Chain` of line k with rope coordinates at a stage, without flow forces."""
     numbers, conditions = numbers_of(system, k), conditions_of(system, k)
     motion = numbers[LENGTH], numbers[RATE] + numbers[RATE + 1], 0.0, (-0.0, -0.0)
     return chain_with_flow(conditions.n, conditions.parameters, *motion, conditions.wind, False)
@@ -600,7 +598,7 @@ def chain_at_stage(system, k):
 
 @view
 def chain_with_rope(system, k):
-    """The same with these forces, where dampers see the strain."""
+    """`Chain` of line k at a stage with flow forces, where dampers see the strain."""
     numbers, conditions = numbers_of(system, k), conditions_of(system, k)
     leaving = -numbers[RATE + 1], -numbers[GAIN + 1]
     motion = numbers[LENGTH], numbers[RATE] + numbers[RATE + 1], numbers[GAIN] + numbers[GAIN + 1]
@@ -611,7 +609,7 @@ def chain_with_rope(system, k):
 
 @view
 def chain_now(system, k, time):
-    """`Chain` of line k at a time [s] of the communication step; with coordinates as at the stage."""
+    """`Chain` of line k at a time [s] of the communication step, with coordinates at the stage."""
     if has_rope(system, k):
         return chain_with_rope(system, k)
     return chain_during(conditions_of(system, k), time)
@@ -619,7 +617,7 @@ def chain_now(system, k, time):
 
 @view
 def chain_reached(system, k, time, which):
-    """`Chain` of line k with rope that its coordinates have let in, one of their numbers; at a time [s], as if at rest."""
+    """`Chain` of line k at a time [s], as if at rest, with the rope that its coordinates let in (number `which`)."""
     conditions = conditions_of(system, k)
     return chain_with(conditions, winch.length_at(conditions.reeling, time) + let_in_over_both(system, k, which), 0.0)
 
@@ -633,30 +631,30 @@ def chain_of_state(system, k, time):
     return chain_with(conditions, length, rate)
 
 
-# --- what moves
+# --- moving lines
 
 
 @kernel
 def has_free_nodes(system, k):
-    """Whether any node of line k moves freely."""
+    """Whether line k has a free node."""
     conditions = conditions_of(system, k)
     return conditions.first <= conditions.last
 
 
 @kernel
 def has_longest(system, k):
-    """Whether a drum pays out line k, up to a longest length."""
+    """Whether a drum limits the length of line k."""
     return is_turned(system, k) or has_own_drum(system, k)
 
 
 @kernel
 def moves(system, k):
-    """Whether line k takes part in a step: a node moves freely, or rope may run in or out."""
+    """Whether a step integrates line k: a node is free, or rope may run in or out."""
     return has_free_nodes(system, k) or is_rope(system, k)
 
 
 def any_line(holds):
-    """The kernel that says whether something holds for any line; holds : the kernel that says it of one."""
+    """Return a kernel that tests whether any line meets a condition; holds : kernel that tests one line."""
 
     @kernel
     def of_system(system):
@@ -676,8 +674,7 @@ does_any_move, is_any_rope = any_line(moves), any_line(has_rope)
 Step = namedtuple("Step", "time h kind turns")
 Step.__doc__ = """A fixed step: its start [s] in the communication step, h [s], its kind (`backward_euler.start`).
 
-turns : whether the speeds of coordinates are found in it; else rope runs as fast as in the last iteration.
-"""
+turns : whether coordinate speeds are unknowns; else the rope speed of the last iteration is kept."""
 
 
 @view

@@ -1,17 +1,16 @@
-"""One step of Rodas4P of all lines, free points and rope coordinates at once: 0 = r(q, v, z, t), q' = v, v' = z.
+"""One Rodas4P step of all lines, free points and rope coordinates together: 0 = r(q, v, z, t), q' = v, v' = z.
 
     (r_z/d + r_v + d r_q) y = -r + r_z (z + inertia/h) + r_v rest - gamma_i h r_t,   d = h gamma
 
-q changes by d y in a stage, v by V = y - rest, with the sums of `line/rosenbrock.py` for nodes and coordinates alike, and
+A stage changes q by d y and v by V = y - rest; nodes and coordinates use the same sums (`line/rosenbrock.py`), and
 
     z_i = OF_START_i z_0 + sum_j OF_SPEEDS_ij V_j/h
 
-are the accelerations at a stage, so that no matrix of masses is solved there. z_0 is found once in a step, and only where it
-counts (`net.find_accelerations`). A line without ropes takes no accelerations: the rows of its nodes are multiplied by
-m_0/m, with the masses of the start and of the stage, by which z drops out. Its ends at free points, which other lines share,
-have them.
+are the accelerations at a stage, so stages need no mass matrix. z_0 is computed once per step, and only if it has an effect
+(`net.find_accelerations`). A line without ropes needs no accelerations: its node rows are multiplied by m_0/m (masses at the
+start and at the stage), which eliminates z. Only its ends at free points, which it shares with other lines, have them.
 
-A free point stands at the end of each of its lines: same numbers, same arithmetic, same motion.
+Each line has its own copy of its free points: same numbers, same arithmetic, same motion.
 """
 
 from ..compilation import kernel, view
@@ -48,7 +47,7 @@ from .room import (
 
 @kernel
 def coordinates_to_stage(system, stage, h):
-    """Rope that has passed, speeds and accelerations of all coordinates at a stage (modified)."""
+    """Passed rope, speeds and accelerations of all coordinates at a stage (modified)."""
     for j in range(count_of(system)):
         own = coordinate_at(system, j)
         speed, speeds = own[room.SPEED], room.speeds_of(own)
@@ -65,7 +64,7 @@ def coordinates_to_stage(system, stage, h):
 
 @kernel
 def end_stage_of_coordinates(system, stage, h):
-    """Take the solution of a stage to all coordinates (modified)."""
+    """Apply the solution of a stage to all coordinates (modified)."""
     solution, points = globals_of(system).solution, 3 * free_points(system)
     for j in range(count_of(system)):
         own, p = coordinate_at(system, j), solution[points + j]
@@ -77,12 +76,12 @@ def end_stage_of_coordinates(system, stage, h):
             own[room.SPEED_NOW] += increment
 
 
-# --- the matrix of a step
+# --- matrix of a step
 
 
 @kernel
 def begin_line(system, k, time, h):
-    """Let line k (modified) begin a step: argument and forces of stage 0, derivatives of them; False if it has no length."""
+    """Begin a step of line k (modified): argument, forces and derivatives of stage 0; False if the line has no length."""
     x, v = motion_of(system, k)
     if has_rope(system, k):
         take_rates(system, k, time)
@@ -102,7 +101,7 @@ def begin_line(system, k, time, h):
 
 @kernel
 def is_any_reeling(system):
-    """Whether the unstretched length of any line changes as a function of time."""
+    """Whether the unstretched length of any line is a function of time."""
     count = 0
     for k in range(lines_of(system)):
         count += winch.is_reeling(conditions_of(system, k).reeling)
@@ -111,7 +110,7 @@ def is_any_reeling(system):
 
 @kernel
 def prepare(system, time, h):
-    """Matrix of a step of all lines and unknowns, with stage 0 begun; False if it is singular or a line has no length."""
+    """Begin stage 0 and form the matrix of a step; False if it is singular or a line has no length."""
     room.take_running(system)
     is_rope = is_any_rope(system)
     coordinates_to_stage(system, 0, h)
@@ -133,7 +132,7 @@ def prepare(system, time, h):
 
 @kernel
 def form_matrix(system, time, d):
-    """The matrix from what all lines have begun (modified); False if it is singular."""
+    """Matrix from the lines that `begin_line` has prepared (modified); False if it is singular."""
     for k in range(lines_of(system)):
         if has_rope(system, k):
             x, v = motion_of(system, k)
@@ -161,12 +160,12 @@ def form_matrix(system, time, d):
     return net.factorize(system)
 
 
-# --- ends at free points of lines that reel
+# --- ends of reeling lines at free points
 
 
 @kernel
 def begin_ends(system, k, time):
-    """Let ends of line k at free points, which reels, count with their accelerations at the start of the step (modified)."""
+    """Add the acceleration terms of a reeling line's ends at free points at the start of the step (modified)."""
     conditions, own = conditions_of(system, k), strand_of(system, k)
     net.put_accelerations_of_points(system, k)
     if winch.is_reeling(conditions.reeling):
@@ -182,7 +181,7 @@ def begin_ends(system, k, time):
 
 @kernel
 def share_forces(system, k, stage, h):
-    """The same at a stage: as `rosenbrock.without_damping` multiplies the force there by m_0/m, it becomes F m/m_0 + ..."""
+    """Like `begin_ends`, at a stage: `rosenbrock.without_damping` multiplies the force by m_0/m, hence F m/m_0 + ..."""
     own = strand_of(system, k)
     strand.add_up_accelerations(own, stage, h, 1)
     for end in range(2):
@@ -198,7 +197,7 @@ def share_forces(system, k, stage, h):
 
 @kernel
 def start_stage(system, k, stage, time, h):
-    """Argument and forces of a stage of line k, at a time [s], but the first (modified); False if it has no length."""
+    """Argument and forces of line k at a stage after the first, at a time [s] (modified); False if it has no length."""
     if has_rope(system, k):
         take_rates(system, k, time)
         if not numbers_of(system, k)[LENGTH] > 0.0:
@@ -219,7 +218,7 @@ def start_stage(system, k, stage, time, h):
 
 @kernel
 def reduce_line(system, k, stage, time, h):
-    """Right-hand side of a stage of line k, condensed; what is left of it into that of the global unknowns (modified)."""
+    """Condense the right-hand side of line k at a stage and add it to the global right-hand side (modified)."""
     n, w = segments_of(system, k), integrator_of(system, k)
     if has_rope(system, k):
         strand.right_hand_side(strand_of(system, k), stage, h)
@@ -234,7 +233,7 @@ def reduce_line(system, k, stage, time, h):
 
 @kernel
 def solve_stage(system, stage, start, time, h):
-    """Solve a stage at a time [s] of all lines, whose forces are known; start : of the step [s]."""
+    """Solve a stage of all lines at a time [s], with known forces; start : of the step [s]."""
     net.begin_right(system, stage, time, h)
     for k in range(lines_of(system)):
         if moves(system, k):
@@ -254,8 +253,8 @@ def solve_stage(system, stage, start, time, h):
 def step(system, time, h):
     """One step of h [s] of all lines from their states at a time [s] of the communication step; False if it is singular.
 
-    The results stand in the scratch space of the lines: x and v, with their error estimates U_x/d in q and U_v in
-    velocity_error, and in the numbers of coordinates.
+    Results are left in the scratch space of the lines (x and v, error estimates U_x/d in q and U_v in velocity_error) and
+    in the numbers of the coordinates.
     """
     if not prepare(system, time, h):
         return False
@@ -275,7 +274,7 @@ def step(system, time, h):
 
 @kernel
 def take_results(system, end):
-    """Results of the step that ends at a time [s], of all lines (modified); False if one has no length."""
+    """Results of all lines for the step that ends at a time [s] (modified); False if a line has no length."""
     for k in range(lines_of(system)):
         if moves(system, k):
             rosenbrock.take_result(conditions_of(system, k), end, integrator_of(system, k))
@@ -291,7 +290,7 @@ def take_results(system, end):
 
 @view
 def whole_masses(system, k, w):
-    """Let the free ends of line k have the masses of their points [kg] (modified), for what judges and corrects a step."""
+    """Set the masses of line k's free ends to the point masses [kg] (modified), for error control and corrections."""
     for end in range(2):
         if is_at_point(system, k, end):
             w.mass[segments_of(system, k) * end] = points_of(system).mass[point_at(system, k, end)]
@@ -299,9 +298,9 @@ def whole_masses(system, k, w):
 
 @view
 def collect_changes(system, k, before, w):
-    """Add what changed the velocities of the free ends of line k since `before` [m/s] to `Points.change`, and undo it.
+    """Move velocity changes of line k's free ends since `before` [m/s] into `Points.change`, and count them.
 
-    before : of start and end.  Returns how many have changed.
+    before : velocities of start and end.  The ends get their earlier velocities back.
     """
     changed = 0
     for end in range(2):
@@ -317,7 +316,7 @@ def collect_changes(system, k, before, w):
 
 @kernel
 def apply_changes(system, k):
-    """Add `Points.change` [m/s] to the velocities of the free ends of line k in the result of the step (modified)."""
+    """Add `Points.change` [m/s] to the velocities of the free ends of line k in the step result (modified)."""
     for end in range(2):
         if is_at_point(system, k, end):
             change = get(points_of(system).change, point_at(system, k, end))

@@ -1,4 +1,4 @@
-"""What is at rest: a chain (Newton's method, its starts, tensions at its ends), a continuous elastic line, free points.
+"""Equilibrium: chains (Newton's method, its starts, end tensions), a continuous elastic line, free points.
 
 Imports `step`, `equations` and `linear_algebra`.
 """

@@ -1,16 +1,16 @@
-"""Newton's linear system of a chain in equilibrium, solved from its ground end by adding up compliances.
+"""Newton's linear system of a chain in equilibrium, solved from its ground end by accumulating compliances.
 
-Segment s joins node p to node q. It pulls at p with P more than its tension T e, its drag on each of them changes by F:
+Segment s joins node p to node q. Its pull at p increases by P above its tension T e, its drag on each node changes by F:
 
     dx_q - dx_p = E P - g e,           E = e e/k + (l/T) (1 - e e),   g = l - l0 - T/k
     F = (G + H) (dx_q - dx_p) + 2 H dx_p,     H: change of the half drag with the mean position of its nodes
 
-The chain up to p gives way to its load by dx_p = C (P + F) + d. So dx_p = M P + m, and the balance of node q with its
-residual f_q, its own dF_q/dx_q = R and the load L of what follows,
+The chain up to p yields to its load by dx_p = C (P + F) + d. So dx_p = M P + m, and the balance of node q with its
+residual f_q, its own dF_q/dx_q = R and the load L of the rest of the chain,
 
     -P + F + f_q + R dx_q + L = 0,
 
-gives P = Z (L + y) and the compliance of the chain up to q: C = (M + E) Z. Nothing cancels in these sums, however stiff the
+yields P = Z (L + y) and the compliance of the chain up to q: C = (M + E) Z. Nothing cancels in these sums, however stiff the
 segments are, while in `block_tridiagonal.py` T/l drowned in the rounding errors of k at k l/T = 1e8.
 """
 
@@ -54,7 +54,7 @@ def drag_slopes(record):
 
 @kernel
 def gather(body, pseudo_damping, w):
-    """From the ground to the kite: M, Z, m and Z y of all segments into their arrays of w, see `solve`."""
+    """M, Z, m and Z y of all segments, from the ground to the kite, into their arrays of w; see `solve`."""
     n = len(w.tension)
     compliance = ZERO_MATRIX
     displaced = ZERO_VECTOR
@@ -92,11 +92,11 @@ def gather(body, pseudo_damping, w):
 
 @kernel
 def solve(body, pseudo_damping, w):
-    """Motions of the nodes [m] into w.move and changes of the tensions [N] into w.change (both modified).
+    """Displacements of the nodes [m] into w.move and tension changes [N] into w.change (both modified).
 
-    `Body`, pseudo-damping of every node [N/m]. From the node masses w.mass [kg], the
-    residual forces w.force with the tensions as they are [N], and w.records as `newton.linearize` makes them, but with E in
-    the place of K and the gap g in that of the damper. w.response, w.transfer, w.offset, w.share get M, Z, m and Z y.
+    `Body`, pseudo-damping of every node [N/m]. Uses the node masses w.mass [kg], the
+    residual forces w.force at the present tensions [N], and w.records from `newton.linearize`, with E in place of K
+    and the gap g in place of the damper. w.response, w.transfer, w.offset, w.share receive M, Z, m and Z y.
     """
     gather(body, pseudo_damping, w)
     n = len(w.tension)

@@ -1,12 +1,12 @@
-"""A compressed chain, which stands on its end: found by its shape, and left sideways.
+"""A compressed chain, which stands on its end: detected by its shape, and abandoned sideways.
 
-Where all segments are parallel, each is a spring T/l across them, in series between the held ends. Such springs with one
+If all segments are parallel, each is a lateral spring T/l, in series between the fixed ends. Such springs with one
 negative one among them are stable only if it is softer than all others together, with two never. So the chain is in
 equilibrium but unstable if
 
     all segments are parallel, and T < 0 in two segments, or in one and sum_s l/T > 0.
 
-It leaves to the side, in a direction that depends on nothing but its own: towards x, or towards y if it stands along x.
+It is moved sideways, in a direction that depends only on its own: towards x, or towards y if it stands along x.
 Source: docs/models/numerics.md, "Compressed chains".
 """
 
@@ -18,11 +18,11 @@ from ..equations.properties import has_node_winds, node_wind, property_of, rest_
 from ..linear_algebra.vectors import add_scaled, cross, dot, get, norm, put, scale, sub
 
 COMPRESSED = 1e-9  # compression, relative to the length, above which a segment counts as compressed
-PUSHING = 1e-11  # force over EA, from which on it pushes: that of the default slack_stiffness_ratio at this compression
+PUSHING = 1e-11  # force over EA above which it pushes: at the default slack_stiffness_ratio and COMPRESSED
 PARALLEL = 1e-2  # angle [rad] to the first segment up to which a shape in equilibrium counts as straight
-NEARLY_NEUTRAL = 1e-3  # sum of l/T over that of its sizes, up to which one compressed segment is held by the others
-EXACTLY = 1e-6  # angle [rad] up to which a chain in motion is straight, and nothing moves it sideways
-NUDGE = 1e-4  # how far it is then moved sideways, over the length of a segment: the default tolerance of its solver
+NEARLY_NEUTRAL = 1e-3  # sum of l/T over the sum of |l/T| up to which the others hold one compressed segment
+EXACTLY = 1e-6  # angle [rad] up to which a moving chain is straight without a sideways force
+NUDGE = 1e-4  # sideways displacement over segment length: the solver's default tolerance
 
 
 @kernel
@@ -49,9 +49,9 @@ def is_unstable(chain, x, angle):
         return False
     first = sub(get(x, 1), get(x, 0))
     compressed = 0
-    compliance = 0.0  # across, of all segments in series [m/N]
+    compliance = 0.0  # lateral compliance of all segments in series [m/N]
     size = 0.0
-    idle = False  # whether a segment pulls at nothing: then nothing holds the others across
+    idle = False  # whether a segment has no tension: it does not hold the others laterally
     for s in range(chain.n):
         length, e = segment.geometry(sub(get(x, s + 1), get(x, s)))
         if not is_along(e, first, angle):
@@ -69,7 +69,7 @@ def is_unstable(chain, x, angle):
 
 @kernel
 def sideways(a):
-    """Direction across a vector: that of the x axis as far as it can be, or of the y axis if the vector is along x."""
+    """Direction perpendicular to a vector: closest to the x axis, or to the y axis if the vector is along x."""
     _, e = segment.geometry(a)
     axis = (0.0, 1.0, 0.0) if e[0] * e[0] > 0.9 else (1.0, 0.0, 0.0)
     across = add_scaled(axis, -dot(axis, e), e)
@@ -88,7 +88,7 @@ def is_moved_along(n, e, v):
 
 @kernel
 def is_blown_along(chain, e):
-    """Whether the wind is along the direction e, or zero, at all nodes; without air it is."""
+    """Whether the wind at all nodes is along the direction e, or zero, or absent."""
     density = chain.parameters[at.AIR_DENSITY]
     if not has_node_winds(chain):
         return is_along(e, scale(density, chain.wind), EXACTLY)
@@ -101,9 +101,9 @@ def is_blown_along(chain, e):
 
 @kernel
 def leave(chain, x, v):
-    """Move the inner nodes of x [m] (modified) a little sideways if the chain is compressed and nothing else moves it there.
+    """Move the inner nodes of x [m] (modified) a little sideways if the chain is compressed and no sideways force acts.
 
-    That is where its weight, the wind and the velocities of its nodes v [m/s] are along it, or zero.
+    That is if its weight, the wind and the node velocities v [m/s] are along it, or zero.
     """
     _, e = segment.geometry(sub(get(x, 1), get(x, 0)))
     weight = node_loads.free_acceleration(chain)

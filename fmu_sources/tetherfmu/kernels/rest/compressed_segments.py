@@ -1,17 +1,17 @@
 """A slack chain in equilibrium with compressed segments: pseudo-transient continuation with tensions of either sign.
 
-In a fold that hangs straight up and down, the segment at the bottom stands across and is compressed by the weight of its
-neighbours. Its stiffness across, T/l, is below zero, and the others hold it. Where Newton's method keeps T above zero, it
-falls by a factor in each iteration, and in the end nothing holds the segment across. If the chain is so stiff that the
-positions have not come to rest by then, they never do. So T may change its sign here (`newton.EITHER_SIGN`).
+In a fold that hangs straight down, the bottom segment lies across and is compressed by the weight of its neighbours. Its
+lateral stiffness T/l is negative, and the other segments hold it. Newton's method with T > 0 reduces T by a factor in each
+iteration, and finally nothing holds the segment laterally. If the chain is so stiff that the positions have not converged
+by then, they never do. T may therefore change its sign here (`newton.EITHER_SIGN`).
 
-What is found is an equilibrium, but it may be unstable, as it may be with any compressed segment. So implicit steps of the
-linear equations are made from it with a fixed damping c,
+The solution is an equilibrium, but it may be unstable, as with any compressed segment. So implicit steps of the
+linear equations follow with a fixed damping c,
 
     (c - dF/dx) dx_next = c dx,
 
 in which an unstable motion grows: 0 < lambda < 2 c for an eigenvalue lambda of dF/dx. If one does, the chain is moved along
-it, and sought again from there. Source: docs/models/numerics.md, "Initial shape".
+it, and the search is repeated from there. Source: docs/models/numerics.md, "Initial shape".
 """
 
 from ..compilation import kernel
@@ -19,19 +19,19 @@ from ..linear_algebra.vectors import add_scaled, get, put
 from . import compliance, newton
 from .rigid_body import SPRINGS, loads
 
-MOST_TRIALS = 3  # equilibria that are looked at
-GROWTH_DAMPING = 10.0  # c over the stiffness that the loads alone give a node
-GROWTH_STEPS = 1000  # of which the second half shows whether a motion grows
-AWAY = 0.1  # how far an unstable equilibrium is left, over the length of a segment
+MOST_TRIALS = 3  # number of equilibria to test
+GROWTH_DAMPING = 10.0  # c over the load stiffness of a node
+GROWTH_STEPS = 1000  # the second half shows whether a motion grows
+AWAY = 0.1  # displacement from an unstable equilibrium, over the segment length
 
 
 @kernel
 def grows(body, load_stiffness, w):
-    """Whether any small motion of the body in equilibrium grows; it is left in w.move, of the norm 1 (modified)."""
+    """Whether any small motion of the body in equilibrium grows; w.move (modified) receives this motion, with norm 1."""
     n = body.chain.n
     damping = GROWTH_DAMPING * load_stiffness
     loads(body, SPRINGS, w.tension, w.mass, w.force)
-    newton.step_by_compliance(body, newton.loosest(body, load_stiffness), damping, w)  # for the records of where the body is
+    newton.step_by_compliance(body, newton.loosest(body, load_stiffness), damping, w)  # for the records at these positions
     for k in range(3, 3 * n):
         w.move[k] = (k * k) % 7 - 3.0  # a motion without any symmetry
     growth = 1.0
@@ -52,7 +52,7 @@ def grows(body, load_stiffness, w):
 def find(body, load_stiffness, w):
     """Equilibrium from a first guess in the body [m] and w.tension [N] (both modified): (found, iterations).
 
-    A stable one, if the trials come to it.  load_stiffness : stiffness [N/m] that the loads alone give a node.
+    It is stable if the trials suffice.  load_stiffness : stiffness [N/m] of a node due to the loads alone.
     """
     away = AWAY * body.chain.length / body.chain.n
     is_kept, iterations = False, 0

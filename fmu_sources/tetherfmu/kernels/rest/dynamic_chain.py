@@ -1,4 +1,4 @@
-"""What the dynamic tether and the lines of a system share: the first shape of a chain between its ends, and its outputs."""
+"""Shared code of the dynamic tether and the lines of a system: initial shape of a chain between its ends, and outputs."""
 
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import plausibility as limits
@@ -19,9 +19,9 @@ from .rigid_body import straighten
 
 @kernel
 def initialize(n, parameters, shape, state, work):
-    """Give a new state (modified) a shape, as `initial_shape` has it; returns a status: OK or NO_EQUILIBRIUM.
+    """Put a new state (modified) into its `initial_shape`; returns a status: OK or NO_EQUILIBRIUM.
 
-    Where none is found that moves with its ends, it is the one at rest, which is noted.
+    If no shape that moves with its ends exists, use the shape at rest, and note it.
     """
     x, v = positions_and_velocities(n, state)
     chain = chain_of(n, parameters, state)
@@ -33,7 +33,7 @@ def initialize(n, parameters, shape, state, work):
     w = newton.workspace(n, work)
     if shape == at.QUASI_STEADY:
         status = solve.settle(n, parameters, state, False, w)
-        if status == OK or norm(get(v, 0)) + norm(get(v, n)) == 0.0:  # at rest it is that shape
+        if status == OK or norm(get(v, 0)) + norm(get(v, n)) == 0.0:  # at rest the shape is the same
             return status
         note(state, limits.STARTED_AT_REST, 1.0, 0.0)
     ground_velocity, kite_velocity = get(v, 0), get(v, n)
@@ -47,7 +47,7 @@ def initialize(n, parameters, shape, state, work):
 
 @kernel
 def outputs_of(n, parameters, state, shape_points, outputs, work):
-    """Write all outputs (modified) that belong to a state."""
+    """Write all outputs (modified) of a state."""
     x, v = positions_and_velocities(n, state)
     _, _, mass, _ = shared_arrays(n, work)
     outputs_of_chain(chain_of(n, parameters, state), state, x, v, shape_points, outputs, mass)

@@ -7,13 +7,13 @@ the kite end). With the tension (H, V - w L/2) at the ground end and (H, V + w L
     a = H L/EA + H/w (asinh(V2/H) - asinh(V1/H))
     b = V L/EA + (T2 - T1)/w,         V1,2 = V -+ w L/2,  T = sqrt(H^2 + V^2)
 
-The two equations say that the complementary energy  integral (T + T^2/2EA) ds - a H - b V  is stationary in (H, V). It is
+The two equations state that the complementary energy  integral (T + T^2/2EA) ds - a H - b V  is stationary in (H, V). It is
 convex, so Newton's method with a line search on it finds the only solution from any start, slack or taut.
 
-V2 - V1 is w L, but where V is hundreds of w L, the difference of the two rounded numbers is so only for every other V. There
-the span of neighbouring numbers V jumps to and fro by more than the span is solved for. And where the tether is stretched
-to dozens of times its length, rounding of the energy stops the line search. So where Newton's method has not ended after
-`USUAL_ITERATIONS`, it continues with w L itself and a line search that allows for that.
+V2 - V1 is w L, but if V is hundreds of w L, the difference of the two rounded numbers is exact only for every other V. The
+span at neighbouring numbers V then alternates by more than the required accuracy. If the tether is stretched to dozens of
+times its length, rounding of the energy stops the line search. If Newton's method has not ended after
+`USUAL_ITERATIONS`, it therefore continues with w L itself and a line search with a rounding tolerance.
 
 Source: H. M. Irvine, Cable Structures (1981), section 1.3; docs/models/theory.md, "Elastic catenary".
 """
@@ -29,25 +29,25 @@ from ..linear_algebra.vectors import add, add_scaled, cross, dot, norm, scale
 from ..step.outputs import away_from_chord, place_along_chord, wave_time
 
 MOST_ITERATIONS = 60  # of Newton's method
-USUAL_ITERATIONS = 20  # that it needs at most, but for rounding
+USUAL_ITERATIONS = 20  # maximum without rounding problems
 MOST_HALVINGS = 40  # of one step of it
-DECREASE = 1e-4  # of the slope that a step must bring (Armijo's rule)
-TAUTNESS = 0.999  # chord over length below which the first guess is that of an inextensible line
-LEAST = 1e-300  # what is divided by
+DECREASE = 1e-4  # part of the slope that a step must achieve (Armijo's rule)
+TAUTNESS = 0.999  # chord over length below which the first guess is inextensible
+LEAST = 1e-300  # lower limit of divisors
 ROUNDING = 4e-15  # of the span and the rise in units of the length
-SAMPLES = 24  # pieces of the catenary in which wave time and sag are found
-HALVINGS = 40  # of the two pieces in which it is farthest from its chord
+SAMPLES = 24  # pieces of the catenary for wave time and sag
+HALVINGS = 40  # of the two pieces with the largest distance from the chord
 
 
 @kernel
 def end_tensions(h, v1, v2):
-    """Tensions at the ends: across the load h, along it v1 and v2."""
+    """Tensions at the ends: h across the load, v1 and v2 along it."""
     return sqrt(h * h + v1 * v1), sqrt(h * h + v2 * v2)
 
 
 @kernel
 def end_loads(v, exact):
-    """v1, v2 and v2 - v1 of a line with v at mid-length, in units of w L; the difference 1 or as the two are rounded."""
+    """v1, v2 and v2 - v1 of a line with v at mid-length, in units of w L; the difference is exactly 1 or rounded."""
     v1, v2 = v - 0.5, v + 0.5
     return v1, v2, 1.0 if exact else v2 - v1
 
@@ -67,7 +67,7 @@ def asinh_difference(h, v1, v2, rise):
 
 @kernel
 def gap(h, v, a, b, elasticity, exact):
-    """What the span of the tension (h, v) at mid-length, in units of w L, is longer than (a, b), in units of L.
+    """Span for the tension (h, v) at mid-length, in units of w L, minus (a, b), in units of L.
 
     exact : see `end_loads`.
     """
@@ -90,7 +90,7 @@ def energy(h, v, a, b, elasticity, exact):
 
 @kernel
 def energy_rounding(h, v, a, b, elasticity, exact):
-    """What the line search allows for rounding of `energy`: that of the tension, if exact of all of its terms."""
+    """Rounding tolerance of `energy` in the line search: of the tension, or if exact of all its terms."""
     if exact:
         return ROUNDING * (1.0 + elasticity + (1.0 + a + abs(b)) * (h + abs(v)))
     return ROUNDING * (1.0 + h + abs(v))
@@ -182,7 +182,7 @@ def solve(span, rise, load, length, axial_stiffness):
 
 @kernel
 def load_frame(a, load):
-    """Size of a load, its direction, and the parts of a vector against it and across it; also the length of the latter."""
+    """Size of a load, its direction, and the components of a vector against and across it; also the length of the latter."""
     size = max(norm(load), LEAST)
     down = scale(1.0 / size, load)
     against = -dot(a, down)
@@ -232,7 +232,7 @@ def point(arc, horizontal, ground_vertical, load, axial_stiffness):
 
 @kernel
 def farthest_between(low, high, start, ground, chord, tension, load, stiffness):
-    """Distance [m] from the chord where it is largest between two arcs [m]: (t - s q) . a = 0, with a from the chord."""
+    """Largest distance [m] from the chord between two arcs [m], where (t - s q) . a = 0, with a from the chord."""
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
         away = away_from_chord(point_in_space(start, tension, load, middle, stiffness), ground, chord)
@@ -247,12 +247,12 @@ def farthest_between(low, high, start, ground, chord, tension, load, stiffness):
 def crossing_and_sag(line, start, length, ground, chord, tension, load):
     """Wave time [s] and largest distance [m] from the chord of a part of a catenary.
 
-    Where it starts [m], its unstretched length [m], ground end of the chord [m], chord [m], tension vector at the start [N],
+    Its start [m], its unstretched length [m], ground end of the chord [m], chord [m], tension vector at the start [N],
     load per unstretched length [N/m].
     """
     stiffness = property_of(line, 0, at.STIFFNESS)
     piece = length / SAMPLES
-    # beside its chord the tether is farthest from it where it is parallel to it: (t - s q) x c = 0; hanging from ends one
+    # beside its chord the distance is largest where the tether is parallel to it: (t - s q) x c = 0; with one end
     # above the other, in its fold: (t - s q) . q = 0
     bending = cross(load, chord)
     parallel = dot(cross(tension, chord), bending) / max(dot(bending, bending), LEAST)
@@ -274,7 +274,7 @@ def crossing_and_sag(line, start, length, ground, chord, tension, load):
         if distance > sag:
             sag, farthest = distance, middle
     place = place_along_chord(point_in_space(start, tension, load, farthest, stiffness), ground, chord)
-    if min(place, 1.0 - place) * norm(chord) <= 2.0 * longest:  # it may be farthest beyond an end of the chord
+    if min(place, 1.0 - place) * norm(chord) <= 2.0 * longest:  # the distance may be largest beyond an end of the chord
         low, high = max(0.0, farthest - piece), min(length, farthest + piece)
         sag = max(sag, farthest_between(low, high, start, ground, chord, tension, load, stiffness))
     return crossing, sag

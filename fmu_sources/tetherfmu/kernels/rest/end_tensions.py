@@ -1,11 +1,11 @@
-"""Tensions at the ends of a chain in equilibrium that is too stiff for its positions to hold its strain.
+"""End tensions of a chain in equilibrium that is too stiff to derive its strain from positions.
 
 A position x is a number with the relative error eps = 2^-52, so the tension of a spring between two positions has the error
 
     eps |x| EA/l0        (4.6 mN at EA = 1e12 N, 500 m and 25 m)
 
-The loads of the nodes have not: with them, the tension vectors follow from that of the first segment, and that one from the
-span of the chain (`hanging_chain.py`). Where the tether is slack, an error of the span changes them by little.
+The node loads do not have this error: they yield all tension vectors from the first, and the span of the chain yields the
+first (`hanging_chain.py`). If the tether is slack, an error of the span changes them little.
 Source: docs/models/numerics.md, "Stiff tethers".
 """
 
@@ -20,23 +20,23 @@ from ..linear_algebra.vectors import ZERO_VECTOR, cross, dot, get, norm, put_at,
 from . import hanging_chain, newton
 from .rigid_body import NO_PULL, loads
 
-HELD = 1e-6  # error of a tension over the larger one at the ends, up to which positions hold it
+HELD = 1e-6  # error of a tension over the larger end tension up to which positions suffice
 FAINTEST = 1e-9  # eps of `hanging_chain.py` over the larger tension
-CLOSED = 1e-15  # gap of the chain over its length at which it spans the chord
+CLOSED = 1e-15  # gap over the length of the chain at which it spans the chord
 OPEN = 1e-12  # gap above which it does not
-ALIKE = 1e-4  # angle [rad] between a tension vector and its segment, above which another shape was found: one in compression
+ALIKE = 1e-4  # angle [rad] between tension vector and segment that indicates another, compressed shape
 
 
 @kernel
 def rounding(chain, s, reach):
-    """Error [N] of the tension of segment s with its nodes as far from the origin as `reach` [m]."""
+    """Tension error [N] of segment s with its nodes up to `reach` [m] from the origin."""
     rest = rest_length(chain, s)
     return newton.ROUNDING * (reach + rest) * property_of(chain, s, at.STIFFNESS) / rest
 
 
 @kernel
 def are_held(body, w):
-    """Whether the positions of the body hold the tensions w.tension [N] of its first and last segment."""
+    """Whether the positions of the body determine the tensions w.tension [N] of its first and last segment."""
     n = body.chain.n
     reach = max(norm(get(body.x, 0)), norm(get(body.x, n)))
     error = max(rounding(body.chain, 0, reach), rounding(body.chain, n - 1, reach))
@@ -62,7 +62,7 @@ def is_along_segment(body, s, tension):
 
 @kernel
 def from_loads(body, w):
-    """Tension vectors of the first and of the last segment and the largest tension [N]; and whether they are found.
+    """Tension vectors of the first and the last segment and the largest tension [N]; and whether they were found.
 
     The body is in equilibrium with tensions near w.tension [N]; w.load (modified).
     """
@@ -84,7 +84,7 @@ def from_loads(body, w):
 
 @kernel
 def forget(state):
-    """Leave the tensions at the ends to the positions in the state (modified)."""
+    """Mark the end tensions in the state (modified) as determined by positions."""
     put_at(state, at.GROUND_TENSION_VECTOR, ZERO_VECTOR)
     put_at(state, at.KITE_TENSION_VECTOR, ZERO_VECTOR)
     state[at.MISSING_TENSION] = 0.0
@@ -92,7 +92,7 @@ def forget(state):
 
 @kernel
 def store(body, state, w):
-    """Tension vectors at the ends of the body in equilibrium into the state (modified) if its positions do not hold them."""
+    """Store the end tension vectors of the body at rest in the state (modified) if positions do not determine them."""
     forget(state)
     if body.chain.n == 1 or are_held(body, w):
         return

@@ -11,7 +11,7 @@ from .compressed_chain import sideways
 from .rigid_body import NO_PULL, load_of, loads, straighten
 
 LIGHTEST = 1e-12  # mean load over EA below which the first guess is a straight line
-FAINTEST_STRAIN = 1e-9  # of this straight line, at least
+FAINTEST_STRAIN = 1e-9  # lower limit of the strain of this straight line
 PERTURBATION, LEAST_PERTURBATION = 0.01, 1e-6  # load from the side over the mean load; at least, over EA
 
 
@@ -26,7 +26,7 @@ def axial_compliance(chain):
 
 @kernel
 def is_loaded(chain, load):
-    """Whether a mean load per unstretched length [N/m] is enough to give the chain a shape."""
+    """Whether a mean load per unstretched length [N/m] is large enough to shape the chain."""
     return load * chain.length * axial_compliance(chain) > LIGHTEST
 
 
@@ -46,9 +46,9 @@ def first_tension_guess(chain, chord, load):
 
 @kernel
 def perturbation_load(chain, chord, load):
-    """Load per unstretched length [N/m] from the side of a compressed chain.
+    """Lateral load per unstretched length [N/m] on a compressed chain.
 
-    Across its mean load [N/m], without load across its chord [m].
+    Perpendicular to its mean load [N/m], or without load to its chord [m].
     """
     least = LEAST_PERTURBATION / (chain.length * axial_compliance(chain))
     size = norm(load)
@@ -57,10 +57,10 @@ def perturbation_load(chain, chord, load):
 
 @kernel
 def hang_under_mean_load(body, perturbed, w):
-    """Hang the chain under the mean of the loads w.load [N] of its nodes (positions, w.tension, w.load modified).
+    """Hang the chain under the mean of the node loads w.load [N] (positions, w.tension, w.load modified).
 
-    A point mass at the kite end is held by that end and does not pull at the chain.
-    perturbed : whether under a `perturbation_load` from the side, too.
+    A point mass at the kite end is supported there and does not load the chain.
+    perturbed : whether a `perturbation_load` is added.
     """
     chain, x = body.chain, body.x
     mean = ZERO_VECTOR
@@ -80,10 +80,10 @@ def hang_under_mean_load(body, perturbed, w):
 
 @kernel
 def guess(body, perturbed, w):
-    """Positions of the inner nodes [m] and w.tension [N] (both modified) to start from.
+    """Initial positions of the inner nodes [m] and w.tension [N] (both modified).
 
-    perturbed : whether away from a compressed chain, see `hang_under_mean_load`.
-    Returns the stiffness [N/m] that the loads alone give a node: their mean over the length of a segment.
+    perturbed : whether to avoid a compressed chain, see `hang_under_mean_load`.
+    Returns the stiffness [N/m] of a node due to the loads alone: their mean over the segment length.
     """
     straighten(body.chain, body.x)
     loads(body, NO_PULL, w.tension, w.mass, w.load)

@@ -1,21 +1,21 @@
-"""Elastic catenary that lies on a flat, rigid ground with a part of its length: lengths in units of L, forces of q L.
+"""Elastic catenary with a part of its length on a flat, rigid ground: lengths in units of L, forces in units of q L.
 
-The load q per unstretched length is uniform: n down and g along the ground, n^2 + |g|^2 = 1. From the point where the tether
-touches the ground a part of length h hangs up to an end at the height z. Its tension at s from there is u - g s along the
+The load q per unstretched length is uniform: n down and g along the ground, n^2 + |g|^2 = 1. From the touchdown point a
+part of length h hangs up to an end at the height z. Its tension at s from there is u - g s along the
 ground and n s up, together T. Its horizontal extent x and its height are, with c = u.g and e = q L/EA,
 
     x = u J - g K + e (u h - g h^2/2),   J = int ds/T = asinh((h - c)/p) + asinh(c/p),   p^2 = |u|^2 - c^2
     z = n K + e n h^2/2,                 K = int s ds/T = T(h) - T(0) + c J
 
-The part on the ground, of length l = 1 - h_high - h_low, is straight. The ground carries n per length and holds what the
-load pulls sideways; by friction the tension falls from H at the side of the higher end to H_low at the other one:
+The part on the ground, of length l = 1 - h_high - h_low, is straight. The ground carries n per length and resists the
+sideways load; friction reduces the tension from H at the side of the higher end to H_low at the other side:
 
     H_low = max(0, H - F),   F = m n l*,   l* = 1 - h_high(H) - h_low(H),   S = l + e int_0^l max(0, H - F s/l) ds
 
-l* is l but where both ends are above the ground; there statics leave F open, as long as it is not above m n l. Unknown are
+l* is l unless both ends are above the ground; statics then leave F open up to m n l. The unknowns are
 H and the direction d of the part on the ground: v = S d with v = D - x_high + x_low and the horizontal chord D from the low
-end to the high one. For each H the direction is that of v; v.d - S falls with H. Where it is negative for H = 0, the tether
-is slack: more of it lies on the ground than is needed from one end to the other.
+end to the high one. For each H the direction equals the direction of v; v.d - S decreases with H. If it is negative for
+H = 0, the tether is slack: the part on the ground is longer than the distance it spans.
 
 Source: J. M. Jonkman, Dynamics Modeling and Loads Analysis of an Offshore Floating Wind Turbine, NREL/TP-500-41958 (2007),
 section 2.6; docs/models/theory.md, "Catenary on the ground".
@@ -30,28 +30,26 @@ from ..motion import secant
 from .elastic_catenary import LEAST, asinh_difference
 
 MOST_LENGTHS = 60  # Newton iterations for the length of a hanging part
-MOST_TURNS = 40  # of the part on the ground, with one tension
-MOST_TENSIONS = 320  # that are tried
+MOST_TURNS = 40  # rotations of the part on the ground per tension
+MOST_TENSIONS = 320  # maximum number of trials
 GROWTH = 4.0  # of the tension over the one before, at most
-LEAST_TENSION = 1e-6  # that is tried first
+LEAST_TENSION = 1e-6  # first trial
 LARGEST_TURN = 1.0  # [rad]
 ROUNDING = 1e-15
 EXACT = 1e-16  # of the length
 GREATEST_GAP = 1e-9  # of the length, of a solution
 
 Grounded = namedtuple("Grounded", "dx dy low high gx gy n elasticity friction")
-Grounded.__doc__ = """What a tether on the ground is held by, in units of L and q L.
+Grounded.__doc__ = """Boundary conditions of a tether on the ground, in units of L and q L.
 
 dx, dy : horizontal chord D from the low end to the high one.  low, high : heights of the ends above the ground.
-gx, gy, n : load along the ground g and down.  elasticity : e.  friction : m n.
-"""
+gx, gy, n : load along the ground g and down.  elasticity : e.  friction : m n."""
 
 Parts = namedtuple("Parts", "high low lying low_tension friction vx vy spread")
 Parts.__doc__ = """A tether with a tension and a direction on the ground, in units of L and q L.
 
 high, low, lying : lengths that hang from the ends and lie on the ground.  low_tension : H_low.  friction : F/l.
-vx, vy : v, what the part on the ground has to span.  spread : rate at which -v.d_across turns with the direction d.
-"""
+vx, vy : v, the span of the part on the ground.  spread : rate at which -v.d_across rotates with the direction d."""
 
 
 @kernel
@@ -83,7 +81,7 @@ def calm_length(tension, height, load):
 
 @kernel
 def hanging_length(ux, uy, height, load):
-    """Length of the part that hangs below an end at a height, with the tension (ux, uy) where it touches the ground."""
+    """Length of the part that hangs below an end at a height, with the tension (ux, uy) at its touchdown point."""
     if height <= 0.0:
         return 0.0
     h = calm_length(sqrt(ux * ux + uy * uy), height, load)
@@ -134,7 +132,7 @@ def lying_span(tension, friction, lying, elasticity):
 
 @kernel
 def excess(tension, ex, ey, parts, load):
-    """By how much the distance of the points where a tether touches the ground exceeds its length between them."""
+    """Distance of the touchdown points minus the length between them."""
     return ex * parts.vx + ey * parts.vy - lying_span(tension, parts.friction, parts.lying, load.elasticity)
 
 
@@ -148,7 +146,7 @@ def rotated(x, y, angle):
 
 @kernel
 def turned(tension, ex, ey, load):
-    """Direction of the part on the ground with a tension at its high side, from a first guess of it; and `Parts`."""
+    """Direction of the part on the ground with a tension at its high side, from a first guess; and `Parts`."""
     parts = parts_with(tension, ex, ey, load)
     if load.gx == 0.0 and load.gy == 0.0:
         return ex, ey, parts
@@ -199,7 +197,7 @@ def scene_of(ground, kite, load, length, axial_stiffness, friction, plane):
     """`Grounded` of a tether, the size of its load [N/m], and whether the kite is its low end.
 
     Ground end [m], kite [m], load per unstretched length [N/m], unstretched length [m], EA [N], friction coefficient, height
-    of the ground [m]. Where both ends are above the ground, friction acts with the part (high - low)/(high + low).
+    of the ground [m]. If both ends are above the ground, friction acts with the part (high - low)/(high + low).
     """
     size = max(norm(load), LEAST)
     dx, dy = (kite[0] - ground[0]) / length, (kite[1] - ground[1]) / length
@@ -214,7 +212,7 @@ def scene_of(ground, kite, load, length, axial_stiffness, friction, plane):
 
 @kernel
 def pull_of(ux, uy, h, unit, load):
-    """Force [N] on the end above a part of length h that hangs, with the tension u where it touches the ground."""
+    """Force [N] on the end above a hanging part of length h, with the tension u at its touchdown point."""
     return unit * (h * load.gx - ux), unit * (h * load.gy - uy), 0.0 - unit * h * load.n
 
 
@@ -222,8 +220,8 @@ def pull_of(ux, uy, h, unit, load):
 def hang_on_ground(ground, kite, load, length, axial_stiffness, friction, plane, guess):
     """Forces of the tether on its ground end and on its kite end [N], length on the ground [m], number of tensions tried.
 
-    guess : tension vector of the tether where it is lowest, without the ground [N].  The others : see `scene_of`. The number
-    is -1 if none is found.
+    guess : tension vector at the lowest point of the tether, without the ground [N].  Other arguments : see `scene_of`.
+    The number is -1 if none was found.
     """
     scene, size, kite_is_low = scene_of(ground, kite, load, length, axial_stiffness, friction, plane)
     unit = size * length

@@ -1,16 +1,16 @@
-"""A taut chain under given node loads: convex, so it is always found.
+"""A taut chain under given node loads: a convex problem, so the solution is always found.
 
 The tension vectors t_s of the segments follow from the first one and the loads f_i of the inner nodes,
 
     t_s = t_0 - f_1 - ... - f_s,
 
-and the chain of these segments, each along its t_s and l0 (1 + |t_s|/EA) long, must span the chord c. That is where the
+and the chain of these segments, each along its t_s and of length l0 (1 + |t_s|/EA), must span the chord c. This is where the
 complementary energy of the chain,
 
     sum_s l0 (|t_s| + |t_s|^2/(2 EA)) - t_0 . c,
 
 is stationary in t_0. It is strictly convex, so Newton's method with a line search reaches the only solution from any start.
-|t| is rounded off to sqrt(t^2 + eps^2) with eps far below the loads: a segment without tension has no direction.
+|t| is smoothed to sqrt(t^2 + eps^2) with eps far below the loads: a segment without tension has no direction.
 """
 
 from math import inf, sqrt
@@ -23,10 +23,10 @@ from ..linear_algebra.vectors import add_scaled, dot, get, norm, put, scale, sub
 
 MOST_ITERATIONS = 60  # of Newton's method
 MOST_HALVINGS = 40  # of one step of it
-LEAST = 1e-100  # |t| [N] that is divided by, also to the third power
+LEAST = 1e-100  # smallest divisor |t| [N], also to the third power
 FLAT = 1e-13  # increase of the energy that is rounding, relative
 SLACKEST = 1e-3  # eps over the mean node load
-CLOSED = 1e-3  # gap of the chain over its length that a first guess may have; Newton's method in `newton.py` does the rest
+CLOSED = 1e-3  # largest gap of a first guess over the chain length; `newton.py` does the rest
 
 
 @kernel
@@ -80,10 +80,10 @@ def solve_symmetric(h, b):
 
 @kernel
 def march(chain, first_tension, eps, load, x, tension):
-    """Lay the segments one after the other from the ground end, each along its tension vector.
+    """Place the segments one after the other from the ground end, each along its tension vector.
 
     First tension vector [N], eps [N], node loads [N]. The inner nodes of x [m] and the segment
-    tensions [N] are modified. Returns where the march ends [m] and the last tension vector [N].
+    tensions [N] are modified. Returns the end point [m] and the last tension vector [N].
     """
     t = first_tension
     position = get(x, 0)
@@ -99,9 +99,9 @@ def march(chain, first_tension, eps, load, x, tension):
 
 @kernel
 def solve(chain, first_tension, eps, chord, load, closed):
-    """First tension vector [N] of the chain with this chord [m] under given node loads, from a guess of it; and the gap [m].
+    """First tension vector [N] of the chain with this chord [m] under given node loads, from a guess; and the gap [m].
 
-    eps [N]; closed : gap over the length of the chain at which it is good enough.
+    eps [N]; closed : acceptable gap over the chain length.
     """
     t = first_tension
     value, gap, hessian = energy(chain, t, eps, chord, load)

@@ -1,24 +1,24 @@
-"""Continuation: an equilibrium where there is one at hand, led by one number, its level, to the level 1, where it is sought.
+"""Continuation: from an equilibrium that is easy to solve to the required one, by one number, its level, up to 1.
 
-Each equilibrium is the start of the next one. The ratio of a level to the one before grows while Newton's method
-succeeds; where it fails, the root of it is tried. What the level p is:
+Each equilibrium is the start of the next one. The ratio of successive levels grows while Newton's method
+succeeds; if it fails, the square root of the ratio is tried. The level p means:
 
-LOADS : wind, velocities of the ends, omega and s are p times the given ones; drag and inertia p^2 times. Where drag
-    stretches a tether, it sweeps more air with nodes that are farther out and faster, so that drag grows again; the first
-    guess knows the loads of the straight line only. Where the equilibria end at a level below 1, however fine its steps,
+LOADS : wind, end velocities, omega and s are multiplied by p; drag and inertia by p^2. Drag that
+    stretches a tether exposes more of it to faster air, so drag grows again; the first
+    guess includes the loads of the straight line only. If the equilibria end at a level below 1, however fine the steps,
     there is none: drag that grows with the square of the distance from the ground end outgrows tension, which grows
     linearly.
-STIFFNESS : all EA are p times the given ones. Where both ends are almost together, or weight is next to nothing, the chain
-    hangs in a fold whose segments hardly feel a tension, while the least error of a position presses or pulls them with many
-    times their load. What remains of the chain without that is its shape, and it is almost the same at a smaller stiffness.
-LAYER : the wind grows linearly in a layer above z = 0 (`air.py`), `THINNEST`/p thick. Below z = 0 there is none, just above
-    the power law (z/h)^alpha has most of it: at 1 mm, with an exponent of 0.08 and h = 6 m, half. A segment at that height
-    is lifted where it has wind, and sinks where it has none: Newton's method moves it up and down without end, and the
-    equilibrium may need a height above 0 that is less than the rounding error of a position. If a segment is in the
-    thinnest layer in the end, it has between none and all of the wind there.
-GROUND : p times the stiffness of the ground, the first so small that the lowest node sinks to where it hangs.
+STIFFNESS : all EA are multiplied by p. If both ends almost coincide, or the weight is almost zero, the chain
+    hangs in a fold with hardly any tension, while the smallest position error loads its segments with many
+    times their load. The shape that remains is almost the same at a smaller stiffness.
+LAYER : the wind grows linearly in a layer above z = 0 (`air.py`), `THINNEST`/p thick. It is zero below z = 0, but
+    the power law (z/h)^alpha rises steeply just above: to half at 1 mm, with an exponent of 0.08 and h = 6 m. A segment at
+    that height is lifted in the wind and sinks without it: Newton's method moves it up and down without end, and the
+    equilibrium may need a height above 0 that is less than the rounding error of a position. A segment that finally is
+    in the thinnest layer is exposed to between none and all of the wind there.
+GROUND : the ground stiffness is multiplied by p, initially so small that the lowest node sinks to its hanging position.
 
-Where a segment snaps aside or out of the layer, the next equilibrium is not near: pseudo-transient continuation follows it.
+If a segment snaps aside or out of the layer, the next equilibrium is not near: pseudo-transient continuation follows it.
 Source: docs/models/numerics.md, "Initial shape".
 """
 
@@ -38,12 +38,12 @@ from .rigid_body import Body
 
 LOADS, STIFFNESS, LAYER, GROUND = range(4)
 FIRST = np.array((1.1, 10.0, 2.0, 4.5))  # ratio of a level to the one before, at the start
-GROWTH, LESS = 1.5, np.array((0.5, 0.0, 0.0, 0.0))  # factor on the ratio after an equilibrium, and what is taken off
+GROWTH, LESS = 1.5, np.array((0.5, 0.0, 0.0, 0.0))  # factor on the ratio after an equilibrium, and subtrahend
 LARGEST = np.array((1.3, 10.0, 10.0, 10.0))  # at most
-SMALLEST = np.array((1.001, 1.5, 1.05, 1.01))  # below it, the equilibria have come to an end
+SMALLEST = np.array((1.001, 1.5, 1.05, 1.01))  # below it, there are no further equilibria
 SNAPPING = 2.0  # ratio below which the next equilibrium may not be near
-MOST_LEVELS = 60  # that are tried; it needs 3 to 30
-THINNEST = 1e-3  # layer [m] in the end
+MOST_LEVELS = 60  # maximum; 3 to 30 suffice
+THINNEST = 1e-3  # final layer [m]
 
 
 @view
@@ -71,9 +71,9 @@ def at_level(kind, body, level, w):
 
 @kernel
 def relax_at(kind, body, level, is_slow, change, load_stiffness, w):
-    """Equilibrium at a level from that in w.kept and w.kept_tension: (found, Newton iterations).
+    """Equilibrium at a level from the one in w.kept and w.kept_tension: (found, Newton iterations).
 
-    is_slow : whether by pseudo-transient homotopy.  change : of the place of the equilibrium, over w.load.
+    is_slow : whether by pseudo-transient homotopy.  change : displacement of the equilibrium, over w.load.
     load_stiffness : see `newton.relax`.
     """
     other = at_level(kind, body, level, w)
@@ -92,12 +92,12 @@ def relax_at(kind, body, level, is_slow, change, load_stiffness, w):
 
 @kernel
 def lead(kind, body, level, load_stiffness, most, w):
-    """Lead the equilibrium at a level, in the body and in w.tension (both modified), towards the level 1.
+    """Continue the equilibrium at a level, in the body and in w.tension (both modified), towards level 1.
 
-    load_stiffness : stiffness [N/m] that the loads alone give a node; 0: by Newton's method alone.
-    most : Newton iterations after which it ends.
-    Returns whether the level 1 has been reached, and the number of Newton iterations. The last equilibrium is in w.kept and
-    w.kept_tension, too.
+    load_stiffness : stiffness [N/m] of a node due to the loads alone; 0: by Newton's method alone.
+    most : limit of Newton iterations.
+    Returns whether level 1 was reached, and the number of Newton iterations. w.kept and w.kept_tension contain the last
+    equilibrium, too.
     """
     newton.keep(body, w)
     clear(w.load)

@@ -1,11 +1,11 @@
-"""A chain that lies on the ground where without it the equilibrium would hang below.
+"""A chain that lies on the ground where it would otherwise hang below it.
 
-From the equilibrium without ground it is led there over ever stiffer grounds (`homotopy.GROUND`).
+The equilibrium without ground is continued over ever stiffer grounds (`homotopy.GROUND`).
 
-A chain that is longer than its ends' heights and their horizontal distance together has no tension where it lies, and any
-curve on the ground is an equilibrium: the continuation then ends in a chain in compression, or nowhere. `pile` puts one of
-these equilibria together, and load continuation adapts it to the wind. Such a pile does not turn with the kite, and its
-friction holds it where it was put. Source: docs/models/numerics.md, "Initial shape".
+A chain longer than the heights of its ends plus their horizontal distance has no tension on the ground, and any
+curve on the ground is an equilibrium: the continuation then ends in a compressed chain, or fails. `pile` constructs one of
+these equilibria, and load continuation adapts it to the wind. Such a pile does not turn with the kite; friction keeps it at
+its initial position. Source: docs/models/numerics.md, "Initial shape".
 """
 
 from math import inf, pi, sqrt
@@ -21,22 +21,22 @@ from ..linear_algebra.vectors import ZERO_VECTOR, get, put, sub
 from . import homotopy, newton
 from .rigid_body import Body
 
-LIGHTEST = 0.125  # level of the loads at which a pile is first brought to rest
-MOST_COMPRESSION = 1e-3  # compression of a segment that lies over the weight of the chain, above which it is no solution
-MOST_TIGHTENED = 2.0  # tension on the ground over that without it and all friction together
-LONG, FEW = 1.2, 4.0  # over the distance of the feet, and in segments: what lies of a chain that is far too long
-HALVINGS = 60  # of the interval in which the curvature of an arc is sought
+LIGHTEST = 0.125  # level of the loads for the first equilibrium of a pile
+MOST_COMPRESSION = 1e-3  # compression of a lying segment over the chain's weight that rules out a solution
+MOST_TIGHTENED = 2.0  # tension on the ground over tension without ground plus all friction
+LONG, FEW = 1.2, 4.0  # length on the ground of a far too long chain: over the distance of the feet, in segments
+HALVINGS = 60  # of the interval for the curvature of an arc
 
 
 @view
 def on(body, ground):
-    """The body on another `Ground`."""
+    """A copy of the body on another `Ground`."""
     return Body(body.chain, body.spin, body.extension_rate, body.x, body.v, ground, body.anchor, False)
 
 
 @kernel
 def deepest(body):
-    """How far below the ground the lowest inner node is [m]; 0 if none is."""
+    """Depth [m] of the lowest inner node below the ground; 0 if none is."""
     depth = 0.0
     for i in range(1, body.chain.n):
         depth = max(depth, body.ground.height - body.x[3 * i + 2])
@@ -45,7 +45,7 @@ def deepest(body):
 
 @kernel
 def weight_of(body, w):
-    """Weight of the chain [N], without what its ends carry beside."""
+    """Weight of the chain [N], without point masses at its ends."""
     n = body.chain.n
     mass = -point_mass(body.chain, 0) - point_mass(body.chain, n)
     for i in range(n + 1):
@@ -68,7 +68,7 @@ def is_compressed(body, w):
 
 @kernel
 def by_sinking(body, w):
-    """From the equilibrium without ground in the body (modified) to that on its ground: (found, Newton iterations)."""
+    """From the equilibrium without ground in the body (modified) to the one on its ground: (found, Newton iterations)."""
     newton.keep(body, w)
     softest = min(1.0, body.chain.gravity / (deepest(body) * body.ground.hardness))
     found, iterations = homotopy.relax_at(homotopy.GROUND, body, softest, False, 0.0, 0.0, w)
@@ -90,9 +90,9 @@ def slowly(body, w):
 
 @kernel
 def by_piling(body, level, w):
-    """From the first guess of a chain with too much length: (found, iterations).
+    """From the first guess of an overlong chain: (found, iterations).
 
-    level : at which the continuation of the loads begins.
+    level : initial level of the load continuation.
     """
     if not pile(body, w):
         return False, 0
@@ -109,7 +109,7 @@ def by_piling(body, level, w):
 
 @kernel
 def is_long(body):
-    """Whether far more of the chain lies than fits between its feet: no turning draws it tight."""
+    """Whether the chain on the ground is far longer than the distance of its feet: no turning draws it tight."""
     start, end, height = get(body.x, 0), get(body.x, body.chain.n), body.ground.height
     lying = body.chain.length - max(0.0, start[2] - height) - max(0.0, end[2] - height)
     across = sub(end, start)
@@ -119,7 +119,7 @@ def is_long(body):
 
 @kernel
 def largest(tension):
-    """The largest of some tensions [N]."""
+    """The largest of several tensions [N]."""
     most = 0.0
     for s in range(len(tension)):
         most = max(most, tension[s])
@@ -128,7 +128,7 @@ def largest(tension):
 
 @kernel
 def find(body, hangs, w):
-    """An equilibrium on the ground: (found, Newton iterations); hangs : whether the body has that without ground."""
+    """An equilibrium on the ground: (found, Newton iterations); hangs : whether the body is at rest without ground."""
     copy(body.x, w.hung)
     copy(w.tension, w.hung_tension)
     found, iterations = False, 0
@@ -139,7 +139,7 @@ def find(body, hangs, w):
         copy(w.hung_tension, w.tension)
         found, more = by_sinking(body, w)
         iterations += more
-        # friction adds no more than its part of the weight; a chain that turns may find another equilibrium, far out
+        # friction adds at most its share of the weight; a turning chain may find another, distant equilibrium
         friction = body.ground.friction * weight_of(body, w)
         found = found and not is_compressed(body, w)
         found = found and largest(w.tension) <= MOST_TIGHTENED * (largest(w.hung_tension) + friction)
@@ -152,7 +152,7 @@ def find(body, hangs, w):
 
 @kernel
 def hanging_nodes(body, end, way, w):
-    """How many inner nodes hang straight down from an end, and the height [m] of the lowest of them, or of the end.
+    """Number of inner nodes that hang straight down from an end, and the height [m] of the lowest of them, or of the end.
 
     end : its node.  way : 1 from the ground end, -1 from the kite.
     """
@@ -175,7 +175,7 @@ def hanging_nodes(body, end, way, w):
 
 @kernel
 def lower(body, end, way, count, w):
-    """Let so many inner nodes hang straight down from an end (modified): height [m] of the lowest above the ground."""
+    """Hang `count` inner nodes straight down from an end (modified): height [m] of the lowest above the ground."""
     chain, x = body.chain, body.x
     pull = 0.0
     for k in range(count):
@@ -200,9 +200,9 @@ def turned(e, sine):
 
 @kernel
 def lay(body, first, last, curvature, e):
-    """Lay the nodes behind `first` up to `last` (modified) as a polygon in a circle of this curvature [1/m].
+    """Place the nodes after `first` up to `last` (modified) as a polygon in a circle of this curvature [1/m].
 
-    e : direction (x, y) in which the circle begins; it bends to the right. Returns the vector from the first to the last
+    e : initial direction (x, y) of the circle, which bends to the right. Returns the vector from the first to the last
     node (x, y) [m], and whether the circle is more than closed.
     """
     chain, start = body.chain, get(body.x, first)
@@ -222,7 +222,7 @@ def lay(body, first, last, curvature, e):
 
 @kernel
 def lay_between(body, first, last):
-    """Lay the nodes between `first` and `last` (modified) on an arc of a circle that ends in these two, all unstretched."""
+    """Place the nodes between `first` and `last` (modified) on a circular arc through both, all unstretched."""
     start, end = get(body.x, first), get(body.x, last)
     goal = end[0] - start[0], end[1] - start[1]
     chord = sqrt(goal[0] * goal[0] + goal[1] * goal[1])
@@ -239,7 +239,7 @@ def lay_between(body, first, last):
             low = middle
     way, _ = lay(body, first, last, low, (1.0, 0.0))
     square = way[0] * way[0] + way[1] * way[1]
-    if chord > 0.0 and square > 0.0:  # turn it to where it has to end
+    if chord > 0.0 and square > 0.0:  # rotate it to its end point
         size = 1.0 / sqrt(square * chord * chord)
         e = (way[0] * goal[0] + way[1] * goal[1]) * size, (way[0] * goal[1] - way[1] * goal[0]) * size
         lay(body, first, last, low, e)
@@ -248,24 +248,24 @@ def lay_between(body, first, last):
 
 @kernel
 def reach(body, s, lowest):
-    """How far [m] segment s reaches on the ground from a height [m] above it."""
+    """Horizontal reach [m] of segment s on the ground from a height [m] above it."""
     rest, depth = rest_length(body.chain, s), body.chain.gravity / body.ground.hardness
     return sqrt(max(0.0, rest * rest - (lowest + depth) ** 2))
 
 
 @kernel
 def foot(body, point, away, e):
-    """Position [m] on the ground as far from a point above it [m] in the direction e (x, y) as `away` [m]."""
+    """Position [m] on the ground at a distance `away` [m] in the direction e (x, y) from below this point [m]."""
     depth = body.chain.gravity / body.ground.hardness
     return point[0] + away * e[0], point[1] + away * e[1], body.ground.height - depth
 
 
 @kernel
 def pile(body, w):
-    """First guess of a chain with too much length (positions and w.tension modified); False if it has not.
+    """First guess of an overlong chain (positions and w.tension modified); False if it is not overlong.
 
-    Straight down from the ends, and on the ground on an arc of a circle, where it is unstretched: an equilibrium without
-    wind and motion. The arc lies to the left of the way to the kite.
+    Straight down from the ends, and an unstretched circular arc on the ground: an equilibrium without
+    wind and motion. The arc lies to the left of the direction to the kite.
     """
     chain, x = body.chain, body.x
     clear(w.tension)
@@ -278,7 +278,7 @@ def pile(body, w):
     across = end[0] - start[0], end[1] - start[1]
     chord = sqrt(across[0] * across[0] + across[1] * across[1])
     from_start, from_end = reach(body, low, bottom), reach(body, last, top)
-    if from_start + from_end < chord:  # both reach towards each other, else to the same side
+    if from_start + from_end < chord:  # both point towards each other, else to the same side
         e = across[0] / chord, across[1] / chord
         back = -e[0], -e[1]
     else:

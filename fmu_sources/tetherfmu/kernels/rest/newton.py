@@ -1,24 +1,24 @@
 """Newton's method for the equilibrium of a chain between two given ends.
 
-Unknown are the positions of the inner nodes. Every node moves as a point of a body (`rigid_body.py`); at rest it stays:
+The unknowns are the positions of the inner nodes. Every node moves as a point of a body (`rigid_body.py`), or rests:
 
     T_i e_i - T_(i-1) e_(i-1) + f_i(x, v) = 0,       f_i = half drags + loads of the node,   T = k (l - l0)
 
-Where the air blows the tether back on itself, the tension has to pass through zero: a segment there may be slack, with the
-stiffness that a slack segment has.
+Where the air blows the tether back on itself, the tension passes through zero: a segment there may be slack, with
+slack stiffness.
 
-The tensions are unknowns beside the positions. They are eliminated from the linear system, which stays block tridiagonal;
-what they change is that the lateral stiffness T/l comes from the tension of the last iteration and not from the length of
-the segment, whose error is amplified by EA/l0.
+The tensions are additional unknowns. They are eliminated from the linear system, which remains block tridiagonal; the
+difference is that the lateral stiffness T/l uses the tension of the last iteration instead of the segment length,
+whose error is amplified by EA/l0.
 
-COMPLIANCES: the same with the compliances of the segments instead of their STIFFNESSES (`compliance.py`), because in a stiff
-and slack chain what holds a segment across drowns in the rounding errors of what holds it along. EITHER_SIGN: that with
+COMPLIANCES: uses the compliances of the segments instead of their STIFFNESSES (`compliance.py`), because in a stiff
+and slack chain the lateral stiffness drowns in the rounding errors of the axial stiffness. EITHER_SIGN: COMPLIANCES with
 tensions that may pass through zero, at a part of their size (`compressed_segments.py`).
 
 Pseudo-transient continuation: with a damping c against motion, (c - dF/dx) dx = F, implicit steps in the pseudo-time 1/c. c
-falls while the nodes move little, down to Newton's method.
+decreases while the nodes move little, down to Newton's method.
 
-When each of them is used: `solve.py`.
+`solve.py` selects among them.
 """
 
 from collections import namedtuple
@@ -44,31 +44,30 @@ STIFFNESSES, COMPLIANCES, EITHER_SIGN = range(3)  # kinds of step
 MOST_ITERATIONS = 30  # warm it needs 2 or 3, cold about 6
 ROUNDING = 2.3e-16  # relative, of a 64-bit float
 ACCURACY = 1e-12  # residual over the size of the forces
-STALLED = 2.0  # a residual that falls no more is rounding up to this many times the estimate of it
-FAST_DECREASE = 1e-4  # of the residual in one iteration: the matrix is kept
-SLOWEST_SLACKENING = 0.2  # a tension falls to no less than this part in one iteration, or through zero to this part
-SLOWEST_GROWTH = 5.0  # a compression grows to no more than this times its size in one iteration
+STALLED = 2.0  # a stagnating residual is rounding up to this multiple of the estimate
+FAST_DECREASE = 1e-4  # decrease of the residual in one iteration that keeps the matrix
+SLOWEST_SLACKENING = 0.2  # lower limit of a tension in one iteration, relative, also for the part left after a sign change
+SLOWEST_GROWTH = 5.0  # upper limit of a compression in one iteration, relative
 MOST_PSEUDO_STEPS = 300
-LOOSEST = 1e-3  # tension over the load of a node above which a segment counts as taut, however short it is, if compliant
-NEAR, FAR = 0.5, 1.5  # motion of a node over the length of a segment below and above which the pseudo-damping changes
-LARGEST_PSEUDO_DAMPING = 100.0  # over that of the first iteration
-LEAST_ON_GROUND = 1e-6  # the same, at least, on the ground: a chain without tension has no stiffness there
+LOOSEST = 1e-3  # tension over node load above which a segment counts as taut at any length, if compliant
+NEAR, FAR = 0.5, 1.5  # node displacement over segment length: limits to change the pseudo-damping
+LARGEST_PSEUDO_DAMPING = 100.0  # relative to the first iteration
+LEAST_ON_GROUND = 1e-6  # lower limit on the ground, relative: a chain without tension has no stiffness there
 
 Workspace = namedtuple(
     "Workspace",
     "load force move offset share tension aim change kept kept_tension hung hung_tension anchor velocity parameters "
     "matrix response transfer records mass",
 )
-Workspace.__doc__ = """Scratch arrays of Newton's method; 3 (n + 1) numbers where nothing else is said.
+Workspace.__doc__ = """Scratch arrays of Newton's method; 3 (n + 1) numbers unless stated otherwise.
 
-load : of the nodes without tensions [N].  force : residual [N].  move : of the nodes in one iteration [m].
+load : of the nodes without tensions [N].  force : residual [N].  move : displacements in one iteration [m].
 tension : of the segments [N], n.  aim : tensions at the end of an iteration [N], n.  change : of the tensions [N], n.
 kept, kept_tension : an equilibrium to continue from, positions [m] and tensions [N], n.
-hung, hung_tension : the same without ground.  anchor : where friction holds the nodes of a pile [m].
+hung, hung_tension : an equilibrium without ground.  anchor : friction anchors of the nodes of a pile [m].
 velocity : of the nodes under other loads [m/s].  parameters : of the chain at another level, see `arrays.parameters_size`.
-response, transfer, offset, share : M, Z, m, Z y of `compliance.solve`; the first two have 9 (n + 1) numbers and stand where
-blocks of the matrix are.  matrix, records, mass : see `arrays.shared_arrays`.
-"""
+response, transfer, offset, share : M, Z, m, Z y of `compliance.solve`; the first two have 9 (n + 1) numbers and share
+memory with the matrix blocks.  matrix, records, mass : see `arrays.shared_arrays`."""
 
 
 @kernel
@@ -94,14 +93,14 @@ def workspace(n, work):
 
 @kernel
 def keep(body, w):
-    """Keep the positions of the body and w.tension, as an equilibrium to continue from, in w (modified)."""
+    """Save the positions of the body and w.tension in w (modified), as an equilibrium to continue from."""
     copy(body.x, w.kept)
     copy(w.tension, w.kept_tension)
 
 
 @kernel
 def restore(body, w):
-    """Put the positions of the body and w.tension (both modified) back to those that `keep` kept."""
+    """Restore the positions of the body and w.tension (both modified) saved by `keep`."""
     copy(w.kept, body.x)
     copy(w.kept_tension, w.tension)
 
@@ -110,11 +109,11 @@ def restore(body, w):
 def linearize(body, w):
     """Records of all segments into w.records (modified), at velocities that follow the positions.
 
-    K = (k - T/l) e e + T/l with the independent tensions T = w.tension [N]; the drag's A becomes A S; no damper.
+    K = (k - T/l) e e + T/l with the independent tensions T = w.tension [N]; drag uses A S for A; no damper.
     """
     chain, x, v = body.chain, body.x, body.v
     motion = motion_of(body)
-    for s in range((chain.n + 1) // 2):  # a segment in the middle is met twice
+    for s in range((chain.n + 1) // 2):  # the loop visits a middle segment twice
         mirror = chain.n - 1 - s
         both = (s, mirror)
         x_p = get_two(x, s, mirror)
@@ -150,7 +149,7 @@ def factorize(body, pseudo_damping, w):
 
 @kernel
 def step_by_stiffness(body, w):
-    """Newton step from the factors of `factorize`: motions [m] into w.move, tensions [N] into w.aim (both modified)."""
+    """Newton step from the factors of `factorize`: displacements [m] in w.move, tensions [N] in w.aim (both modified)."""
     n = body.chain.n
     for k in range(3, 3 * n):
         w.move[k] = w.force[k]
@@ -165,10 +164,10 @@ def step_by_stiffness(body, w):
 
 @kernel
 def step_by_compliance(body, loosest, pseudo_damping, w):
-    """Newton step with the compliances of the segments: motions [m] into w.move, tensions [N] into w.aim (both modified).
+    """Newton step with the segment compliances: displacements [m] into w.move, tensions [N] into w.aim (both modified).
 
-    A segment counts as taut above the tension `loosest` [N]: where it is stiff, the least error of a position makes it
-    shorter than its unstretched length. Returns False, and nothing has a meaning, if a segment has no stiffness at all.
+    A segment counts as taut above the tension `loosest` [N]: if it is stiff, the smallest position error makes it
+    shorter than its unstretched length. Returns False, with invalid results, if a segment has no stiffness at all.
     """
     linearize(body, w)
     n = body.chain.n
@@ -191,7 +190,7 @@ def step_by_compliance(body, loosest, pseudo_damping, w):
 
 @kernel
 def lowest_tension(kind, tension):
-    """What a tension [N] may fall to in one iteration with this kind of step."""
+    """Lower limit of a tension [N] in one iteration with this kind of step."""
     if kind != EITHER_SIGN:
         return SLOWEST_SLACKENING * tension
     return -SLOWEST_SLACKENING * tension if tension > 0.0 else SLOWEST_GROWTH * tension
@@ -201,7 +200,7 @@ def lowest_tension(kind, tension):
 def apply_step(body, kind, w):
     """Move the positions of the body [m] and w.tension [N] (both modified) by w.move and towards w.aim.
 
-    Shortened so that no node jumps. Returns the largest motion over the length of a segment.
+    Shortened so that no node jumps. Returns the largest displacement over the segment length.
     """
     chain = body.chain
     taken = assembly.longest_part(chain, w.move)
@@ -217,7 +216,7 @@ def apply_step(body, kind, w):
 
 @kernel
 def changed_damping(pseudo_damping, motion, least, load_stiffness):
-    """Pseudo-damping [N/m] after a motion over the length of a segment: at least `least`, see `relax`."""
+    """Pseudo-damping [N/m] after a displacement over the segment length: at least `least`, see `relax`."""
     if motion < NEAR:
         return max(0.5 * pseudo_damping, least)
     if motion > FAR:
@@ -227,7 +226,7 @@ def changed_damping(pseudo_damping, motion, least, load_stiffness):
 
 @kernel
 def smallest_residual(body, w):
-    """Norm of the residual [N] that is as good as zero: a part of the forces, or the rounding error of the springs."""
+    """Residual norm [N] that counts as zero: a part of the forces, or the rounding error of the springs."""
     chain = body.chain
     reach = 0.0
     for k in range(3 * (chain.n + 1)):
@@ -260,8 +259,8 @@ def loosest(body, load_stiffness):
 def relax(body, kind, pseudo_transient, load_stiffness, w):
     """Newton's method from the positions of the body [m] and w.tension [N] (both modified).
 
-    kind, pseudo_transient : as the head of this file says. With STIFFNESSES, the matrix is kept while the residual falls
-    fast.  load_stiffness : stiffness [N/m] that the loads alone give a node, the first pseudo-damping (0: not known).
+    kind, pseudo_transient : see the head of this file. With STIFFNESSES, the matrix is kept while the residual decreases
+    fast.  load_stiffness : stiffness [N/m] of a node due to the loads alone, the first pseudo-damping (0: unknown).
     Returns (True, iterations) or (False, iterations).
     """
     most = MOST_PSEUDO_STEPS if pseudo_transient else MOST_ITERATIONS

@@ -1,4 +1,4 @@
-"""The forces on the points that are sought, with all lines at rest between them, and how they change with their positions.
+"""Forces on the sought points, with all lines at rest between them, and their slopes by the point positions.
 
 R and S of `resting_points.py`, in the scratch space of its search.
 """
@@ -19,8 +19,8 @@ from ..linear_algebra.vectors import add_at, get, norm, put
 from .resting_line import add_slopes, add_support, force_at, is_any_sought, is_sought, rest_line, rounding_at
 from .rigid_body import GIVE
 
-ACCURATE, BALANCED = 1e-12, 1e-10  # residual at a point over the size of the forces of its lines: goal, enough if it stalls
-ROUNDED = 4.0  # the same over the rounding errors of the tensions there, if it stalls
+ACCURATE, BALANCED = 1e-12, 1e-10  # residual at a point over its line forces: goal, acceptable if it stalls
+ROUNDED = 4.0  # residual over the tension rounding errors, acceptable if it stalls
 
 Search = namedtuple("Search", "slopes x trial residual held move outer size rounding grip spent slides kept")
 Search.__doc__ = """Scratch arrays of F free points, m = 3 F.
@@ -36,7 +36,7 @@ slides : 1 in a search without friction, else 0.  kept : an equilibrium to conti
 
 @kernel
 def search_size(points, band):
-    """Length of what so many free points need of `work`, also for their search, with this band of their matrix."""
+    """Length in `work` for this number of free points with this band, including the search."""
     return points_size(points, band) + matrix_size(points, band) + 24 * points + 2
 
 
@@ -85,7 +85,7 @@ def find_residual(system, x, search):
 
 @kernel
 def hold(point, search):
-    """R of a point without what friction holds, into `search` (modified)."""
+    """R of a point minus the part that friction holds, into `search` (modified)."""
     x, y, z = get(search.residual, point)
     sideways = norm((x, y, 0.0))
     left = 1.0 - search.grip[point] / sideways if sideways > search.grip[point] else 0.0
@@ -94,7 +94,7 @@ def hold(point, search):
 
 @kernel
 def find_slopes(system, search):
-    """S [N/m] into `search` (modified), where the lines are after `find_residual`; False if a line is singular."""
+    """S [N/m] into `search` (modified), at the positions of `find_residual`; False if a line is singular."""
     clear(search.slopes)
     for k in range(lines_of(system)):
         if is_any_sought(system, k) and not add_slopes(system, k, search):
@@ -110,9 +110,9 @@ def find_slopes(system, search):
 
 @kernel
 def least_balanced(stalled, search):
-    """Number of the point that is farthest from its balance, and its residual over what is as good as zero.
+    """Number of the point with the largest residual, relative to its tolerance, and this ratio.
 
-    stalled : whether the residual falls no more.
+    stalled : whether the residual stagnates.
     """
     worst, most = 0, 0.0
     for point in range(len(search.size)):

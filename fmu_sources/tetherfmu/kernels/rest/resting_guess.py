@@ -1,4 +1,4 @@
-"""Where the search for free points at rest begins (`resting_points.py`): as given, or where springs would hold them."""
+"""Start of the search for free points at rest (`resting_points.py`): the input positions, or an equilibrium of springs."""
 
 from math import cos, inf, sin
 
@@ -18,10 +18,10 @@ from ..linear_algebra.point_blocks import add_to_block, factorize_blocks, solve_
 from ..linear_algebra.vectors import add_at, get, norm, put, scale
 from .resting_line import given_position, is_any_sought, is_point_sought, is_sought
 
-PULLS = np.array((1.0, 0.3, 3.0))  # of the springs of the guesses: the weaker, the more stretched are the lines
-AS_GIVEN, DROPPED, GUESSED = 0, 1, 2  # where searches begin, see `set_off`; from GUESSED on with the pulls above
-SPREAD = 0.01  # of the shortest line, by which guesses are moved apart
-COSINE, SINE = cos(1.0), sin(1.0)  # of the angle [rad] between the directions of two that follow each other
+PULLS = np.array((1.0, 0.3, 3.0))  # spring force of the guesses: weaker springs stretch the lines more
+AS_GIVEN, DROPPED, GUESSED = 0, 1, 2  # starts of a search, see `set_off`; from GUESSED on with the pulls above
+SPREAD = 0.01  # distance that separates guesses, over the shortest line
+COSINE, SINE = cos(1.0), sin(1.0)  # of the angle [rad] between successive directions
 
 
 @kernel
@@ -71,9 +71,9 @@ def shortest_line(system):
 
 @kernel
 def guess(system, pull, search):
-    """Put the sought points, search.x [m] (modified), where all lines are springs without length; False if they cannot be.
+    """Place the sought points, search.x [m] (modified), with lines as springs without length; False if that is impossible.
 
-    They pull with `pull` times the largest outer force at their length.
+    At their length the springs pull with `pull` times the largest outer force.
     """
     points, size, x = points_of(system), size_of_blocks(system), search.x
     copy(search.outer, points.right)
@@ -84,7 +84,7 @@ def guess(system, pull, search):
     force = largest(points.right)
     clear(points.matrix)
     for point in range(free_points(system)):
-        if not is_point_sought(system, point):  # it does not move
+        if not is_point_sought(system, point):  # it is fixed
             add_to_block(*size, point, point, IDENTITY, points.matrix)
     for k in range(lines_of(system)):
         density = pull * (force if force > 0.0 else 1.0) / state_of(system, k)[at.LENGTH]
@@ -111,10 +111,10 @@ def guess(system, pull, search):
 
 @kernel
 def set_off(system, start, search):
-    """Put the sought points, search.x [m] (modified), where search number `start` begins; False if that cannot be.
+    """Place the sought points, search.x [m] (modified), for search number `start`; False if that is impossible.
 
-    AS_GIVEN : where the inputs of their lines say.  DROPPED : below or above that, where the ground carries their weight.
-    GUESSED and those behind it : at a `guess`.
+    AS_GIVEN : at the line inputs.  DROPPED : below or above these, where the ground carries their weight.
+    GUESSED and above : at a `guess`.
     """
     if start >= GUESSED:
         return guess(system, PULLS[start - GUESSED], search)

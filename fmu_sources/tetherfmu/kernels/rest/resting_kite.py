@@ -1,4 +1,4 @@
-"""Where a free kite is at rest: its tether is a system of one line, whose free point is sought (`resting_points.py`)."""
+"""Equilibrium of a free kite: its tether is a system of one line with a sought free point (`resting_points.py`)."""
 
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import plan_layout as places
@@ -15,8 +15,8 @@ from .resting_line import line_work_size
 
 PLAN = places.plan_size(1)
 INPUTS = at.INPUTS + 3
-BAND = 0  # of the matrix of one point, see `wiring/ordering.py`
-ROOM_AT = PLAN + INPUTS + (PLAN + INPUTS) % 2  # place of the scratch space of the system, behind its plan and its inputs
+BAND = 0  # band of the matrix of one point, see `wiring/ordering.py`
+ROOM_AT = PLAN + INPUTS + (PLAN + INPUTS) % 2  # offset of the scratch space of the system, after its plan and inputs
 
 
 @kernel
@@ -27,7 +27,7 @@ def work_size(n):
 
 @kernel
 def write_plan(n, plan):
-    """Plan (modified) of a system of one line of n segments from a driven point to one that is sought."""
+    """Plan (modified) of a system of one line of n segments from a driven point to a sought one."""
     clear(plan)
     plan[places.LINES], plan[places.FREE_POINTS], plan[places.BAND] = 1.0, 1.0, BAND
     plan[places.POINTS_WORK] = line_work_size(n)
@@ -41,9 +41,9 @@ def write_plan(n, plan):
 
 @kernel
 def find(n, parameters, inputs, state, work):
-    """Put the kite end of a new state (modified) where it is in equilibrium, at rest; OK or NO_EQUILIBRIUM_OF_KITE.
+    """Move the kite end of a new state (modified) to its equilibrium at rest; OK or NO_EQUILIBRIUM_OF_KITE.
 
-    The search begins at the position among the inputs.  The winds of wind points are those at the nodes already.
+    The search begins at the input position.  Winds of wind points are already set at the nodes.
     """
     plan, given = part(work, 0, PLAN), part(work, PLAN, INPUTS)
     write_plan(n, plan)

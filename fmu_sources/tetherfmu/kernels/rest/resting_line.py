@@ -1,8 +1,8 @@
 """A line of a system at rest between its two points, some of which are sought: its forces on them, and their slopes.
 
-The line is in equilibrium (`dynamic_chain.initialize`), and never a compressed chain. What its forces change with
-the positions of its ends comes from the matrix of Newton's method, condensed to them (`linear_algebra.condensed`). The
-ground carries a point with its half segments as it carries a node.
+The line is in equilibrium (`dynamic_chain.initialize`), and never a compressed chain. The slopes of its forces by
+the positions of its ends come from the matrix of Newton's method, condensed to them (`linear_algebra.condensed`). The
+ground carries a point with its half segments like a node.
 """
 
 from tetherfmu.runtime import layout as at
@@ -29,14 +29,14 @@ from .rigid_body import Body
 
 @kernel
 def line_work_size(n):
-    """Length of what a line of n segments needs of `work`: for its equilibrium, then for the columns of its ends."""
+    """Length of a line of n segments in `work`: for its equilibrium, then for the columns of its ends."""
     size = newton.workspace_size(n) + condensed.columns_size(n)
     return size + size % 2
 
 
 @kernel
 def is_sought(system, k, end):
-    """Whether the point at the start (end 0) or at the end (1) of line k is a free one whose position is sought."""
+    """Whether the point at the start (end 0) or at the end (1) of line k is a free point with a sought position."""
     return number_of_line(system, k, places.START_IS_SOUGHT + end) != 0
 
 
@@ -48,7 +48,7 @@ def is_any_sought(system, k):
 
 @kernel
 def any_sought(system):
-    """Number of a free point whose position is sought, or DRIVEN if there is none."""
+    """Number of a free point with a sought position, or DRIVEN if there is none."""
     for k in range(lines_of(system)):
         for end in range(2):
             if is_sought(system, k, end):
@@ -68,13 +68,13 @@ def is_point_sought(system, point):
 
 @kernel
 def given_position(system, k, end):
-    """Position [m] of an end of line k among the inputs."""
+    """Input position [m] of an end of line k."""
     return vector_at(inputs_of(system, k), at.KITE_POSITION if end == 1 else at.GROUND_POSITION)
 
 
 @kernel
 def position(system, k, end, x):
-    """Position [m] of an end of line k: among those of the free points x, if it is sought."""
+    """Position [m] of an end of line k: from the free points x, if it is sought."""
     if is_sought(system, k, end):
         return get(x, point_at(system, k, end))
     return given_position(system, k, end)
@@ -82,7 +82,7 @@ def position(system, k, end, x):
 
 @kernel
 def start_state(system, k):
-    """`transaction.start` of line k (modified), with the speed of its drums and the length that is shared out; a status."""
+    """`transaction.start` of line k (modified), with the speed of its drums and its share of the rope length; a status."""
     n, parameters, state = segments_of(system, k), parameters_of(system, k), state_of(system, k)
     status = transaction.start(n, parameters, inputs_of(system, k), state)
     if is_turned(system, k):
@@ -103,7 +103,7 @@ def rest_line(system, k, x):
     status = start_state(system, k)
     if status != OK:
         return status
-    state[at.REELING] = 0.0  # whose damper force would be no equilibrium
+    state[at.REELING] = 0.0  # its damper force would violate equilibrium
     nodes, v = motion_of(system, k)
     for end in range(2):
         put(nodes, n * end, position(system, k, end, x))
@@ -130,7 +130,7 @@ def force_at(system, k, end):
 
 @kernel
 def rounding_at(system, k, end):
-    """Rounding error [N] of the tension of line k at one of its ends."""
+    """Tension rounding error [N] of line k at one of its ends."""
     n = segments_of(system, k)
     nodes, _ = motion_of(system, k)
     chain = chain_of(n, parameters_of(system, k), state_of(system, k))
@@ -140,7 +140,7 @@ def rounding_at(system, k, end):
 
 @kernel
 def take_tensions(body, w):
-    """Tensions of the springs of a body [N] into w.tension (modified), where its positions hold them."""
+    """Spring tensions of a body [N] into w.tension (modified), if its positions determine them."""
     chain, x = body.chain, body.x
     reach = max(norm(get(x, 0)), norm(get(x, chain.n)))
     for s in range(chain.n):
@@ -152,7 +152,7 @@ def take_tensions(body, w):
 
 @kernel
 def add_slopes(system, k, search):
-    """Add what the forces of line k at its sought points lose with their positions to S [N/m] (modified); False if singular.
+    """Subtract the slopes of the forces of line k at its sought points from S [N/m] (modified); False if singular.
 
     After `rest_line`.
     """
@@ -165,7 +165,7 @@ def add_slopes(system, k, search):
     if n == 1:
         assembly.assemble(n, 0.0, 1.0, 1.0, w.mass, w.records, w.matrix)
     else:
-        # nodes in a heap have no stiffness of their own: that of their weight, where friction is none
+        # piled nodes have no stiffness: use the stiffness of their weight, if there is no friction
         give = body.chain.gravity * property_of(body.chain, 0, at.LINE_DENSITY) if search.slides[0] != 0.0 else 0.0
         if not newton.factorize(body, give, w):
             return False
@@ -185,7 +185,7 @@ def add_slopes(system, k, search):
 
 @kernel
 def add_support(system, k, end, search):
-    """Add what the ground does to an end of line k, with its share of the mass of the point [N], after `rest_line`."""
+    """Add the ground force on an end of line k, with its share of the point mass [N], after `rest_line`."""
     n, parameters = segments_of(system, k), parameters_of(system, k)
     nodes, _ = motion_of(system, k)
     x, ground, point = get(nodes, n * end), under(parameters), point_at(system, k, end)

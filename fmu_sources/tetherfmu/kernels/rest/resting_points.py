@@ -1,23 +1,23 @@
-"""Free points of a system in equilibrium with all lines at rest: Newton's method on the positions of those that are sought.
+"""Free points in equilibrium with all lines at rest: Newton's method on the sought positions.
 
     R_p = sum over the lines at p of their force on it + m_p g + load_p = 0
 
-Each line is in equilibrium between its two points (`dynamic_chain.initialize`), which is never a compressed chain. What
-its forces change with the positions of its ends (`resting_line.py`) is added up in S = -dR/dX. But for drag, R is the fall
-of a potential. A step dX solves (a I + S) dX = R with a damping a that makes the matrix positive definite, so that the
-potential falls along dX; the step ends before it rises much. Where the search begins: `resting_guess.py`.
+Each line is in equilibrium between its two points (`dynamic_chain.initialize`), and never a compressed chain. The slopes of
+its forces by the end positions (`resting_line.py`) are summed in S = -dR/dX. Apart from drag, R is minus the gradient
+of a potential. A step dX solves (a I + S) dX = R with a damping a that makes the matrix positive definite, so the
+potential falls along dX; the step ends before it rises much. Start of the search: `resting_guess.py`.
 
-The friction of the ground holds a point: what pulls it sideways counts beyond mu times the pressure only.
+Ground friction holds a point: a sideways force counts only beyond mu times the pressure.
 
-Where that fails, pseudo-transient continuation follows the points as in overdamped motion: steps of the same equation, each
-shorter than a part of the shortest line, whatever the potential does.
-Lines on the ground that push, since they are too short to fold, jam under friction, and far from the equilibrium. The last
-way to search is along the forces without friction, which are those of a potential again, in short steps; it ends where
+If this fails, pseudo-transient continuation moves the points as in overdamped motion: steps of the same equation, each
+shorter than a part of the shortest line, regardless of the potential.
+On the ground, lines that push, because they are too short to fold, lock by friction far from the equilibrium. The last
+method follows the forces without friction, which have a potential again, in short steps; it ends where
 friction holds the points.
 
-Lines in heaps on the ground find no equilibrium in wind at places that the search has to pass. Where nothing is found on
-the ground, the equilibrium is sought in no air or in thin air, and the air gets denser from one equilibrium to the next;
-then it is sought without friction, and from there with it.
+In wind, a piled-up line has no equilibrium at some positions that the search must cross. If nothing is found on
+the ground, the search starts in no air or thin air, and the density is raised from one equilibrium to the next;
+then it runs without friction, and finally with it.
 Source: Nocedal and Wright, Numerical Optimization, 2nd ed., section 3.4 (Newton's method with a modified Hessian).
 """
 
@@ -42,22 +42,22 @@ from .resting_guess import AS_GIVEN, GUESSED, PULLS, find_outer, largest, set_of
 from .resting_line import any_sought, is_any_sought, is_sought, start_state
 
 ITERATIONS = 300
-BUDGET = 150000.0  # of Newton iterations for the shape of a line in all of the search, mean of all lines
-STALLED = 0.5  # residual over that of the iteration before, above which it stalls
-HARDER, SOFTER = 2.0, 0.2  # factor of the damping after a part of a move; after a whole one
+BUDGET = 150000.0  # Newton iterations for line shapes in the whole search, mean of all lines
+STALLED = 0.5  # residual over the previous residual above which it stalls
+HARDER, SOFTER = 2.0, 0.2  # factor on the damping after a shortened step; after a whole one
 LARGEST_DAMPING = 60  # doublings of the damping
-OVERSHOT = 0.5  # rise of the potential at the end of a move over its fall at the start
-SHORTEST_PART, LONGEST_PART, TRIALS = 0.1, 0.9, 12  # of a move for the next trial; how many
-FIRST_PART = 0.3  # of the shortest line, which the first step of the most loaded point is about
-ALONG, SLOWLY, SLIDING, WAYS = 0, 1, 2, 3  # ways to search
-LONGEST = np.array((inf, 0.2, 0.5))  # step in each of them, over the shortest line
-AIR = np.array((0.0, 0.25, 0.5, 0.75, 1.0))  # density over the given one, from one equilibrium to the next
-DENSEST = 0.25  # of these, in which the first equilibrium is sought
+OVERSHOT = 0.5  # rise of the potential at the end of a step over its fall at the start
+SHORTEST_PART, LONGEST_PART, TRIALS = 0.1, 0.9, 12  # fraction of a step for the next trial; number of trials
+FIRST_PART = 0.3  # first step of the most loaded point, over the shortest line
+ALONG, SLOWLY, SLIDING, WAYS = 0, 1, 2, 3  # search methods
+LONGEST = np.array((inf, 0.2, 0.5))  # longest step of each method, over the shortest line
+AIR = np.array((0.0, 0.25, 0.5, 0.75, 1.0))  # relative density, from one equilibrium to the next
+DENSEST = 0.25  # largest of these for the first equilibrium
 
 
 @kernel
 def find_move(system, damping, search):
-    """dX into search.move [m] (modified), along which the potential falls: its damping [N/m], and whether it is found."""
+    """dX into search.move [m] (modified), along which the potential falls: its damping [N/m], and whether it was found."""
     size, matrix = size_of_blocks(system), points_of(system).matrix
     for _ in range(LARGEST_DAMPING):
         copy(search.slopes, matrix)
@@ -73,7 +73,7 @@ def find_move(system, damping, search):
 
 @kernel
 def try_part(system, taken, search):
-    """R after a part of a move, into `search` (modified): R dX there [N m], -inf where a line has no equilibrium."""
+    """R after a fraction of a step, into `search` (modified): R dX there [N m], -inf if a line has no equilibrium."""
     for k in range(len(search.x)):
         search.trial[k] = search.x[k] + taken * search.move[k]
     if not find_residual(system, search.trial, search):
@@ -92,16 +92,16 @@ def work_along(search):
 
 @kernel
 def part_within(limit, search):
-    """Part of a move that is no longer than a limit [m] at any point."""
+    """Fraction of a step that is no longer than a limit [m] at any point."""
     longest = largest(search.move)
     return 1.0 if longest <= limit else limit / longest
 
 
 @kernel
 def go_along(system, most, overshot, search):
-    """Move search.x [m] by a part of a move, at most `most`: it [-], and whether all lines have an equilibrium there.
+    """Move search.x [m] by a fraction of a step, at most `most`: this fraction [-], and whether all lines are at rest.
 
-    overshot : rise of the potential that may end it over the fall at its start; secant steps to where it rises less.
+    overshot : permitted rise of the potential at the end over its fall at the start; secant steps reduce a larger one.
     """
     start, taken = work_along(search), most
     for trial in range(TRIALS):
@@ -115,9 +115,9 @@ def go_along(system, most, overshot, search):
 
 @kernel
 def search_from(system, way, search):
-    """Search for the equilibrium from search.x [m] (modified): the least balanced point in the end, and whether it is found.
+    """Search for the equilibrium from search.x [m] (modified): the least balanced point, and whether it was found.
 
-    way : ALONG the fall of the potential, SLOWLY by pseudo-transient continuation, or SLIDING without friction.
+    way : ALONG the potential, SLOWLY by pseudo-transient continuation, or SLIDING without friction.
     """
     limit = shortest_line(system)
     search.slides[0] = 1.0 if way == SLIDING else 0.0
@@ -147,7 +147,7 @@ def search_from(system, way, search):
 
 @kernel
 def search_everywhere(system, begins_as_given, search):
-    """Search from all starts, in one way after the other: the least balanced point in the end, and whether it is found."""
+    """Search from all starts, one method after the other: the least balanced point, and whether it was found."""
     worst, found = 0, False
     for way in range(WAYS if has_ground(parameters_of(system, 0)) else SLIDING):
         for start in range(AS_GIVEN if begins_as_given else GUESSED, GUESSED + len(PULLS)):
@@ -158,7 +158,7 @@ def search_everywhere(system, begins_as_given, search):
 
 @kernel
 def search_on(system, search):
-    """Search in all ways from an equilibrium in other conditions: as `search_from`.
+    """Search with all methods from an equilibrium in other conditions: returns the results of `search_from`.
 
     It is in search.x [m], which is modified if another one is found.
     """
@@ -175,7 +175,7 @@ def search_on(system, search):
 
 @kernel
 def put_conditions(system, density, friction):
-    """Give all lines (modified) an air density [kg/m3] and a friction coefficient of the ground [-]."""
+    """Set the air density [kg/m3] and the friction coefficient of the ground [-] of all lines (modified)."""
     for k in range(lines_of(system)):
         parameters_of(system, k)[at.AIR_DENSITY] = density
         parameters_of(system, k)[at.GROUND_FRICTION] = friction
@@ -183,9 +183,9 @@ def put_conditions(system, density, friction):
 
 @kernel
 def search_in_rising_air(system, density, friction, begins_as_given, search):
-    """Search from the equilibrium in no air or thin air: as `search_from`.
+    """Search from the equilibrium in no air or thin air: returns the results of `search_from`.
 
-    density, friction : the given ones, of the air [kg/m3] and of the ground [-].
+    density, friction : required values of the air [kg/m3] and of the ground [-].
     """
     worst, found, begun = 0, False, False
     for k in range(len(AIR)):
@@ -199,9 +199,9 @@ def search_in_rising_air(system, density, friction, begins_as_given, search):
 
 @kernel
 def search_by_continuation(system, begins_as_given, search):
-    """Search from the equilibrium in thinner air, then from that without friction: as `search_from`.
+    """Search from the equilibrium in thinner air, then from one without friction: returns the results of `search_from`.
 
-    It may take as many Newton iterations again as all before it.
+    It may use as many Newton iterations again as all earlier searches.
     """
     search.spent[0] = 0.0
     parameters = parameters_of(system, 0)
@@ -218,9 +218,9 @@ def search_by_continuation(system, begins_as_given, search):
 
 @kernel
 def check(system):
-    """Give all lines at sought points (modified) their first states but for the inner nodes: OK, or why they cannot be.
+    """Start all lines at sought points (modified), without inner nodes: OK, or the reason for refusal.
 
-    Without any point that is given, NO_POINT_IS_GIVEN about ALL_LINES.
+    Without any given point, NO_POINT_IS_GIVEN about ALL_LINES.
     """
     given = 0
     for k in range(lines_of(system)):
@@ -242,11 +242,11 @@ def spent_in(system):
 
 @kernel
 def find(system, begins_as_given):
-    """Put the sought points where they are in equilibrium, into the inputs of their lines (modified); a status.
+    """Write the equilibrium positions of the sought points into the inputs of their lines (modified); a status.
 
-    begins_as_given : whether the search begins at the positions among the inputs, before it does at guesses.
-    OK, NO_POINT_IS_GIVEN, NO_EQUILIBRIUM_OF_POINT with the number of the point that is least balanced, or what the start of
-    a line says; the inputs are as they were but on OK. The states of the lines at these points are modified.
+    begins_as_given : whether the search begins at the input positions, before the guesses.
+    OK, NO_POINT_IS_GIVEN, NO_EQUILIBRIUM_OF_POINT with the number of the least balanced point, or the start status of
+    a line; inputs change on OK only. The states of the lines at these points are modified.
     """
     if any_sought(system) == places.DRIVEN:
         return OK

@@ -1,10 +1,10 @@
 """A chain that moves as a rigid body about its ground end: its motion, and the forces on its nodes.
 
-Every node turns with omega and moves away with the extension rate s; in static equilibrium both are zero:
+Every node turns with omega and recedes with the extension rate s; in static equilibrium both are zero:
 
     v_i = v_0 + S r_i,   S r = omega x r + s r,   a_i = omega x (omega x r_i),   r_i = x_i - x_0
 
-There is no damping: nothing changes but the direction. Source: docs/models/theory.md, "Quasi-steady".
+There is no damping, as only the direction changes. Source: docs/models/theory.md, "Quasi-steady".
 """
 
 from collections import namedtuple
@@ -18,18 +18,17 @@ from ..equations.properties import property_of, rest_length
 from ..linear_algebra.matrices import ZERO_MATRIX, add_to_diagonal, scale_matrix, skew
 from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, cross, dot, get, put, scale, sub
 
-GIVE = 0.01  # [m] by which the friction of a chain that is piled up gives way
-NO_PULL, SPRINGS, TENSIONS = 0, 1, 2  # what pulls at the nodes
+GIVE = 0.01  # [m]: displacement at which piled-up rope overcomes friction
+NO_PULL, SPRINGS, TENSIONS = 0, 1, 2  # tensions that act on the nodes
 
 Body = namedtuple("Body", "chain spin extension_rate x v ground anchor is_piled")
 Body.__doc__ = """A chain that moves as a body about its ground end.
 
 chain : `Chain`.  spin : angular velocity omega [rad/s].  extension_rate : s [1/s].
-x, v : positions [m] and velocities [m/s] of all nodes; those of the ends are given, those of the inner nodes modified.
-ground : `Ground` that carries the inner nodes; `without_ground` where nothing does.
-anchor, is_piled : positions [m] at which friction holds the nodes of a chain that is piled up, and whether it is; else nodes
-slide with their velocities.
-"""
+x, v : positions [m] and velocities [m/s] of all nodes; given at the ends, modified at the inner nodes.
+ground : `Ground` that carries the inner nodes; `without_ground` if there is none.
+anchor, is_piled : friction anchors of the nodes of a piled-up chain [m], and whether it is piled up; otherwise nodes
+slide with their velocities."""
 
 
 @kernel
@@ -45,10 +44,10 @@ def straighten(chain, x):
 
 @kernel
 def rigid_motion(n, x, v):
-    """Angular velocity [rad/s] and rate of stretch [1/s] of a body about the ground end that carries the kite.
+    """Angular velocity [rad/s] and extension rate [1/s] of a body about the ground end that carries the kite.
 
-    omega = r x u/|r|^2, s = r . u/|r|^2 with the vector r from the ground end to the kite and its rate u, from the ends that
-    x [m] and v [m/s] hold.
+    omega = r x u/|r|^2, s = r . u/|r|^2 with the vector r from the ground end to the kite and its rate u, from the ends in
+    x [m] and v [m/s].
     """
     r = sub(get(x, n), get(x, 0))
     u = sub(get(v, n), get(v, 0))
@@ -76,7 +75,7 @@ def spring_tensions(chain, x, tension):
 
 @kernel
 def load_of(body, mass, x, v):
-    """Load of a node of this mass [kg] at x [m] with the velocity v [m/s], weight and inertia [N]."""
+    """Load on a node of this mass [kg] at x [m] with velocity v [m/s], weight and inertia [N]."""
     acceleration = cross(body.spin, cross(body.spin, sub(x, get(body.x, 0))))
     return node_loads.load(body.chain, mass, x, v, acceleration)
 
@@ -89,7 +88,7 @@ def motion_of(body):
 
 @kernel
 def sliding(body, i):
-    """Velocity [m/s] with which node i slides on the ground."""
+    """Sliding velocity [m/s] of node i on the ground."""
     if body.is_piled:
         return scale(SLIDING / GIVE, sub(get(body.x, i), get(body.anchor, i)))
     return get(body.v, i)
@@ -97,7 +96,7 @@ def sliding(body, i):
 
 @kernel
 def support_stiffness(body, mass, i):
-    """Derivative of the force of the ground on node i, of this mass [kg], by its position [N/m], a matrix."""
+    """Derivative of the ground force on node i, of this mass [kg], by its position [N/m], a matrix."""
     motion = motion_of(body)
     if body.is_piled:
         motion = add_to_diagonal(ZERO_MATRIX, SLIDING / GIVE)
@@ -108,9 +107,9 @@ def support_stiffness(body, mass, i):
 def loads(body, pulls, tension, mass, load):
     """Drag, weight, inertia and support f of all nodes [N] into `load` (modified).
 
-    The body gets the velocities of its inner nodes.
+    Updates the velocities of the inner nodes of the body.
 
-    pulls : what is added to make `load` the residual: NO_PULL, that of the SPRINGS, or the TENSIONS [N].
+    pulls : tensions to add, so that `load` becomes the residual: NO_PULL, SPRINGS, or the TENSIONS [N].
     """
     rigid_velocity(body)
     chain = body.chain

@@ -4,18 +4,18 @@
 2. Newton's method with the stiffnesses of the segments (`newton.py`).
 3. Newton's method with their compliances (`compliance.py`).
 4. Pseudo-transient continuation, with stiffnesses, then with compliances.
-5. Steps 1 to 4 again with a perturbation load from the side, if what was found is a compressed chain (`compressed_chain.py`)
-   or nothing was found and the chain has no load.
+5. Steps 1 to 4 again with a lateral perturbation load, if they found a compressed chain (`compressed_chain.py`)
+   or found nothing and the chain has no load.
 6. Continuation of the loads, from smaller ones (`homotopy.py`).
 7. Pseudo-transient continuation with tensions of either sign (`compressed_segments.py`).
 8. Continuation of the stiffnesses, from smaller ones.
-9. Where the wind begins at z = 0: continuation of a layer of air where it grows gradually.
+9. If the wind begins at z = 0: continuation of a layer of air in which it grows gradually.
 
-Each method starts from the first guess, not from where the last one failed. Steps 1 to 8 are without ground. Where the
-chain then hangs below the ground, its equilibrium on the ground is sought from there (`lying_chain.py`), then by steps 7 and
-9 with the ground, and where there is none with its friction, without: what lies then rests.
+Each method starts from the first guess, not from the failure of the last one. Steps 1 to 8 ignore the ground. If the
+chain then hangs below the ground, the search continues from there on the ground (`lying_chain.py`), then by steps 7 and
+9 with the ground, and if there is no solution with friction, without: the lying part then rests.
 
-A search that has taken `BUDGET` ends before its next method.
+A search that has used up `BUDGET` ends before its next method.
 """
 
 from tetherfmu.runtime import layout as at
@@ -30,26 +30,26 @@ from . import compressed_chain, compressed_segments, end_tensions, homotopy, lyi
 from .first_guess import axial_compliance, guess, is_loaded
 from .rigid_body import Body, rigid_motion, rigid_velocity
 
-# Segments times Newton iterations of a search. Of 24 000 searches that succeed in random flights of the stability map,
-# without and with ground, the hardest takes 2.0e6: 7327 iterations with 272 segments. Beside it, the method that has begun
-# may take another 16 000 iterations, which is about a second in all with 300 segments.
+# Segments times Newton iterations of a search. Among 24 000 successful searches in random flights of the stability map,
+# without and with ground, the hardest needs 2.0e6: 7327 iterations with 272 segments. The method in progress at the limit
+# may use another 16 000 iterations, which is about a second in all with 300 segments.
 BUDGET = 5_000_000
-LEVELS = (0.5, 0.25, 0.125)  # of the loads, at which step 6 begins
-STRAINS = (1e-2, 1e-3, 1e-1)  # by which the mean load stretches the chain where step 8 begins
-FOUND, COMPRESSED, NOTHING, UNLOADED = range(4)  # what the first four steps may come to
+LEVELS = (0.5, 0.25, 0.125)  # initial load levels of step 6
+STRAINS = (1e-2, 1e-3, 1e-1)  # strain of the chain under the mean load, where step 8 begins
+FOUND, COMPRESSED, NOTHING, UNLOADED = range(4)  # results of the first four steps
 
 
 @kernel
 def is_stable(body):
-    """Whether the body in equilibrium is no compressed chain."""
+    """Whether the body in equilibrium is not a compressed chain."""
     return not compressed_chain.is_unstable(body.chain, body.x, compressed_chain.PARALLEL)
 
 
 @kernel
 def by_newton(body, perturbed, w):
-    """Steps 1 to 4: what they come to, and the number of Newton iterations.
+    """Steps 1 to 4: their result, and the number of Newton iterations.
 
-    perturbed : whether under a load from the side, too. Without it the first compressed chain ends the search.
+    perturbed : whether a lateral load is tried, too. Otherwise the first compressed chain ends the search.
     """
     iterations = 0
     load_stiffness = 0.0
@@ -139,7 +139,7 @@ def by_layer(body, most, w):
 
 @kernel
 def on_ground(body, hangs, w):
-    """On from what was found without ground in the body (modified): a status and the number of Newton iterations."""
+    """Continue from the result without ground in the body (modified): a status and the number of Newton iterations."""
     if body.ground.hardness == 0.0 or (hangs and lying_chain.deepest(body) == 0.0):
         return OK if hangs else NO_EQUILIBRIUM, 0
     found, iterations = lying_chain.find(body, hangs, w)
@@ -150,7 +150,7 @@ def on_ground(body, hangs, w):
 def in_the_air(body, most, w):
     """Stable equilibrium of the body without ground (positions and velocities of its inner nodes modified).
 
-    Returns a status (OK or NO_EQUILIBRIUM) and the number of Newton iterations; after `most` of them no other step begins.
+    Returns a status (OK or NO_EQUILIBRIUM) and the number of Newton iterations; beyond `most` of them no other step begins.
     """
     status, iterations = at_once(body, w)
     if status != OK:
@@ -169,7 +169,7 @@ def in_the_air(body, most, w):
 def by_ladder(body, most, w):
     """All steps, in the air and on the ground: a status (OK or NO_EQUILIBRIUM) and the number of Newton iterations.
 
-    most : iterations after which no other step begins.
+    most : iterations beyond which no other step begins.
     """
     has_ground = body.ground.hardness > 0.0
     status, iterations = in_the_air(lying_chain.on(body, without_ground()), most, w)
@@ -188,7 +188,7 @@ def by_ladder(body, most, w):
 def find(body, w):
     """Stable equilibrium between the ends of the body (positions and velocities of its inner nodes modified).
 
-    Without friction on the ground where there is none with it. Returns a status (OK or NO_EQUILIBRIUM) and the number of
+    Without ground friction if there is no solution with it. Returns a status (OK or NO_EQUILIBRIUM) and the number of
     Newton iterations.
     """
     most = BUDGET // body.chain.n
@@ -202,7 +202,7 @@ def find(body, w):
 
 @kernel
 def follow(body, w):
-    """Stable equilibrium from positions [m] and w.tension [N] that are close (both modified): (found, iterations)."""
+    """Stable equilibrium from nearby positions [m] and w.tension [N] (both modified): (found, iterations)."""
     assembly.node_masses(body.chain, w.mass)
     on_ground = body.ground.hardness > 0.0
     if on_ground:
@@ -216,16 +216,16 @@ def follow(body, w):
 
 @view
 def body_of(n, parameters, state, x, v):
-    """The `Body` of node positions x [m] and velocities v [m/s] that turns about the ground end with the kite of a state."""
+    """`Body` of node positions x [m] and velocities v [m/s] that turns about the ground end with the kite of a state."""
     spin, extension_rate = rigid_motion(n, x, v)
     return Body(chain_of(n, parameters, state), spin, extension_rate, x, v, under(parameters), x, False)
 
 
 @kernel
 def settle(n, parameters, state, warm, w):
-    """Bring the inner nodes of a state (modified) into equilibrium between its ends; returns a status.
+    """Solve the equilibrium of the inner nodes of a state (modified) between its ends; returns a status.
 
-    warm : whether the inner nodes and the tensions in w.tension are close to it.
+    warm : whether the inner nodes and w.tension are close to it.
     """
     x, v = positions_and_velocities(n, state)
     body = body_of(n, parameters, state, x, v)

@@ -1,4 +1,4 @@
-"""What every variant does around its own part of a start or a step: the transaction, plausibility, outputs, power balance.
+"""Common code of all variants around a start or a step: transaction, plausibility, outputs, power balance.
 
 Imports `equations` and `linear_algebra`.
 """

@@ -1,6 +1,6 @@
-"""Lines that broke or let go, when an entry point begins and when it ends; the law is in `equations/torn.py`.
+"""Broken or released lines at the beginning and end of an entry point; the law is in `equations/torn.py`.
 
-A line lets go at the beginning of the first step in which its input `release` is true.
+A line is released at the beginning of the first step in which its input `release` is true.
 """
 
 from tetherfmu.runtime import layout as at
@@ -20,13 +20,13 @@ from ..notes import note
 
 @kernel
 def mark_freed(system, k, freed):
-    """Write into the plan (modified) whether line k has let go."""
+    """Write into the plan (modified) whether line k was released."""
     system.plan[places.PLAN_HEADER + places.LINE_NUMBERS * k + places.FREED] = freed
 
 
 @kernel
 def fit(system):
-    """Let parameters and plan (modified) of all lines be those that belong to their states."""
+    """Adapt parameters and plan (modified) of all lines to their states."""
     for k in range(lines_of(system)):
         if torn.has_let_go(state_of(system, k)):
             torn.add_segment(segments_of(system, k), parameters_of(system, k))
@@ -38,7 +38,7 @@ def fit(system):
 
 @kernel
 def unfit(system):
-    """Let them (modified) be those of the whole lines."""
+    """Restore parameters and plan (modified) of the whole lines."""
     for k in range(lines_of(system)):
         torn.mend(segments_of(system, k), parameters_of(system, k))
         if is_freed(system, k):
@@ -48,13 +48,13 @@ def unfit(system):
 
 @kernel
 def has_rope(system, k, end):
-    """Whether rope of line k is at its start (end 0) or at its end (1): not where it has let go."""
+    """Whether line k reaches its start (end 0) or its end (1): not after its release."""
     return end == 0 or not is_freed(system, k)
 
 
 @kernel
 def can_let_go(system, k):
-    """Whether what holds the last end of line k can go on without it: it is driven, has a mass, or another line is there."""
+    """Whether the support of the last end of line k can exist without it: it is driven, has mass, or holds another line."""
     n, parameters = segments_of(system, k), parameters_of(system, k)
     if not is_at_point(system, k, 1):
         return parameters[at.KITE_IS_FREE] == 0.0 or point_mass_in(parameters, n, n) > torn.NO_MASS
@@ -71,7 +71,7 @@ def can_let_go(system, k):
 
 @kernel
 def energy_of_driven_node(system, k):
-    """Kinetic energy [J] of the half segment at a driven last end of line k, which leaves it to the line; free ends: 0."""
+    """Kinetic energy [J] of the half segment at a driven last end of line k, which stays with the line; free ends: 0."""
     n, parameters, (_, v) = segments_of(system, k), parameters_of(system, k), motion_of(system, k)
     if is_at_point(system, k, 1) or parameters[at.KITE_IS_FREE] != 0.0:
         return 0.0
@@ -81,13 +81,13 @@ def energy_of_driven_node(system, k):
 
 @kernel
 def is_released(system, k):
-    """Whether a finite input says that line k lets go: of a rope its first portion has it, and its last one does."""
+    """Whether a finite input releases line k; a rope has the input at its first portion, and is released at its last."""
     return not goes_on(system, k) and 0.0 < abs(inputs_of(system, first_of(system, k))[at.RELEASE]) <= at.LARGEST_INPUT
 
 
 @kernel
 def let_go(system, before):
-    """Let those lines go (modified) whose input says so for the first time; a status.
+    """Release the lines (modified) whose input requests it for the first time; a status.
 
     The states `before` (modified) get their additional nodes, too.
     """
@@ -120,7 +120,7 @@ def begin(system, before):
 
 @kernel
 def end(system):
-    """`unfit` at the end of a step (modified). A line that let go in a step that was rolled back has its node no longer."""
+    """`unfit` at the end of a step (modified). If a release was rolled back, its additional node is removed."""
     for k in range(lines_of(system)):
         if is_freed(system, k) and not torn.has_let_go(state_of(system, k)):
             torn.remove_node(segments_of(system, k) - 1, state_of(system, k))
@@ -129,7 +129,7 @@ def end(system):
 
 @kernel
 def refuse(system):
-    """Note in the state (modified) of a tether that cannot let go that its input `release` has no effect; returns OK."""
+    """Note in the state (modified) of a tether without release that its input `release` has no effect; returns OK."""
     release = system.inputs[at.RELEASE]
     note(system.state, limits.IDLE_RELEASE, release * release, 0.0)
     return OK

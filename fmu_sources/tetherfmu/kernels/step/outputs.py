@@ -1,4 +1,4 @@
-"""Outputs of a tether: of a chain of nodes, the pieces that tethers without nodes share, and what all have."""
+"""Outputs of a tether: of a chain of nodes, of tethers without nodes, and common ones."""
 
 from math import atan2, inf, sqrt
 
@@ -13,15 +13,15 @@ from ..equations.ground import ground_of, has_ground, part_under
 from ..equations.properties import holds, point_mass, property_of, rest_length
 from ..linear_algebra.vectors import add, add_scaled, dot, get, norm, put_at, sub, vector_at
 
-SLACKEST = 1e-9  # wave_time counts a tension as at least this part of EA
+SLACKEST = 1e-9  # lower limit of a tension in wave_time, over EA
 
 
 @kernel
 def wave_time(line_density, rest_length, length, tension, axial_stiffness):
     """Travel time [s] of a transverse wave over a piece of tether: sqrt(mu l0 l/T).
 
-    Mass per unstretched length [kg/m], unstretched and present length [m], tension [N], EA [N]. A slack piece would
-    never be crossed: its tension counts as at least 1e-9 EA.
+    Mass per unstretched length [kg/m], unstretched and present length [m], tension [N], EA [N]. To keep the time of a
+    slack piece finite, its tension counts as at least 1e-9 EA.
     """
     return sqrt(line_density * rest_length * length / max(tension, SLACKEST * axial_stiffness))
 
@@ -35,33 +35,33 @@ def write_direction(leaving, outputs):
 
 @kernel
 def place_along_chord(point, start, chord):
-    """Where along the chord a point [m] is: 0 at its start [m], 1 at its end, beyond them less or more."""
+    """Position of a point [m] along the chord: 0 at its start [m], 1 at its end, also outside of this range."""
     square = dot(chord, chord)
     return dot(sub(point, start), chord) / square if square > 0.0 else 0.0
 
 
 @kernel
 def away_from_chord(point, start, chord):
-    """Vector [m] to a point from the nearest one of the straight line between the ends of the chord."""
+    """Vector [m] to a point from the nearest point on the straight line through the ends of the chord."""
     part = min(1.0, max(0.0, place_along_chord(point, start, chord)))
     return add_scaled(sub(point, start), -part, chord)
 
 
 @kernel
 def last_of_rope(chain):
-    """Number of the last node of the tether itself: the last but one where it has let go at its end."""
+    """Number of the last node of the tether itself: the last but one after a release at its end."""
     has_let_go = chain.n > 1 and property_of(chain, chain.n - 1, at.LINE_DENSITY) == 0.0
     return chain.n - 1 if has_let_go else chain.n
 
 
 @kernel
 def write_segments(chain, x, v, outputs):
-    """Outputs that look at every segment (modified): largest tension, slack segments, stiffness, wave time, sag."""
+    """Outputs from all segments (modified): largest tension, slack segments, stiffness, wave time, sag."""
     largest = -inf
     slack = 0
     crossing = 0.0
     compliance = 0.0  # 1/k of all segments in series, taut [m/N]
-    mobility = 0.0  # 1/c of the same [m/(N s)], where all have a damper
+    mobility = 0.0  # 1/c of all segments in series [m/(N s)], if all have a damper
     undamped = False
     sag = 0.0
     ground = get(x, 0)
@@ -111,7 +111,7 @@ def write_shape(chain, x, shape_points, outputs):
 
 @kernel
 def grounded_length(chain, x):
-    """Unstretched length [m] of the chain with its nodes at x [m] that touches the ground."""
+    """Unstretched length [m] of the chain in ground contact, with nodes at x [m]."""
     touching = 0.0
     if has_ground(chain.parameters):
         ground = ground_of(chain.parameters)
@@ -123,10 +123,7 @@ def grounded_length(chain, x):
 
 @kernel
 def missing_tension(chain, s, x, held):
-    """What the spring of segment s lacks with its nodes at x [m]: as a vector, and in size [N].
-
-    Its tension vector [N] as the state keeps it.
-    """
+    """Stored tension vector [N] of segment s minus its spring tension with nodes at x [m]: vector and size [N]."""
     length, e = segment.geometry(sub(get(x, s + 1), get(x, s)))
     pull = segment.spring_tension(chain, s, length)
     return add_scaled(held, -pull, e), norm(held) - pull
@@ -134,7 +131,7 @@ def missing_tension(chain, s, x, held):
 
 @kernel
 def correct_end_forces(chain, state, x, outputs):
-    """Forces and tensions at the ends and the largest tension in the outputs (modified), where positions do not hold them.
+    """End forces and tensions and the largest tension in the outputs (modified), if positions do not determine them.
 
     Source: docs/models/numerics.md, "Stiff tethers".
     """
@@ -165,7 +162,7 @@ def outputs_of_chain(chain, state, x, v, shape_points, outputs, mass):
     outputs[at.GROUND_TENSION] = ground_tension
     outputs[at.KITE_TENSION] = kite_tension
     outputs[at.TETHER_LENGTH] = chain.length
-    outputs[at.SOLVER_ITERATION_LIMIT] = 0.0  # `fixed_steps.most_iterations` has that of fixed steps
+    outputs[at.SOLVER_ITERATION_LIMIT] = 0.0  # for fixed steps see `fixed_steps.most_iterations`
     write_direction(sub(get(x, 1), get(x, 0)), outputs)
     outputs[at.KITE_END_MASS] = mass[chain.n] - point_mass(chain, chain.n)
     outputs[at.GROUNDED_LENGTH] = grounded_length(chain, x)
@@ -176,7 +173,7 @@ def outputs_of_chain(chain, state, x, v, shape_points, outputs, mass):
 
 @kernel
 def parting(state):
-    """1 if the line has broken or let go, else 0; and when the first of the two was [s] since the start, -1 before."""
+    """1 if the line has broken or was released, else 0; and the time of the first such event [s] since the start, or -1."""
     has_broken, has_let_go = state[at.TORN_SEGMENT] >= 1.0, state[at.LET_GO] >= 1.0
     if has_broken and has_let_go:
         return 1.0, min(state[at.TORN_AT], state[at.LET_GO_AT])
@@ -187,7 +184,7 @@ def parting(state):
 
 @kernel
 def complete(n, state, outputs):
-    """Write what all variants read from a state into the outputs (modified); returns OK or OUTPUT_NOT_FINITE."""
+    """Write the outputs that all variants read from a state (modified); returns OK or OUTPUT_NOT_FINITE."""
     x, v = positions_and_velocities(n, state)
     put_at(outputs, at.OUTPUT_KITE_POSITION, get(x, n))
     put_at(outputs, at.OUTPUT_KITE_VELOCITY, get(v, n))

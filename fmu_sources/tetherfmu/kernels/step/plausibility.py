@@ -1,32 +1,32 @@
-"""What no tether and no kite does is noted in the state, once since the start; nothing else changes.
+"""Implausible behaviour is noted in the state, once since the start; it has no other effect.
 
     stretch        max l/l0 of the segments
-    acceleration   2 |x1 - x0 - v0 h|/(h H)   of the end in a step, from where it was (x0, v0) to where it arrives (x1): the
-                   mean where H = h; in a short step after a long one the end still corrects the error of H, the long one
+    acceleration   2 |x1 - x0 - v0 h|/(h H)   of the end in a step, from its start (x0, v0) to its arrival x1: the
+                   mean if H = h; in a short step after a long one the end still corrects the error of H, the long one
     speed          |v1| of the end
-    slack          l < l0 of a segment whose EA is above `limits.STIFF`, where the adaptive solver has moved the chain
+    slack          l < l0 of a segment with EA above `limits.STIFF`, moved by the adaptive solver
     hanging deep   ground_height - z of the lowest node, without ground contact, while both ends are above the ground
     under ground   ground_height - z of a driven end, with ground contact
-    damping        E A h of backward Euler with a fixed step h, where that is above a tenth of the axial damping
-    unconverged       h of a fixed step that was ended before its iteration converged
-    unresolved     h of the fixed steps of a communication step that the adaptive solver has given up
+    damping        E A h of backward Euler with a fixed step h, if it is above a tenth of the axial damping
+    unconverged    h of a fixed step that ended before its iteration converged
+    unresolved     h of the fixed steps of a communication step that the adaptive solver has abandoned
     contradiction  |sum r| / sum max(|d|, |m h|),   d = p - p_last,   r = d - m h,   m = v_last + theta (v - v_last)
-    slack winch    W of a winch with mass that is controlled by force and reels in, where d < 0.99 L and T < 0.1 (W - F)
-    jump           distance of an end, or of the length that a winch follows, in the first step from where it was initialized
+    slack winch    W of a force-controlled winch with mass that reels in, if d < 0.99 L and T < 0.1 (W - F)
+    jump           distance between an initialized end, or the length that a winch follows, and its start in the first step
     fast winch     |u| of the unstretched length, now or as the mean of a step
-    pressing       largest -T of a slack segment, where that is more than the weight of the tether
+    pressing       largest -T of a slack segment, if it is more than the weight of the tether
     long           a communication step
     no effect      an input or a parameter that is set and is not read
-    too long       L - d of a winch that is controlled by length, above 5 % of d and above `NEARBY`; d: distance of the ends
+    too long       L - d of a length-controlled winch, above 5 % of d and above `NEARBY`; d: distance of the ends
 
-The last one compares the positions p that the importer gives with the velocities v given with them: m is the mean velocity
-between the last two that explains the way d best (0 <= theta <= 1; so no jump of the velocity contradicts anything). The
-sums continue until the lower one exceeds `JUDGED_WAY`; then they are judged and begin anew. Two ways in a row must
-contradict: a jump of the position is none, it shows in the acceleration. Noise of the positions does not add up in the upper
+The contradiction check compares the input positions p with the input velocities: m is the mean velocity
+between the last two that explains the displacement d best (0 <= theta <= 1; so a velocity jump is no contradiction). The
+sums continue until the lower one exceeds `JUDGED_WAY`; then they are evaluated and restarted. Two consecutive sums must
+contradict: a position jump does not, it is visible in the acceleration. Position noise does not accumulate in the upper
 sum.
 
-A length that is too short is a stretch. One that is too long is possible, and judged only where it is an input: there it
-is mostly a wrong unit or an offset.
+Too short a length is a stretch. Too long a length is possible, and is checked only if it is an input: it
+is then mostly a wrong unit or an offset.
 
 Limits: runtime/plausibility.py. Theory: docs/models/theory.md, "Plausibility".
 """
@@ -45,7 +45,7 @@ from ..equations.properties import chain_of, holds, property_of, rest_length
 from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, dot, get, put_at, scale, sub, vector_at
 from ..notes import note
 
-# of each end: whether it is free among the parameters; its last inputs and its sums in the state; its warnings
+# for each end: whether it is free (parameters); its last inputs and its sums (state); its warnings
 OF_GROUND = (
     *(at.GROUND_IS_FREE, at.LAST_GROUND_POSITION, at.LAST_GROUND_VELOCITY, at.CORRECTIONS_LEFT, at.GROUND_RESIDUE),
     *(limits.GROUND_ACCELERATION, limits.GROUND_RESIDUE, limits.GROUND_JUMP),
@@ -54,7 +54,7 @@ OF_KITE = (
     *(at.KITE_IS_FREE, at.LAST_KITE_POSITION, at.LAST_KITE_VELOCITY, at.CORRECTIONS_LEFT + 1, at.KITE_RESIDUE),
     *(limits.KITE_ACCELERATION, limits.KITE_RESIDUE, limits.KITE_JUMP),
 )
-WAY, SQUARE_BEFORE = 3, 4  # places behind the sum of r: the sum of the ways [m]; what the way before was judged by, squared
+WAY, SQUARE_BEFORE = 3, 4  # places behind the sum of r: sum of distances [m]; divisor of the last check, squared
 
 
 @kernel
@@ -80,7 +80,7 @@ def note_shape(n, parameters, state):
 
 @kernel
 def note_ground(n, parameters, state):
-    """Note a tether that hangs below a ground which does not carry it, or a driven end under one that does [m].
+    """Note a tether that hangs below a ground without contact, or a driven end below a ground with contact [m].
 
     In the state (modified).
     """
@@ -101,7 +101,7 @@ def note_ground(n, parameters, state):
 
 @kernel
 def note_length(n, parameters, state):
-    """Note by how much the length that was given to a winch exceeds the distance of the ends [m] in the state (modified)."""
+    """Note the excess of the winch length input over the distance of the ends [m] in the state (modified)."""
     if winch.follows_length(parameters):
         distance = distance_of_ends(n, state)
         excess = max(0.0, state[at.LENGTH] - distance)
@@ -110,12 +110,12 @@ def note_length(n, parameters, state):
 
 @kernel
 def note_slack_winch(n, parameters, state):
-    """Note the force [N] of a winch with mass that reels in a slack tether against little, in the state (modified)."""
+    """Note the force [N] of a winch with mass that reels in a slack tether with little force, in the state (modified)."""
     if winch.follows_force(parameters) and parameters[at.WINCH_MASS] > 0.0 and state[at.REELING] < 0.0:
         force = state[at.LAST_WINCH_FORCE]
         drive = force - parameters[at.WINCH_FRICTION]
         is_slack = distance_of_ends(n, state) < limits.SLACK * state[at.LENGTH]
-        if parameters[at.HELD_BY] != 0.0:  # by a drum that other lines may hold
+        if parameters[at.HELD_BY] != 0.0:  # by a drum that other lines may share
             is_slack = is_slack and -parameters[at.WINCH_MASS] * state[at.DRUM_ACCELERATION] > 0.5 * drive
         if is_slack and max(0.0, spring_at_ground(n, parameters, state)) < limits.LEAST_RESISTANCE * drive:
             note(state, limits.WINCH_REELS_IN_SLACK, force * force, 0.0)
@@ -147,16 +147,16 @@ def note_damping_of_steps(chain, parameters, state):
 
 @kernel
 def note_unconverged(count, h, state):
-    """Note a fixed step [s] in the state (modified), if in any iterations were ended before they converged: `count`."""
+    """Note a fixed step [s] in the state (modified), if `count` of them ended before their iteration converged."""
     if count > 0.0:
         note(state, limits.FIXED_STEP_UNCONVERGED, h**2, 0.0)
 
 
 @kernel
 def note_acceleration(position, velocity, reached, step, time, kind, state):
-    """Note the acceleration of an end in the state (modified): in a step [s] from there [m, m/s] to a position [m].
+    """Note the acceleration of an end in the state (modified): in a step [s] from a motion [m, m/s] to a position [m].
 
-    time : in which it comes to its given motion, at least the step [s].
+    time : correction time to its prescribed motion, at least the step [s].
     """
     acceleration = scale(2.0 / (step * time), add_scaled(sub(reached, position), -step, velocity))
     note(state, kind, dot(acceleration, acceleration), limits.LARGEST_ACCELERATION)
@@ -164,7 +164,7 @@ def note_acceleration(position, velocity, reached, step, time, kind, state):
 
 @kernel
 def unexplained(way, last_velocity, velocity, step):
-    """The part r [m] of a way d [m] in a step [s] that no velocity between the last and the present one [m/s] explains."""
+    """Part r [m] of a displacement d [m] in a step [s] that no velocity [m/s] between the last and the present explains."""
     first = scale(step, last_velocity)
     change = sub(scale(step, velocity), first)
     square = dot(change, change)
@@ -176,9 +176,9 @@ def unexplained(way, last_velocity, velocity, step):
 
 @kernel
 def note_contradiction(way, last_velocity, velocity, step, place, kind, state):
-    """Go on with the sums of an end in the state (modified), and judge them at the end of a way.
+    """Update the sums of an end in the state (modified), and evaluate them when they are complete.
 
-    way, step : since its last input [m, s].  last_velocity, velocity : given with both [m/s].  place : of its sums,
+    way, step : since its last input [m, s].  last_velocity, velocity : inputs of both [m/s].  place : of its sums,
     `layout.KITE_RESIDUE`, ...
     """
     r = unexplained(way, last_velocity, velocity, step)
@@ -196,7 +196,7 @@ def note_contradiction(way, last_velocity, velocity, step, place, kind, state):
 
 @kernel
 def note_end(n, i, places, parameters, before, state):
-    """Note what is implausible in the motion of an end in the state (modified): node i, `OF_GROUND` or `OF_KITE`."""
+    """Note implausible motion of an end in the state (modified): node i, `OF_GROUND` or `OF_KITE`."""
     is_free, position, velocity, left, sums, acceleration, residue, _ = places
     if parameters[is_free] == 0.0:
         x, v = positions_and_velocities(n, before)
@@ -211,9 +211,9 @@ def note_end(n, i, places, parameters, before, state):
 
 @kernel
 def note_jump(n, i, places, parameters, before, state):
-    """Note in the state (modified) how far the first step begins from where an end was initialized [m].
+    """Note in the state (modified) the distance between an initialized end and its start in the first step [m].
 
-    What its velocity explains within a step is no jump. Other arguments as of `note_end`.
+    A distance that its velocity explains within a step does not count. Other arguments as for `note_end`.
     """
     is_free, position, velocity, _, _, _, _, jump = places
     if parameters[is_free] == 0.0:
@@ -225,7 +225,7 @@ def note_jump(n, i, places, parameters, before, state):
 
 @kernel
 def note_jump_of_length(parameters, before, state):
-    """The same of the length that a winch follows; 0 stands for `initial_length`. That of all portions over sheaves."""
+    """`note_jump` for the length that a winch follows, over all portions; 0 stands for `initial_length`."""
     if winch.follows_length(parameters) and state[at.LAST_WINCH_LENGTH] != 0.0:
         first = before[at.LAST_WINCH_LENGTH] if before[at.LAST_WINCH_LENGTH] != 0.0 else parameters[at.INITIAL_LENGTH]
         explained = abs(before[at.REELING]) * state[at.LAST_STEP]
@@ -237,7 +237,7 @@ def note_jump_of_length(parameters, before, state):
 def note_winch_speed(before, state):
     """Note the speed of a winch [m/s], now or as the mean of a step, in the state (modified).
 
-    Rope that goes on over a sheave comes from the winch, too.
+    Includes rope that continues over a sheave.
     """
     paid = state[at.LENGTH] - before[at.LENGTH] + state[at.PAYOUT] - before[at.PAYOUT]
     fastest = max(abs(paid) / state[at.LAST_STEP], abs(state[at.REELING] + state[at.SHEAVE_SPEED]))
@@ -246,9 +246,9 @@ def note_winch_speed(before, state):
 
 @kernel
 def note_pressing(chain, x, v, has_waves, state):
-    """Note with how much a slack segment presses [N], if it is more than the tether weighs, in the state (modified).
+    """Note the compression of a slack segment [N], if it exceeds the weight of the tether, in the state (modified).
 
-    has_waves : whether dampers press, too, with the nodes at the velocities v [m/s].
+    has_waves : whether dampers count, too, with the nodes at the velocities v [m/s].
     """
     if state[at.WARNED_VALUES + limits.SLACK_PRESSES] != 0.0:
         return
@@ -276,8 +276,8 @@ def note_idle(state, kind, value):
 def note_idle_inputs(parameters, inputs, state):
     """Note inputs that are set and have no effect in the state (modified).
 
-    A reel-out speed that does not control the winch has one at the start; later, only a change of it is noted. Nothing has
-    an effect on the winch of a line that broke.
+    A reel-out speed that does not control the winch has an effect at the start; later, only its changes are noted. No input
+    affects the winch of a broken line.
     """
     if parameters[at.TORN_NOW] > 0.0:
         return
@@ -298,7 +298,7 @@ def note_idle_inputs(parameters, inputs, state):
 
 @kernel
 def note_idle_parameters(parameters, state):
-    """Note parameters of a drum that does not turn by force, in the state (modified)."""
+    """Note parameters of a drum that is not force-controlled, in the state (modified)."""
     if not winch.follows_force(parameters):
         is_stopped = parameters[at.LONGEST_LENGTH] != at.NO_STOP
         numbers = parameters[at.WINCH_MASS] + parameters[at.WINCH_DAMPING] + parameters[at.WINCH_FRICTION]
@@ -308,10 +308,10 @@ def note_idle_parameters(parameters, state):
 
 @kernel
 def note_step(n, parameters, before, state):
-    """Note what is implausible in a communication step from the state `before` to the state (modified).
+    """Note implausible behaviour in a communication step from the state `before` to the state (modified).
 
-    Driven ends are judged from the second step on (with derived velocities from the fourth, as only the third one knows a
-    motion): the first one begins where the initialization was, and how far that is from where the ends are then is noted.
+    Driven ends are checked from the second step on (with derived velocities from the fourth, as the third is the first with
+    a motion): the first step begins at the initialized position, whose distance from the present input is noted.
     """
     note_shape(n, parameters, state)
     note_slack_winch(n, parameters, state)

@@ -16,7 +16,7 @@ from ..equations.winch import follows_force
 from ..flat_arrays import part
 from ..linear_algebra.vectors import NEUTRAL, dot, get, put, scale, sub, vector_at
 
-# fields of `python.energy.Energy` in their order; then tensions of the segments [N], then velocities of the nodes [m/s]
+# fields of `python.energy.Energy` in order; then segment tensions [N], then node velocities [m/s]
 KINETIC, ELASTIC, POTENTIAL, GROUND_POWER, KITE_POWER, WINCH, MATERIAL, WIND, DAMPING_LOSS, DRAG_LOSS = range(10)
 DRUM, DRUM_POWER, MOTOR_POWER, FRICTION_LOSS, CONTACT_LOSS, SLIDING_LOSS, BREAKING, ENERGIES = range(10, 18)
 
@@ -31,8 +31,8 @@ def size(n):
 def balance(n, parameters, state, v, inputs, has_waves, energies, work):
     """Energies [J], powers [W], tensions [N] and velocities of a state into `energies` (modified), see `ENERGIES`; a status.
 
-    v : velocities of its nodes [m/s].  inputs : reel-out speed, wind, load of a free kite end and force of the winch count.
-    has_waves : whether its nodes move by the equations of motion.  work (modified) : for node masses.
+    v : node velocities [m/s].  inputs : reel-out speed, wind, load of a free kite end and winch force are used.
+    has_waves : whether its nodes obey the equations of motion.  work (modified) : for node masses.
     """
     speed = 0.0 if is_torn(parameters) else inputs[at.REEL_OUT_SPEED]
     acceleration = acceleration_with(parameters, speed, state)
@@ -66,7 +66,7 @@ def balance(n, parameters, state, v, inputs, has_waves, energies, work):
 
 @kernel
 def acceleration_with(parameters, speed, state):
-    """Rate of the reel-out speed [m/s2] in a state; of the next step, if the speed [m/s] is not that of the state."""
+    """Rate of the reel-out speed [m/s2] in a state; in the next step, if the speed [m/s] differs from the state."""
     if speed == state[at.REELING] or follows_force(parameters):
         return state[at.ACCELERATION]
     if state[at.LAST_STEP] > 0.0 and is_continued(parameters):
@@ -76,7 +76,7 @@ def acceleration_with(parameters, speed, state):
 
 @kernel
 def balance_flow(chain, state, x, v, load, mass, a, energies):
-    """Add the energy [J] of rope that flows and the power [W] that accelerates it to `energies` (modified).
+    """Add the energy [J] of flowing rope and the power [W] that accelerates it to `energies` (modified).
 
     state : of a portion of a line over sheaves.  load : on a free kite end [N].  mass, a (modified) : room for masses [kg]
     and accelerations [m/s2].
@@ -89,7 +89,7 @@ def balance_flow(chain, state, x, v, load, mass, a, energies):
     counted = are_free[0] if chain.parameters[at.IS_PORTION] == at.BEHIND_SHEAVE else 0.0, are_free[1]
     energies[KINETIC] += flow.energy_of_flow(chain, x, v, counted)
     energies[WINCH] += flow.power(chain, x, v, a, are_free, counted)
-    for kite_end in range(2):  # what is counted as power of the ends that are driven
+    for kite_end in range(2):  # part of the power of driven ends
         s, node = (chain.n - 1) * kite_end, chain.n * kite_end
         push = flow.end_force(chain, kite_end == 1, get(x, s), get(x, s + 1), get(v, s), get(v, s + 1))
         energies[WINCH] += (1.0 - are_free[kite_end]) * dot(push, get(v, node))
@@ -136,7 +136,7 @@ def balance_segments(chain, x, v, energies):
 
 @kernel
 def balance_ends(chain, x, v, mass, kite_load, energies):
-    """Powers [W] of what holds driven ends, or of the load [N] on a free kite end, into `energies` (modified)."""
+    """Powers [W] of the supports of driven ends, or of the load [N] on a free kite end, into `energies` (modified)."""
     ground_force, _ = end_force(chain, False, x, v, mass)
     kite_force, _ = end_force(chain, True, x, v, mass)
     kite_is_free = chain.parameters[at.KITE_IS_FREE]
@@ -147,7 +147,7 @@ def balance_ends(chain, x, v, mass, kite_load, energies):
 
 @kernel
 def balance_drum(parameters, speed, tension, force, energies):
-    """Energy and powers of a drum that is controlled by force [N] into `energies` (modified); 0 of any other winch.
+    """Energy and powers of a drum controlled by a force [N] into `energies` (modified); 0 for any other winch.
 
     speed : of the drum [m/s].  tension : at the drum [N].
     """

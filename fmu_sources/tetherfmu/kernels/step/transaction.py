@@ -1,6 +1,6 @@
-"""The transaction of a start or a step: check the inputs, let the variant work on the state, then commit or roll back.
+"""Transaction of a start or a step: check the inputs, call the variant on the state, then commit or roll back.
 
-The state is copied once, before a step; a refused step gets it back, bit for bit.
+The state is copied once, before a step; a refused step restores it, bit for bit.
 """
 
 from math import inf
@@ -29,14 +29,14 @@ from ..equations.properties import chain_at, rest_length
 from ..linear_algebra.vectors import ZERO_VECTOR, add_scaled, get, put_at, vector_at
 from .plausibility import note_idle_inputs, note_idle_parameters, note_shape, note_step
 
-ROUNDING = 1e-6  # of a force [N] that a controller, or its continuation within a step, makes 0
+ROUNDING = 1e-6  # rounding of a force [N] that a controller or extrapolation sets to 0
 
 
 @kernel
 def check_inputs(inputs):
-    """OK, or INPUT_NOT_FINITE with the place of the first input that is no finite number or a huge one."""
+    """OK, or INPUT_NOT_FINITE with the place of the first input that is huge or not a finite number."""
     all_good = True
-    for i in range(len(inputs)):  # no way out of the loop, which would keep it from being done in pairs
+    for i in range(len(inputs)):  # no early exit, which would prevent vectorization in pairs
         all_good &= abs(inputs[i]) <= at.LARGEST_INPUT
     if all_good:
         return OK
@@ -50,14 +50,14 @@ def check_inputs(inputs):
 def check_state(n, state):
     """OK, or STATE_NOT_FINITE."""
     finite = 0
-    for k in range(nodes_end(n)):  # a sum, since a way out of the loop would keep it from being done in pairs
+    for k in range(nodes_end(n)):  # a sum: an early exit would prevent vectorization in pairs
         finite += abs(state[k]) < inf
     return OK if finite == nodes_end(n) else STATE_NOT_FINITE
 
 
 @kernel
 def start(n, parameters, inputs, state):
-    """Check the inputs and fill a new state (modified): header and ends; inner nodes at 0. Returns a status."""
+    """Check the inputs and fill a new state (modified): header and ends; zeros for inner nodes. Returns a status."""
     status = check_inputs(inputs)
     if status != OK:
         return status
@@ -91,10 +91,10 @@ def check_free_ends(n, parameters, state):
 
 @kernel
 def commit_start(n, parameters, inputs, status, state):
-    """Check a new state if the status is OK, and note in it (modified) what is implausible; returns the status."""
+    """Check a new state if the status is OK, and note implausible behaviour in it (modified); returns the status."""
     if status == OK:
         status = check_state(n, state)
-    if status in (OK, NO_EQUILIBRIUM):  # of which a free end under the ground is the reason
+    if status in (OK, NO_EQUILIBRIUM):  # a free end below the ground causes NO_EQUILIBRIUM
         under = check_free_ends(n, parameters, state)
         status = under if under != OK else status
     if status == OK:
@@ -106,9 +106,9 @@ def commit_start(n, parameters, inputs, status, state):
 
 @view
 def begin(n, parameters, inputs, step, is_mean, state):
-    """Why a communication step of `step` [s] cannot be, or OK; and its `StepInputs`, which have a meaning only then.
+    """OK, or the reason to refuse a communication step of `step` [s]; and its `StepInputs`, valid on OK only.
 
-    The header of the state and its wind points (modified, if OK) become those after the step; is_mean : see `wind_points`.
+    On OK, the header of the state and its wind points (modified) are advanced; is_mean : see `wind_points`.
     """
     given = inputs_of_step(n, parameters, inputs, step, state)
     status = check_inputs(inputs)
@@ -123,7 +123,7 @@ def begin(n, parameters, inputs, step, is_mean, state):
 
 @kernel
 def check_length(n, parameters, length):
-    """OK, or REELED_TOO_SHORT or WINCH_TOO_SHORT if a segment is too short in an unstretched length [m]."""
+    """OK, or REELED_TOO_SHORT or WINCH_TOO_SHORT if an unstretched length [m] has too short segments."""
     chain = chain_at(n, parameters, length, 0.0, ZERO_VECTOR)
     for s in range(n):
         if rest_length(chain, s) < at.MIN_SEGMENT_LENGTH:
@@ -133,7 +133,7 @@ def check_length(n, parameters, length):
 
 @kernel
 def check_step(n, parameters, given):
-    """OK, or why a step with `StepInputs` cannot be: its length, or what is asked of a winch in it."""
+    """OK, or the reason to refuse a step with `StepInputs`: its length, or the inputs of a winch."""
     if not (given.step > 0.0 and given.step <= at.LONGEST_STEP):
         return STEP_NOT_POSITIVE
     if not winch.follows_force(parameters):
@@ -149,7 +149,7 @@ def check_step(n, parameters, given):
 
 @kernel
 def remember_positions(inputs, state):
-    """Put the inputs that are positions, of both ends and of the winch, into a state (modified)."""
+    """Store the position inputs of both ends and of the winch in a state (modified)."""
     put_at(state, at.LAST_KITE_POSITION, vector_at(inputs, at.KITE_POSITION))
     put_at(state, at.LAST_GROUND_POSITION, vector_at(inputs, at.GROUND_POSITION))
     state[at.LAST_WINCH_LENGTH] = inputs[at.WINCH_LENGTH]
@@ -157,7 +157,7 @@ def remember_positions(inputs, state):
 
 @kernel
 def remember_past(parameters, inputs, step, state):
-    """Positions at the start of a communication step [s], for later steps, in the state of its start (modified)."""
+    """Store the positions at the start of a communication step [s] in the state of its start (modified), for later steps."""
     length = winch.given_length(parameters, inputs, state)
     remember_positions(inputs, state)
     by_length = winch.follows_length(parameters)
@@ -171,7 +171,7 @@ def remember_past(parameters, inputs, step, state):
 def remember(parameters, inputs, given, state):
     """Header of the state (modified) after a communication step with `StepInputs`.
 
-    A winch that is controlled by force has its length and speed from the variant.
+    The variant sets length and speed of a force-controlled winch.
     """
     step = given.step
     remember_past(parameters, inputs, step, state)
@@ -192,9 +192,9 @@ def remember(parameters, inputs, given, state):
 
 @kernel
 def commit(n, parameters, status, before, state):
-    """End a step: note what is implausible in it if the status is OK and all of the state is finite, else roll it back.
+    """End a step: note implausible behaviour if the status is OK and the state is finite, otherwise roll back.
 
-    state (modified) : after the step.  before : the same before it.  Returns the status.
+    state (modified) : after the step.  before : the state before it.  Returns the status.
     """
     if status == OK:
         status = check_state(n, state)

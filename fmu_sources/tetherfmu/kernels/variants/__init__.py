@@ -1,1 +1,1 @@
-"""The four tethers: for each one its first state, one communication step, its outputs. Imports all packages of `kernels`."""
+"""The four tethers: initial state, communication step and outputs of each. Imports all packages of `kernels`."""

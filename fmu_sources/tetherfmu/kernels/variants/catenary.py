@@ -1,6 +1,6 @@
-"""The catenary tether: weight plus the mean drag on its shape is one uniform load on an elastic line.
+"""The catenary tether: weight plus mean drag is one uniform load on an elastic line.
 
-The shape is that under the mean drag along the chord: one pass, see `shape_load.py`.
+The shape is the catenary under the mean drag along the chord: one pass, see `shape_load.py`.
 
 Source: docs/models/theory.md, "Elastic catenary" and "Catenary on the ground".
 """
@@ -31,7 +31,7 @@ work_size = no_work_size
 def hang_in_wind(line, ground, chord, state):
     """Load per unstretched length [N/m], tension vector at the ground end [N], and the number of iterations (-1: none).
 
-    Of a catenary with the mean load on the shape that it has under that along its chord.
+    For a catenary under the mean load on its shape, which is the catenary under the load along its chord.
     """
     stiffness = property_of(line, 0, at.STIFFNESS)
     load = load_on_chord(line, ground, chord, state)
@@ -51,9 +51,9 @@ def hang_in_wind(line, ground, chord, state):
 
 @kernel
 def settle(n, parameters, state, work):
-    """Store the tension vectors of the ends in the state (modified); returns OK or NO_EQUILIBRIUM. n is 1.
+    """Store the end tension vectors in the state (modified); returns OK or NO_EQUILIBRIUM. n is 1.
 
-    Where the tether lies on the ground, the length on the ground, too.
+    If the tether lies on the ground, also store the length on the ground.
     """
     line, ground, chord, _ = chord_of(parameters, state)
     load, tension, iterations = hang_in_wind(line, ground, chord, state)
@@ -70,14 +70,14 @@ def settle(n, parameters, state, work):
 
 @kernel
 def load_of(line, state):
-    """Load per unstretched length [N/m] of a catenary that lies nowhere, from the tension vectors in a state."""
+    """Load per unstretched length [N/m] of a catenary without ground contact, from the tension vectors in a state."""
     both = add(vector_at(state, at.GROUND_TENSION_VECTOR), vector_at(state, at.KITE_TENSION_VECTOR))
     return scale(1.0 / line.length, both)
 
 
 @kernel
 def note_depth(parameters, state):
-    """Note in the state (modified) how far a tether without ground contact hangs below the ground [m], its ends above it."""
+    """Note in the state (modified) the depth [m] of a tether below a ground without contact, both ends being above it."""
     plane = parameters[at.GROUND_HEIGHT]
     if not has_ground(parameters) and state[at.WARNED_VALUES + limits.GROUND_IGNORED] == 0.0:
         line, ground, chord, _ = chord_of(parameters, state)
@@ -91,7 +91,7 @@ def note_depth(parameters, state):
 
 @kernel
 def initialize(n, parameters, inputs, state, work):
-    """Find the tension in a new state (modified); returns a status: OK or NO_EQUILIBRIUM. n is 1."""
+    """Solve the tension in a new state (modified); returns a status: OK or NO_EQUILIBRIUM. n is 1."""
     status = settle(n, parameters, state, work)
     note_depth(parameters, state)
     return status
@@ -99,7 +99,7 @@ def initialize(n, parameters, inputs, state, work):
 
 @kernel
 def forces_of(line, ground, chord, state):
-    """Forces of the tether on its ends [N] of a state in equilibrium; tension vector of its shape [N] and load [N/m]."""
+    """End forces of the tether [N] in a state in equilibrium; tension vector of its shape [N] and load [N/m]."""
     tension, load = vector_at(state, at.GROUND_TENSION_VECTOR), load_of(line, state)
     lies = has_ground(line.parameters) and state[at.LYING_LENGTH] > 0.0
     if lies or norm(load) == 0.0:
@@ -111,7 +111,7 @@ def forces_of(line, ground, chord, state):
 
 @kernel
 def tension_at_ground(n, parameters, state):
-    """Tension at the ground [N] of a state in equilibrium. n is 1."""
+    """Ground tension [N] of a state in equilibrium. n is 1."""
     line, ground, chord, _ = chord_of(parameters, state)
     force, _, _, _ = forces_of(line, ground, chord, state)
     return norm(force)
@@ -119,7 +119,7 @@ def tension_at_ground(n, parameters, state):
 
 @kernel
 def largest_tension(n, parameters, state, work):
-    """Tension [N] at the end where it is larger. n is 1."""
+    """The larger end tension [N]. n is 1."""
     line, ground, chord, _ = chord_of(parameters, state)
     ground_force, kite_force, _, _ = forces_of(line, ground, chord, state)
     return max(norm(ground_force), norm(kite_force))
@@ -138,7 +138,7 @@ def advance(n, parameters, given, before, state, work):
 
 @kernel
 def outputs_of(n, parameters, state, shape_points, outputs, work):
-    """Write all outputs (modified) that belong to a state. n is 1."""
+    """Write all outputs (modified) of a state. n is 1."""
     line, ground, chord, distance = chord_of(parameters, state)
     ground_force, kite_force, tension, load = forces_of(line, ground, chord, state)
     write_common(line, distance, ground_force, kite_force, outputs)

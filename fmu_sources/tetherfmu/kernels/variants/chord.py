@@ -1,10 +1,10 @@
-"""What the tethers without nodes share, and the drag along the chord, the only one that the straight tether knows.
+"""Common code of the tethers without nodes, and the drag along the chord, which is the only drag of the straight tether.
 
-Load of the air per length of the chord, with W the wind at the height of the point less its velocity, and e the chord:
+Air load per length of the chord, with W the wind at the height of the point minus its velocity, and e the chord direction:
 
     f(xi) = 1/2 rho cd d |w| w,   w = W - (W . e) e,   velocity (1 - xi) v_ground + xi v_kite,   xi = 0 .. 1
 
-A wind that is given at points is the one at the same part of the chord as of the unstretched length, s = xi.
+A wind specified at points applies at the same fraction of the chord as of the unstretched length, s = xi.
 
 Source: docs/models/theory.md, "Straight line".
 """
@@ -25,12 +25,12 @@ from .sheared_air import sheared_load
 # Gauss-Legendre points and weights on 0 .. 1, for uniform air: exact to degree 9, so for the turning tether without wind
 POINTS = np.array((0.046910077030668, 0.230765344947158, 0.5, 0.769234655052842, 0.953089922969332))
 WEIGHTS = np.array((0.118463442528095, 0.239314335249683, 0.284444444444444, 0.239314335249683, 0.118463442528095))
-OF_SIMPSON = 1.0 / 6.0  # weight of the ends of each piece between wind points; exact for a cross-wind of one direction
+OF_SIMPSON = 1.0 / 6.0  # weight of the ends of each piece between wind points; exact for a cross-wind of constant direction
 
 
 @view
 def chord_of(parameters, state):
-    """The one segment of a line, as `Chain`; its ground end [m], its chord [m] and the length of the chord [m]."""
+    """The only segment of a line, as `Chain`; its ground end [m], its chord [m] and the length of the chord [m]."""
     x, _ = positions_and_velocities(1, state)
     ground = get(x, 0)
     chord = sub(get(x, 1), ground)
@@ -46,14 +46,14 @@ def no_work_size(n):
 
 @kernel
 def is_same_along(line):
-    """Whether wind and density are the same all along the chord: uniform air, or a wind that is given at the ends."""
+    """Whether wind and density are constant along the chord: uniform air, or a wind specified at the ends."""
     uniform_wind = line.parameters[at.WIND_PROFILE] == at.UNIFORM or has_node_winds(line)
     return uniform_wind and not thins_out(line)
 
 
 @kernel
 def thins_out(line):
-    """Whether the density of the air changes with the height."""
+    """Whether the air density varies with the height."""
     return line.parameters[at.AIR_DENSITY_SCALE_HEIGHT] > 0.0
 
 
@@ -82,30 +82,30 @@ def chord_load(parameters, state):
 
 @view
 def motion_along(state):
-    """Velocity [m/s] of the ground end, and what that of the kite end is more."""
+    """Velocity [m/s] of the ground end, and the kite velocity relative to it [m/s]."""
     _, v = positions_and_velocities(1, state)
     return get(v, 0), sub(get(v, 1), get(v, 0))
 
 
 @kernel
 def load_by_points(line, state, height, rise, e):
-    """`chord_load` in the wind at more than two points, by Simpson's rule in each piece between two.
+    """`chord_load` for more than two wind points, by Simpson's rule in each piece between two.
 
     height : of the ground end [m].  rise : of the kite end above it [m].  e : direction of the chord.
 
-    Where the cross-wind is a at one end of a piece and b at the other, linear in between, the mean of |w| w in it is
+    If the cross-wind is a at one end of a piece and b at the other, linear in between, the mean of |w| w in it is
 
         1/6 (|a| a + |a + b| (a + b) + |b| b)
 
     Pairs: a point, or the middle of a piece, and its mirror image, from the ends of the chord to its middle, in steps of
-    half a piece; what is its own image counts half in both.
+    half a piece; a point that is its own image counts half in both.
     """
     pieces = wind_points.count_of(line.parameters) - 1
     half, (at_ground, more) = 0.5 / pieces, motion_along(state)
     velocity, change = pair(at_ground, add(at_ground, more)), scale(pair(2.0 * half, -2.0 * half), more)
     a = across_at_points(line, state, e, velocity, 0)
     load = scale(speed_in_density(line, height, rise, 0.0, a), a)
-    moment = pair(ZERO_VECTOR, ZERO_VECTOR)  # about the middle of the chord, in half pieces: a load is added at each step
+    moment = pair(ZERO_VECTOR, ZERO_VECTOR)  # about the middle of the chord, in half pieces: each step adds a load
     for k in range(1, pieces // 2 + 1):
         part = 2 * k * half
         velocity = add(velocity, change)
@@ -141,9 +141,9 @@ def across_at_points(line, state, e, velocity, k):
 
 @kernel
 def speed_in_density(line, height, rise, part, w):
-    """|w| [m/s] at a part of the chord from the ground end and from the kite end; w [m/s] and this are pairs.
+    """|w| [m/s] at a distance from the ground end and from the kite end; w [m/s] and the result are pairs.
 
-    If the air thins out, rho |w| [kg/(m2 s)].
+    If the density varies, rho |w| [kg/(m2 s)].
     """
     speed = segment.speed_across(w)
     if thins_out(line):
@@ -154,7 +154,7 @@ def speed_in_density(line, height, rise, part, w):
 
 @kernel
 def write_common(line, distance, ground_force, kite_force, outputs):
-    """Outputs (modified) that both lines share, from the length of the chord [m] and the end forces [N]."""
+    """Outputs (modified) of both lines, from the length of the chord [m] and the end forces [N]."""
     put_at(outputs, at.GROUND_FORCE, ground_force)
     put_at(outputs, at.KITE_FORCE, kite_force)
     outputs[at.TETHER_LENGTH] = line.length

@@ -1,6 +1,6 @@
-"""The dynamic tether: first shape, motion within a communication step, outputs.
+"""The dynamic tether: initial shape, motion within a communication step, outputs.
 
-It moves as a system of one line, of which all but the number of segments is known when it is compiled (`lines.OneLine`).
+It is a system of one line, known at compile time except for the number of segments (`lines.OneLine`).
 """
 
 from tetherfmu.runtime import layout as at
@@ -28,9 +28,9 @@ def work_size(n):
 
 @kernel
 def initialize(n, parameters, inputs, state, work):
-    """Give a new state (modified) the shape that `initial_shape` asks for; returns a status.
+    """Put a new state (modified) into its `initial_shape`; returns a status.
 
-    A free kite that starts at rest is put there first, and the shape is that of static equilibrium.
+    A free kite that starts at rest is first moved there; the shape is then in static equilibrium.
     """
     shape = parameters[at.INITIAL_SHAPE]
     if parameters[at.KITE_START] == at.START_AT_REST:
@@ -59,14 +59,14 @@ def advance(n, parameters, given, before, state, work):
 
 @view
 def velocities_of(n, parameters, state, work):
-    """Node velocities [m/s] that belong to a state: those that it has."""
+    """Node velocities [m/s] of a state: they are stored in it."""
     _, v = positions_and_velocities(n, state)
     return v
 
 
 @kernel
 def outputs_of(n, parameters, state, shape_points, outputs, work):
-    """Write all outputs (modified) that belong to a state."""
+    """Write all outputs (modified) of a state."""
     dynamic_chain.outputs_of(n, parameters, state, shape_points, outputs, work)
     steps, has_drum = given_steps(parameters), follows_force(parameters)
     outputs[at.SOLVER_ITERATION_LIMIT] = most_iterations(n, steps, has_drum, state[at.LAST_STEP])

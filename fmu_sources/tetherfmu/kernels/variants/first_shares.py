@@ -1,4 +1,4 @@
-"""Lengths of ropes with which `rope_shares.py` begins to search: as they are given, or by the distances of their points."""
+"""Initial rope lengths of the search in `rope_shares.py`: as specified, or from the distances of their points."""
 
 from math import inf
 
@@ -24,14 +24,14 @@ from .sought_drums import has_several, part_of_drum
 
 @kernel
 def straight_length(system, k, spans):
-    """Unstretched length [m] with which a straight rope, so long [m], pulls with the force of its winch."""
+    """Unstretched length [m] at which a straight rope over this distance [m] pulls with the force of its winch."""
     stiffness = property_in(parameters_of(system, k), segments_of(system, k), 0, at.STIFFNESS)
     return spans / (1.0 + max(inputs_of(system, k)[at.WINCH_FORCE], 0.0) / stiffness)
 
 
 @kernel
 def span_of(system, k):
-    """Distance of the ends of portion k where both are given [m], else 0."""
+    """Distance of the ends of portion k if both are given [m], else 0."""
     if is_sought(system, k, 0) or is_sought(system, k, 1):
         return 0.0
     return norm(sub(given_position(system, k, 1), given_position(system, k, 0)))
@@ -39,16 +39,16 @@ def span_of(system, k):
 
 @kernel
 def share_ropes(system, is_straight):
-    """Lengths of all portions as they are given, or by the distances of their points (modified); how many are sought.
+    """Lengths of all portions as specified, or from the distances of their points (modified); number of sought ones.
 
-    is_straight : whether ropes whose drums are sought have their `straight_length`, those of several lines `draw_taut`.
+    is_straight : whether ropes with sought drums get their `straight_length`, or for several lines `draw_taut`.
     """
     sought = 0
     for k in range(lines_of(system)):
         sought += has_sought_drum(system, k)
         if is_shared_out(system, k) and not comes_from(system, k):
             for i in range(at.STATE_HEADER):
-                state_of(system, k)[i] = 0.0  # for the length of the whole rope
+                state_of(system, k)[i] = 0.0  # for `first_length` of the whole rope
             whole = winch.first_length(parameters_of(system, k), inputs_of(system, k), state_of(system, k))
             last, given, spans, unknown = k, 0.0, 0.0, 0
             while goes_on(system, last):
@@ -76,7 +76,7 @@ def share_ropes(system, is_straight):
 
 @kernel
 def draw_taut(system):
-    """Let drums of several lines have paid out so much that all lines which they pay out are straight or taut (modified)."""
+    """Adjust drums of several lines (modified) so that all their lines are straight or taut."""
     for c in range(lines_of(system)):
         if has_several(system, c):
             least = inf
@@ -105,7 +105,7 @@ def rope_at(system, k):
 
 @kernel
 def even_out(system, k, last, whole):
-    """Let the portions from k to the last have the whole length [m] together (modified)."""
+    """Set the total length [m] of the portions from k to the last (modified)."""
     total = 0.0
     for j in range(k, last + 1):
         total += numbers_at_rest(system, j)[LENGTH_AT_REST]
@@ -115,7 +115,7 @@ def even_out(system, k, last, whole):
 
 @kernel
 def fits(system):
-    """Whether each rope is as long as its portions are together at least."""
+    """Whether each rope is at least as long as its portions together."""
     room = 0.0
     for k in range(lines_of(system)):
         if is_portion(system, k):

@@ -1,7 +1,7 @@
-"""The motion of lines within a communication step, of one or of many: with steps of the solver, fixed ones, or both.
+"""Motion of one or many lines within a communication step: with adaptive steps, fixed steps, or both.
 
-A step that the adaptive solver gives up is done anew with fixed steps of order 2; the next one is again one of the adaptive
-solver, see `step_control.is_given_up`.
+If the adaptive solver abandons a step, fixed steps of order 2 repeat it; the next step is adaptive again,
+see `step_control.is_given_up`.
 """
 
 from tetherfmu.runtime import layout as at
@@ -38,7 +38,7 @@ from ..step.plausibility import note_pressing, note_stiff_and_slack, note_unconv
 
 @view
 def begin_line(system, k, shape, given, before):
-    """Store the conditions of line k, which started in a shape, in a step with `StepInputs` from the states `before`."""
+    """Store the conditions of line k, with its initial `shape`, in a step with `StepInputs` from the states `before`."""
     x, v = motion_of(system, k)
     old = state_of(with_states(system, before), k)
     conditions = conditions_of_chain(segments_of(system, k), parameters_of(system, k), shape, given, old, x, v)
@@ -47,7 +47,7 @@ def begin_line(system, k, shape, given, before):
 
 @kernel
 def move(system, steps, step):
-    """Move all lines (modified) over a communication step [s] with `FixedSteps`; a status, and what is noted with it."""
+    """Move all lines (modified) over a communication step [s] with `FixedSteps`; a status, and its noted value."""
     is_adaptive = steps.size == 0.0
     status = adaptive_steps.integrate(system, step) if is_adaptive else fixed_steps.integrate(system, steps, step)
     if status == OK and room.count_of(system) > 0:
@@ -63,7 +63,7 @@ def move(system, steps, step):
 
 @kernel
 def go_back(system, step, before):
-    """Put the nodes and the drums of all lines (modified) back to the states before a communication step [s]."""
+    """Restore the nodes and drums of all lines (modified) to the states before a communication step [s]."""
     breaks.go_back(system, step, before)
     for k in range(lines_of(system)):
         n, state, first = segments_of(system, k), state_of(system, k), state_of(with_states(system, before), k)
@@ -78,9 +78,9 @@ def go_back(system, step, before):
 
 @kernel
 def move_coarsely(system, step, before):
-    """As `move`, from the start of a communication step [s] that the adaptive solver has given up: with fixed steps.
+    """Repeat a communication step [s] that the adaptive solver has abandoned, from its start, with fixed steps as in `move`.
 
-    Of order 2, or backward Euler in a stiff tether, whose waves these do not resolve.
+    Of order 2, or backward Euler for a stiff tether whose waves they do not resolve.
     """
     h = step * adaptive_steps.work_of(system) / at.COARSE_WORK
     go_back(system, step, before)
@@ -96,7 +96,7 @@ def move_coarsely(system, step, before):
 def advance(system, step, before):
     """Advance all lines (modified) over a communication step [s], from their states `before`; a status.
 
-    Where nothing moves freely, ends and lengths are where they are prescribed, and no steps are taken.
+    Without free nodes, ends and lengths follow their prescribed motion, and there are no internal steps.
     """
     room.begin_coordinates(system)
     if not room.does_any_move(system):
@@ -110,7 +110,7 @@ def advance(system, step, before):
 
 @kernel
 def end_line(system, k, step):
-    """Put line k (modified) in its state at the end of a communication step [s]."""
+    """Store line k in its state (modified) at the end of a communication step [s]."""
     n, parameters, state = segments_of(system, k), parameters_of(system, k), state_of(system, k)
     x, v = motion_of(system, k)
     place_ends(conditions_of(system, k), step, x, v)

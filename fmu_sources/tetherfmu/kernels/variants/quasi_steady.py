@@ -1,7 +1,7 @@
 """The quasi-steady tether: at every instant in equilibrium under weight, drag, elasticity and the inertia of turning.
 
-All nodes turn about the ground end with the kite. The same chain as the dynamic tether, with its drag and end forces, but
-no waves and no damping. Source: P. Williams, Cable Modeling Approximations for Rapid Simulation, J. Guidance, Control, and
+All nodes turn about the ground end with the kite. The chain, drag and end forces equal those of the dynamic tether, without
+waves and damping. Source: P. Williams, Cable Modeling Approximations for Rapid Simulation, J. Guidance, Control, and
 Dynamics 40 (2017) 1779; docs/models/theory.md, "Quasi-steady".
 """
 
@@ -25,13 +25,13 @@ work_size = newton.workspace_size
 
 @kernel
 def initialize(n, parameters, inputs, state, work):
-    """Give a new state (modified) its shape; returns a status: OK or NO_EQUILIBRIUM."""
+    """Solve the shape of a new state (modified); returns a status: OK or NO_EQUILIBRIUM."""
     return solve.settle(n, parameters, state, False, newton.workspace(n, work))
 
 
 @kernel
 def settle(n, parameters, state, work):
-    """Bring a state (modified) into equilibrium between its ends from one that is close, with its tensions; a status."""
+    """Solve the equilibrium of a state (modified) between its ends from nearby positions and tensions; a status."""
     return solve.settle(n, parameters, state, True, newton.workspace(n, work))
 
 
@@ -53,8 +53,8 @@ advance_in_equilibrium = advance_with(settle, tension_at_ground, largest_tension
 def advance(n, parameters, given, before, state, work):
     """Move the shape of a state (modified) over a communication step with `StepInputs`, from the state `before`.
 
-    The next shape is sought where the nodes come to if they move on as in the last step; this motion is what the state
-    keeps in the place of the velocities of the inner nodes (`velocities_of` has those). Returns a status: OK or
+    The search for the next shape starts where the nodes arrive if they move on as in the last step; the state stores this
+    motion in place of the velocities of the inner nodes (see `velocities_of`). Returns a status: OK or
     NO_EQUILIBRIUM.
     """
     x, v = positions_and_velocities(n, state)
@@ -73,7 +73,7 @@ def advance(n, parameters, given, before, state, work):
 
 @view
 def velocities_of(n, parameters, state, work):
-    """Node velocities [m/s] that belong to a state, in the work array (modified): its nodes move as the body does."""
+    """Node velocities [m/s] of a state, in the work array (modified): nodes move with the body."""
     x, v = positions_and_velocities(n, state)
     w = newton.workspace(n, work)
     put(w.move, 0, get(v, 0))
@@ -84,7 +84,7 @@ def velocities_of(n, parameters, state, work):
 
 @kernel
 def outputs_of(n, parameters, state, shape_points, outputs, work):
-    """Write all outputs (modified) that belong to a state."""
+    """Write all outputs (modified) of a state."""
     x, _ = positions_and_velocities(n, state)
     v = velocities_of(n, parameters, state, work)
     mass = newton.workspace(n, work).mass

@@ -1,10 +1,10 @@
-"""Lines that run over sheaves, at rest: the shares of their portions with which each has the same tension on both sides.
+"""Lines over sheaves at rest: the portion lengths for which each sheave has equal tension on both sides.
 
-With the lengths of all portions the free points are found as ever (`resting_points.py`), and with these each portion is in
-equilibrium. A rope that passes a sheave by q makes the tension ahead fall and that behind it rise; both are slopes of one
-potential, so that Newton's method on q, with differences for the slopes, goes along its fall. A drum whose start is
-sought (`winch_start`) is one unknown more, also one that holds several lines without sheaves: what it pays out, with its
-imbalance (`sought_drums.py`) for the difference.
+For given lengths of all portions the free points are solved as usual (`resting_points.py`), and then each portion is in
+equilibrium. Rope that passes a sheave by q reduces the tension ahead and raises the tension behind it; both are slopes of
+one potential, so Newton's method on q, with finite differences for the slopes, descends on it. A drum with a sought start
+(`winch_start`) is one more unknown, also one of several lines without sheaves: its payout, with its
+imbalance (`sought_drums.py`) as the difference.
 """
 
 from math import inf
@@ -36,17 +36,17 @@ from .first_shares import fits, share_ropes
 from .sought_drums import WAITING, about_drums, holds_several, imbalance_of_drum, part_of_drum, put_start
 
 ITERATIONS, TRIALS = 60, 12
-BALANCED, ROUNDED = 1e-10, 1e-7  # difference of tensions over their size: goal, and enough where it falls no more
+BALANCED, ROUNDED = 1e-10, 1e-7  # tension difference over its size: goal, acceptable if it stagnates
 DIFFERENCE = 1e-7  # of the rope, for slopes
-SOFTEST, STIFFER = 2.0**-15, 8.0  # stiffness of rope that fits anywhere, over that of the given one; from step to step
-LONGEST_STEP = 0.25  # of a portion beside the sheave
+SOFTEST, STIFFER = 2.0**-15, 8.0  # relative stiffness of rope that fits anywhere; factor from step to step
+LONGEST_STEP = 0.25  # of the adjacent portion
 LONGEST = 1e5  # [m] of a line, as `initial_length` may be
-MOST_SEARCHES = 3.0  # of free points, each with all that one may take, in all of the search
+MOST_SEARCHES = 3.0  # of free points, in units of the limit for one search
 
 
 @kernel
 def is_balanced(system, k):
-    """Whether line k goes on over a sheave that is to have the same tension on both sides: not if all portions are given."""
+    """Whether line k continues over a sheave that needs equal tensions: not if all portions are given."""
     j, count = first_of(system, k), 0
     count += is_sought_by_drums(system, j)
     while goes_on(system, j):
@@ -58,7 +58,7 @@ def is_balanced(system, k):
 
 @kernel
 def count_unknowns(system):
-    """How many of these sheaves there are, and of these drums."""
+    """Number of these sheaves, and of sought drums."""
     sheaves, drums = 0, 0
     for k in range(lines_of(system)):
         sheaves += is_balanced(system, k)
@@ -68,7 +68,7 @@ def count_unknowns(system):
 
 @kernel
 def end_tensions_at_rest(n, parameters, state):
-    """Tension at both ends of a portion that is in equilibrium in its state [N]."""
+    """Tension at both ends of a portion in equilibrium in its state [N]."""
     chain, held = chain_without_flow(n, parameters, state), vector_at(state, at.GROUND_TENSION_VECTOR)
     if norm(held) > 0.0:
         half = half_density(chain, 0) * rest_length(chain, 0) * chain.gravity
@@ -80,7 +80,7 @@ def end_tensions_at_rest(n, parameters, state):
 
 @kernel
 def take_tensions_at_rest(system, k):
-    """Tensions at both ends of portion k at rest, or at the drum of a line that is none, into its state (modified)."""
+    """Store the end tensions of portion k at rest, or the drum tension of a whole line, in its state (modified)."""
     n, parameters, state = segments_of(system, k), parameters_of(system, k), state_of(system, k)
     if is_portion(system, k):
         state[at.TENSION_FROM], state[at.TENSION_TO] = end_tensions_at_rest(n, parameters, state)
@@ -90,7 +90,7 @@ def take_tensions_at_rest(system, k):
 
 @kernel
 def settle_line(system, k):
-    """Bring portion k (modified) to rest between its points, a line that is none into its `initial_shape`; a status."""
+    """Bring portion k (modified) to rest between its points, a whole line into its `initial_shape`; a status."""
     n, parameters, state = segments_of(system, k), parameters_of(system, k), state_of(system, k)
     status, shape = start_state(system, k), parameters[at.INITIAL_SHAPE]
     if status == OK and is_portion(system, k):
@@ -109,7 +109,7 @@ def settle_line(system, k):
 def find_differences(system, as_given, differences, spent):
     """T ahead - T behind of sheaves, then imbalances of drums [N], at rest (modified); a status, and the largest tension.
 
-    spent : Newton iterations of all searches for the free points so far (modified); with too many the status is NO_SHARES.
+    spent : Newton iterations of all searches for free points so far (modified); beyond the limit the status is NO_SHARES.
     """
     if spent[0] > MOST_SEARCHES * resting_points.BUDGET * lines_of(system):
         return NO_SHARES, 0.0
@@ -136,7 +136,7 @@ def find_differences(system, as_given, differences, spent):
 
 @kernel
 def move_rope(system, factor, moves):
-    """Let rope pass sheaves and drums by a factor times `moves` [m], in the lengths of the portions (modified)."""
+    """Move rope over sheaves and drums by a factor times `moves` [m], in the portion lengths (modified)."""
     j = 0
     for k in range(lines_of(system)):
         if is_balanced(system, k):
@@ -152,7 +152,7 @@ def move_rope(system, factor, moves):
 
 @kernel
 def change_of(system, k, moves):
-    """What `moves` [m] make of the length of line k [m]."""
+    """Change [m] of the length of line k by `moves` [m]."""
     change, j = 0.0, 0
     for c in range(lines_of(system)):
         if is_balanced(system, c):
@@ -168,7 +168,7 @@ def change_of(system, k, moves):
 
 @kernel
 def part_within(system, moves):
-    """Part of `moves` [m] by which no portion changes too much, or gets too short."""
+    """Fraction of `moves` [m] at which no portion changes too much, or becomes too short."""
     part = 1.0
     for k in range(lines_of(system)):
         if is_shared_out(system, k):
@@ -203,7 +203,7 @@ def work_of(moves, differences):
 def find_moves(system, differences, shared, length, spent):
     """A step of Newton's method [m] into shared[3] (modified) from differences [N]; a status.
 
-    Where ropes hang loose without weight, and nothing changes, a long one along the differences.
+    If ropes hang slack without weight, and nothing changes, a long step along the differences.
     length : of the ropes [m].  spent : as for `find_differences`.
     """
     (matrix, _, unit, moves, other), count = shared, len(differences)
@@ -230,9 +230,9 @@ def find_moves(system, differences, shared, length, spent):
 
 @kernel
 def balance_ropes(system, as_given, shared, differences, spent):
-    """Search for the lengths of the portions (modified) from those that they have; a status.
+    """Search for the portion lengths (modified) from their present values; a status.
 
-    as_given : whether the search for the free points begins where the inputs have them.  spent : see `find_differences`.
+    as_given : whether the search for free points begins at the inputs.  spent : see `find_differences`.
     """
     length, moves = 0.0, shared[3]
     for k in range(lines_of(system)):
@@ -249,7 +249,7 @@ def balance_ropes(system, as_given, shared, differences, spent):
         if status != OK:
             return status
         start, taken = work_of(moves, differences), part_within(system, moves)
-        if taken == 0.0:  # drums pay out without end
+        if taken == 0.0:  # drums pay out endlessly
             return NO_SHARES
         move_rope(system, taken, moves)
         for trial in range(TRIALS):
@@ -275,7 +275,7 @@ def put_stiffness(system, factor):
 
 @kernel
 def search_for_shares(system, sheaves, drums):
-    """Search as `find_shares` for the lengths of portions beside so many sheaves, and of so many drums; a status."""
+    """Search of `find_shares` for the portion lengths at so many sheaves, and of so many drums; a status."""
     shared, differences, spent = shared_at_rest(system, sheaves + drums)
     spent[0] = 0.0
     status = balance_ropes(system, False, shared, differences, spent)
@@ -298,7 +298,7 @@ def search_for_shares(system, sheaves, drums):
 
 @kernel
 def search_from_given(system, sheaves, drums):
-    """The same from what is found with all drums as they are given; a status."""
+    """`search_for_shares` from the solution with all drums as given; a status."""
     put_start(system, float(at.WINCH_IN_BALANCE), WAITING)
     sought, (others, _) = share_ropes(system, False), count_unknowns(system)
     status = search_for_shares(system, others, 0) if sought > 0 else resting_points.find(system, False)
@@ -312,18 +312,18 @@ def search_from_given(system, sheaves, drums):
 
 @kernel
 def find_shares(system):
-    """Put all sought points and the lengths of all portions where they are in equilibrium (modified); a status.
+    """Solve all sought points and portion lengths for equilibrium (modified); a status.
 
-    Where drums are sought, from straight ropes if those of `initial_length` do not lead there, and those of several lines
-    from what is found without them. Where portions of stiff rope do not fit together on the way, with softer rope first.
-    Portions that get too short on the way are NO_SHARES.
+    If drums are sought, start from straight ropes if `initial_length` fails, and for drums of several lines from the
+    solution without them. If stiff portions do not fit together during the search, start with softer rope.
+    Portions that become too short during the search are NO_SHARES.
     """
     sought, (sheaves, drums) = share_ropes(system, False), count_unknowns(system)
     if sought == 0:
         return resting_points.find(system, False)
     status = search_for_shares(system, sheaves, drums)
     if status != OK and status & 0xFF != INPUT_NOT_FINITE and holds_several(system):
-        share_ropes(system, False)  # of lines that are no portions
+        share_ropes(system, False)  # of whole lines
         status = search_from_given(system, sheaves, drums)
     is_short = status in (REELED_TOO_SHORT, WINCH_TOO_SHORT)
     return NO_SHARES if is_short and fits(system) else status

@@ -1,13 +1,13 @@
-"""The load on the shape of a catenary: the wind meets the tether where it is and as it points there, not as its chord does.
+"""The load on the shape of a catenary: the wind acts on the local position and direction of the tether, not on its chord.
 
 On the catenary of a uniform load q, with the tension vector t(s) = t0 - s q at the unstretched length s from the ground end
-and the place r(s) from there, in units of weight and drag per unstretched length
+and the position r(s) relative to it, in units of weight and drag per unstretched length
 
     f(s) = m g + (1 + |t|/EA) 1/2 rho cd d |w| w,   w across t/|t|, in the air and with the velocity at r(s)
 
-Its mean F and M, the mean of r x (f - q), are found at some places. The tether hangs with F in the place of q. That f is not
-the same all along it shifts the forces on the ends, as on a beam, across the chord c by -L c x M/c^2; along it each end
-has half of L (F - q).
+Its mean F and M, the mean of r x (f - q), are evaluated at several places. The tether hangs with F in place of q. The
+variation of f along it shifts the end forces, as on a beam, perpendicular to the chord c by -L c x M/c^2; along the chord
+each end carries half of L (F - q).
 
 Source: docs/models/theory.md, "Elastic catenary".
 """
@@ -38,13 +38,13 @@ WEIGHTS = np.array(
         *(0.181341891689180991, 0.156853322938943644, 0.111190517226687235, 0.050614268145188130),
     )
 )
-BETWEEN = 0.5 - 0.5 / sqrt(3.0)  # the same with two points
-SHORTEST_CHORD = 0.1  # of the length: the shift of forces across a shorter chord is not extrapolated
+BETWEEN = 0.5 - 0.5 / sqrt(3.0)  # Gauss-Legendre point of two
+SHORTEST_CHORD = 0.1  # of the length: the force shift of a shorter chord is not extrapolated
 
 
 @kernel
 def load_at(line, height, state, part, e, size):
-    """f [N/m] at a part of the unstretched length and a height [m], where the tension has a direction and a size [N]."""
+    """f [N/m] at a fraction of the unstretched length and a height [m], with the direction and size [N] of the tension."""
     start, more = motion_along(state)
     wind, density, _, _ = segment.air_of(line, 0, height)
     if wind_points.count_of(line.parameters) > 0:
@@ -56,13 +56,13 @@ def load_at(line, height, state, part, e, size):
 
 @kernel
 def count_of_places(parameters):
-    """Number of places along the tether where its load is found: `PLACES`, or two between wind points if these are more."""
+    """Number of places along the tether for its load: `PLACES`, or two between wind points if these are more."""
     return max(len(PLACES), 2 * (wind_points.count_of(parameters) - 1))
 
 
 @kernel
 def place_of(i, count):
-    """The i-th of so many places, as a part of the unstretched length, and its weight."""
+    """The i-th of `count` places, as a fraction of the unstretched length, and its weight."""
     if count == len(PLACES):
         return PLACES[i], WEIGHTS[i]
     return 2.0 / count * (i // 2 + (1.0 - BETWEEN if i % 2 == 1 else BETWEEN)), 1.0 / count
@@ -70,7 +70,7 @@ def place_of(i, count):
 
 @kernel
 def load_on_chord(line, ground, chord, state):
-    """Mean of f [N/m], were the tether straight and without tension, from the ground end [m] along the chord [m]."""
+    """Mean of f [N/m] on a straight tether without tension, from the ground end [m] along the chord [m]."""
     count, mean = count_of_places(line.parameters), ZERO_VECTOR
     _, e = segment.geometry(chord)
     for i in range(count):
@@ -98,9 +98,9 @@ def load_on_shape(line, ground, state, tension, load):
 
 @kernel
 def end_forces(line, chord, tension, load, mean, moment, part):
-    """Forces of the tether on its ends [N], on the catenary with t0 [N] and q [N/m], with F [N/m] and M [N] on it.
+    """End forces of the tether [N], on the catenary with t0 [N] and q [N/m], with F [N/m] and M [N] on it.
 
-    part : of the shift of the forces that is made [-].
+    part : fraction of the force shift to apply [-].
     """
     square, change = max(dot(chord, chord), (SHORTEST_CHORD * line.length) ** 2), sub(mean, load)
     shift = sub(scale(0.5 * dot(change, chord), chord), cross(chord, moment))

@@ -1,11 +1,11 @@
-"""The load of the air along a chord where wind or density change with the height.
+"""Air load along a chord where wind or density vary with the height.
 
-The profile of the wind has kinks: where it ends in calm air, with a slope that is infinite (power law) or has a singularity
-nearby (logarithm). The chord is cut there. In the part with wind, from its lower end xi_0 over xi_1 - xi_0 upwards,
+The wind profile has kinks: where it ends in calm air, with an infinite slope (power law) or a nearby singularity
+(logarithm). The chord is split there. In the part with wind, from its lower end xi_0 over xi_1 - xi_0 upwards,
 
     xi = xi_0 + (xi_1 - xi_0) s^4,   s = 0 .. 1
 
-makes the integrand smooth. Each part is integrated by the rule of Gauss and Kronrod with 7 and 15 points, and halved where
+makes the integrand smooth. Each part is integrated by the Gauss-Kronrod rule with 7 and 15 points, and halved where
 the two differ: near a point without cross-flow, |w| w has a kink of its own.
 
 Source: docs/models/theory.md, "Straight line"; R. Piessens et al., QUADPACK (1983), rule qk15.
@@ -22,7 +22,7 @@ from ..equations import segment
 from ..equations.air import wind_factor
 from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, norm, scale, sub
 
-# abscissae on -1 .. 1, symmetric, from the end to the middle; weights of 15 points, and of the 7 that are every second one
+# abscissae on -1 .. 1, symmetric, from the end to the middle; weights of 15 points, and of every second point
 POINTS = np.array(
     (
         *(0.991455371120812639, 0.949107912342758525, 0.864864423359769073, 0.741531185599394440),
@@ -41,17 +41,17 @@ FEWER_WEIGHTS = np.array(
         *(0.0, 0.381830050505118945, 0.0, 0.417959183673469388),
     )
 )
-TOLERANCE = 1e-7  # of the integral of |f| by which the two rules may differ on a piece
+TOLERANCE = 1e-7  # largest difference of the two rules on a piece, over the integral of |f|
 MOST_PIECES = 200  # of a part; half of them are enough for kinks
-STEEP = 0.5  # a part whose lower end is higher than this part of its upper one has no singularity nearby
-MOST_ITERATIONS = 60  # of Newton's method for the heights where the explog profile is 0
+STEEP = 0.5  # a part has no nearby singularity if its lower end is above this fraction of its upper one
+MOST_ITERATIONS = 60  # of Newton's method for the zeros of the explog profile
 
 
 @kernel
 def calm_height(height, parameters):
-    """Height [m] where the explog profile is 0, by Newton's method from one where it is negative, from outside.
+    """Height [m] of a zero of the explog profile, by Newton's method from outside of the negative interval.
 
-    e^(alpha y) - 2 - 2 y/ln(h/z0) with y = ln(z/h) is convex, so that no step goes too far.
+    e^(alpha y) - 2 - 2 y/ln(h/z0) with y = ln(z/h) is convex, so no step overshoots.
     """
     reference, exponent = parameters[at.WIND_REFERENCE_HEIGHT], parameters[at.WIND_EXPONENT]
     slope = 2.0 / log(reference / parameters[at.SURFACE_ROUGHNESS])
@@ -87,8 +87,8 @@ def windy_heights(top, parameters):
 def load_at(line, chord, ends, xi):
     """Load f [N/m] at a point of the chord.
 
-    chord : its direction e, height [m] of its ground end, what it rises [m].  ends : velocity [m/s] of the ground end, and
-    what that of the kite end is more.
+    chord : its direction e, height [m] of its ground end, its rise [m].  ends : velocity [m/s] of the ground end, and
+    relative velocity of the kite end.
     """
     e, height, rise = chord
     velocity = add_scaled(ends[0], xi, ends[1])
@@ -97,9 +97,9 @@ def load_at(line, chord, ends, xi):
 
 @kernel
 def estimate(line, chord, ends, lower, span, is_graded, start, width):
-    """Integral of f over a piece of a part, that of xi f, their largest error, and the integral of |f|; all [N/m].
+    """Integrals of f and of xi f over a piece of a part, their largest error, and the integral of |f|; all [N/m].
 
-    lower, span : xi_0 and xi_1 - xi_0.  is_graded : whether xi goes with s^4, else with s.
+    lower, span : xi_0 and xi_1 - xi_0.  is_graded : whether xi is graded with s^4, else linear in s.
     start, width : of the piece, in s.
     """
     mean = moment = fewer_mean = fewer_moment = ZERO_VECTOR
@@ -123,9 +123,9 @@ def estimate(line, chord, ends, lower, span, is_graded, start, width):
 
 @kernel
 def integral(line, chord, ends, lower, upper, is_graded, size):
-    """Integrals of f and of xi f [N/m] from xi = `lower` to `upper`, and `size` [N/m] with that of |f| added to it.
+    """Integrals of f and of xi f [N/m] from xi = `lower` to `upper`, and `size` [N/m] plus the integral of |f|.
 
-    Where the rules differ by more than `TOLERANCE` times the new size, the part is halved, and its pieces again.
+    Where the rules differ by more than `TOLERANCE` times the new size, the part is halved repeatedly.
     """
     part = line, chord, ends, lower, upper - lower, is_graded
     mean, moment, error, more = estimate(*part, 0.0, 1.0)
@@ -133,7 +133,7 @@ def integral(line, chord, ends, lower, upper, is_graded, size):
     if not error > TOLERANCE * size:
         return mean, moment, size
     mean = moment = ZERO_VECTOR
-    place, pieces, width, tried = 0, 2, 0.5, 0  # the next piece is number `place` of so many of this width
+    place, pieces, width, tried = 0, 2, 0.5, 0  # next piece: number `place` of `pieces` with this width
     while place < pieces:
         piece_mean, piece_moment, error, _ = estimate(*part, place * width, width)
         tried += 1
@@ -152,7 +152,7 @@ def sheared_load(line, height, rise, e, ends):
     """Mean of f [N/m] along a chord, and the mean of xi f [N/m].
 
     height : of the ground end [m].  rise : of the kite end above it [m].  e : direction of the chord.
-    ends : velocity [m/s] of the ground end, and what that of the kite end is more.
+    ends : velocity [m/s] of the ground end, and relative velocity of the kite end.
     """
     chord = e, height, rise
     bottom, top = min(height, height + rise), max(height, height + rise)
@@ -162,7 +162,7 @@ def sheared_load(line, height, rise, e, ends):
     low, high, has_kink = windy_heights(top, line.parameters)
     low, high = min(max(low, bottom), top), max(min(high, top), bottom)
     is_graded = has_kink and low < STEEP * high
-    # the part with wind is the largest one: it sets the size
+    # the part with wind is the largest: it sets the size
     mean, moment, size = ZERO_VECTOR, ZERO_VECTOR, 0.0
     for part, (first, last) in enumerate(((low, high), (bottom, low), (high, top))):
         if last > first:

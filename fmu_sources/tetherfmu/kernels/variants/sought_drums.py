@@ -1,7 +1,7 @@
-"""Drums that are to be in balance at the start, over sheaves or with several lines: what `rope_shares.py` knows of them.
+"""Drums with a sought balance at the start, over sheaves or with several lines: their data for `rope_shares.py`.
 
-A drum is as far from balance as sum of r T - W - c u - F sign(u), over the lines that it holds with ratios r. Rope and
-forces are those at the line with its largest ratio.
+The imbalance of a drum is sum of r T - W - c u - F sign(u), over its lines with ratios r. Rope and
+forces refer to the line with its largest ratio.
 """
 
 from tetherfmu.runtime import layout as at
@@ -14,18 +14,18 @@ from ..equations.lines import inputs_of, lines_of, parameters_of, state_of
 from ..points.coordinates import has_sought_drum, is_alone, largest_ratio, ratio_of
 from ..points.room import any_line
 
-WAITING = 0.0  # a `winch_start` of drums that are sought later
+WAITING = 0.0  # `winch_start` of drums that are
 
 
 @kernel
 def part_of_drum(system, k, carrier):
-    """Rope of line k for each metre of that with the largest ratio of a drum [-]."""
+    """Rope of line k per metre on the line with the largest ratio of a drum [-]."""
     return ratio_of(system, k, carrier) / largest_ratio(system, carrier)
 
 
 @kernel
 def imbalance_of_drum(system, k):
-    """How far the drum that line k carries is from balance [N], at rest or with its first speed."""
+    """Imbalance [N] of the drum that line k carries, at rest or with its initial speed."""
     inputs = inputs_of(system, k)
     speed, drum = inputs[at.REEL_OUT_SPEED], drum_of(parameters_of(system, k), inputs[at.WINCH_FORCE], 0.0)
     direction = HELD if speed == 0.0 else (OUTWARDS if speed > 0.0 else INWARDS)
@@ -37,7 +37,7 @@ def imbalance_of_drum(system, k):
 
 @kernel
 def put_start(system, now, then):
-    """Let drums whose `winch_start` is `now` have another one (in the parameters, modified)."""
+    """Replace the `winch_start` of drums that have `now` (in the parameters, modified)."""
     for k in range(lines_of(system)):
         if parameters_of(system, k)[at.WINCH_START] == now:
             parameters_of(system, k)[at.WINCH_START] = then
@@ -45,7 +45,7 @@ def put_start(system, now, then):
 
 @kernel
 def has_several(system, k):
-    """Whether line k carries such a drum that is no winch of its own."""
+    """Whether line k carries a sought drum that is not equivalent to a winch of its own."""
     return has_sought_drum(system, k) and not is_alone(system, k)
 
 
@@ -54,7 +54,7 @@ holds_several = any_line(has_several)
 
 @kernel
 def about_drums(system):
-    """NO_BALANCE_OF_DRUMS about the line that carries the least balanced one of these drums."""
+    """NO_BALANCE_OF_DRUMS about the line that carries the least balanced sought drum."""
     worst = -1.0
     for k in range(lines_of(system)):
         if has_several(system, k) and not abs(imbalance_of_drum(system, k)) <= worst:

@@ -1,7 +1,7 @@
-"""The straight tether: tension EA (c/L - 1) along its chord c, none if slack.
+"""The straight tether: tension EA (c/L - 1) along its chord c, zero if slack.
 
-The load of the air goes to the ends so that its force and its moment are kept, parts 1 - xi and xi; for a tether that turns
-about the ground a quarter of rho cd d c v^2/2 comes to the kite. Source: docs/models/theory.md, "Straight line".
+The air load is distributed to the ends with fractions 1 - xi and xi, which conserves force and moment; if the tether turns
+about the ground, a quarter of rho cd d c v^2/2 acts on the kite. Source: docs/models/theory.md, "Straight line".
 """
 
 from tetherfmu.runtime import layout as at
@@ -20,19 +20,19 @@ work_size = no_work_size
 
 @kernel
 def initialize(n, parameters, inputs, state, work):
-    """A new state is complete when it has its ends; returns OK. n is 1."""
+    """No-op: a new state is complete once its ends are set; returns OK. n is 1."""
     return OK
 
 
 @kernel
 def settle(n, parameters, state, work):
-    """A state with its ends is in equilibrium; returns OK. n is 1."""
+    """No-op: a state with its ends is in equilibrium; returns OK. n is 1."""
     return OK
 
 
 @kernel
 def end_forces(parameters, state):
-    """Forces of the tether on what holds its ground end and its kite end [N]."""
+    """Forces of the tether on the supports of its ground end and its kite end [N]."""
     line, _, chord, distance = chord_of(parameters, state)
     _, e = segment.geometry(chord)
     pull = property_of(line, 0, at.STIFFNESS) * max(distance / line.length - 1.0, 0.0)
@@ -44,7 +44,7 @@ def end_forces(parameters, state):
 
 @kernel
 def tension_at_ground(n, parameters, state):
-    """Tension at the ground [N] of a state: the force there along the chord. n is 1."""
+    """Ground tension [N] of a state: the component of the force along the chord. n is 1."""
     _, _, chord, _ = chord_of(parameters, state)
     _, e = segment.geometry(chord)
     ground_force, _ = end_forces(parameters, state)
@@ -53,7 +53,7 @@ def tension_at_ground(n, parameters, state):
 
 @kernel
 def largest_tension(n, parameters, state, work):
-    """Tension [N] at the end where it is larger. n is 1."""
+    """The larger end tension [N]. n is 1."""
     _, _, chord, _ = chord_of(parameters, state)
     _, e = segment.geometry(chord)
     ground_force, kite_force = end_forces(parameters, state)
@@ -71,7 +71,7 @@ def advance(n, parameters, given, before, state, work):
 
 @kernel
 def outputs_of(n, parameters, state, shape_points, outputs, work):
-    """Write all outputs (modified) that belong to a state. n is 1."""
+    """Write all outputs (modified) of a state. n is 1."""
     line, ground, chord, distance = chord_of(parameters, state)
     _, e = segment.geometry(chord)
     stiffness = property_of(line, 0, at.STIFFNESS)

@@ -1,6 +1,6 @@
-"""A system of lines: its plan, first shapes, motion within a communication step and outputs, as transactions of all lines.
+"""A system of lines: its plan, initial shapes, motion within a communication step and outputs, as transactions of all lines.
 
-The lines are started, and their outputs are found, one by one as dynamic tethers between their ends (`dynamic_chain.py`).
+Initialization and outputs treat each line as a dynamic tether between its ends (`dynamic_chain.py`).
 """
 
 from tetherfmu.runtime import layout as at
@@ -59,18 +59,18 @@ from .winch_start import winch_start
 
 name = SYSTEM
 
-# --- the plan
+# --- plan
 
 
 @kernel
 def line_work_size(n):
-    """Length of what a line of n segments needs of `work`: an even number, see `room.line_work_size`."""
+    """Length of a line of n segments in `work`: an even number, see `room.line_work_size`."""
     return max(room.line_work_size(n), resting_line.line_work_size(n))
 
 
 @kernel
 def complete_plan(plan):
-    """Write all numbers of a plan (modified) that follow from those that are given, see `plan_layout.py`."""
+    """Write all derived numbers of a plan (modified), see `plan_layout.py`."""
     parameters, inputs, state, outputs, work, sheaves, drums = 0, 0, 0, 0, 0, 0, 0
     for k in range(plan[places.LINES]):
         sheaves += plan[places.PLAN_HEADER + places.LINE_NUMBERS * k + places.THROUGH]
@@ -88,7 +88,7 @@ def complete_plan(plan):
         state += state_size(n, winds)
         before = plan[row - places.LINE_NUMBERS + places.THROUGH] if k > 0 else 0
         outputs += outputs_size(plan[row + places.SHAPE_POINTS], plan[row + places.THROUGH] + before > 0)
-        work += line_work_size(n + 1)  # with the segment that it has more once it has let go
+        work += line_work_size(n + 1)  # includes the segment that is added when the line is released
         plan[row + places.PORTION_WORK] = work
         work += REST_NUMBERS
     plan[places.STATUS_LINE] = places.ALL_LINES
@@ -111,15 +111,15 @@ def complete_plan(plan):
 
 @kernel
 def is_any_sought(system):
-    """Whether speeds of drums or of ropes over sheaves are found in fixed steps."""
+    """Whether fixed steps solve for speeds of drums or of ropes over sheaves."""
     return has_coordinates(system) or any_own_drum(system)
 
 
 @kernel
 def take_outputs(system, outputs):
-    """Outputs of all lines (modified) in their states: OK, or OUTPUT_NOT_FINITE, and then they have no meaning.
+    """Outputs of all lines (modified) in their states: OK, or OUTPUT_NOT_FINITE, which invalidates them.
 
-    The plan (modified) says which line a status is about.
+    The plan (modified) stores the line of a status.
     """
     steps, duration = given_steps(parameters_of(system, 0)), state_of(system, 0)[at.LAST_STEP]  # with common iterations
     most = fixed_steps.most_iterations(adaptive_steps.work_of(system), steps, is_any_sought(system), duration)
@@ -145,9 +145,9 @@ def take_outputs(system, outputs):
 
 @kernel
 def write_portion(system, k, own):
-    """What only a portion of a line over sheaves has, into its outputs (modified), and the force on the sheave at its start.
+    """Write the additional outputs of a portion of a line over sheaves (modified), and the force on the sheave at its start.
 
-    There rope that turns round takes its momentum along, which a drum would give it.
+    Rope that turns around a sheave keeps its momentum; a drum would supply it.
     """
     n, state, (x, _) = segments_of(system, k), state_of(system, k), motion_of(system, k)
     if comes_from(system, k):
@@ -163,7 +163,7 @@ def write_portion(system, k, own):
 
 @kernel
 def sum_portions(system, outputs):
-    """Let the outputs of the first portion of a line over sheaves (modified) be those of the line, where these are sums."""
+    """Replace the outputs of the first portion of a line over sheaves (modified) by sums over the line, where defined."""
     first = 0
     for k in range(lines_of(system)):
         if is_portion(system, k) and not comes_from(system, k):
@@ -189,12 +189,12 @@ def energy(system, k, energies):
     return status
 
 
-# --- the start
+# --- start
 
 
 @kernel
 def settle(n, parameters, inputs, state, work):
-    """Give a line in a new state (modified) its `initial_shape`; returns a status."""
+    """Put a line in a new state (modified) into its `initial_shape`; returns a status."""
     return dynamic_chain.initialize(n, parameters, parameters[at.INITIAL_SHAPE], state, work)
 
 
@@ -204,7 +204,7 @@ find_length, note_imbalance = winch_start(settle, tension_at_winch)
 
 @kernel
 def start_line(system, k):
-    """First state of line k (modified) between its points as the inputs say; a status."""
+    """Initial state of line k (modified) between its points according to the inputs; a status."""
     n, parameters, state = segments_of(system, k), parameters_of(system, k), state_of(system, k)
     inputs, work = inputs_of(system, k), room_of(system, k)
     status = resting_line.start_state(system, k)
@@ -221,7 +221,7 @@ def start_line(system, k):
 
 @kernel
 def check_sought(system):
-    """OK, or KITE_AND_WINCH_SOUGHT about the line whose length is sought as well as a point at it."""
+    """OK, or KITE_AND_WINCH_SOUGHT about a line whose length and end point are both sought."""
     for k in range(lines_of(system)):
         first = first_of(system, k)
         is_own = not has_coordinates(system) or is_alone(system, first)
@@ -233,14 +233,14 @@ def check_sought(system):
 
 @kernel
 def has_stop(n, parameters):
-    """Whether a drum has a stop of its own, beside that where segments get too short."""
+    """Whether a drum has its own stop, in addition to the shortest segments."""
     shortest = at.MIN_SEGMENT_LENGTH / property_in(parameters, n, 0, at.SHARE)
     return parameters[at.SHORTEST_LENGTH] > shortest or parameters[at.LONGEST_LENGTH] != at.NO_STOP
 
 
 @kernel
 def check_ropes(system):
-    """OK, or about a line why a system with coordinates cannot be: its law, breaking, its stop."""
+    """OK, or the reason why a line cannot have coordinates: its law, breaking, its stop."""
     for k in range(lines_of(system)):
         parameters = parameters_of(system, k)
         system.plan[places.STATUS_LINE] = k
@@ -255,10 +255,9 @@ def check_ropes(system):
 
 @kernel
 def initialize(system):
-    """First states of all lines (modified); a status, and they have no meaning on any but OK.
+    """Initial states of all lines (modified); a status; the states are valid on OK only.
 
-    Points that are sought get their positions first, see `resting_points.py`.  The plan (modified) says which line a status
-    is about.
+    Sought points get their positions first, see `resting_points.py`.  The plan (modified) stores the line of a status.
     """
     for k in range(lines_of(system)):
         state_of(system, k)[at.LET_GO] = 0.0
@@ -283,7 +282,7 @@ def initialize(system):
 
 @kernel
 def check_loads(system):
-    """OK, or INPUT_NOT_FINITE about ALL_LINES, with the number of the free point whose load is no number or a huge one."""
+    """OK, or INPUT_NOT_FINITE about ALL_LINES, with the number of the free point whose load is huge or not a number."""
     for point in range(free_points(system)):
         for component in load_on(system, point):
             if not abs(component) <= at.LARGEST_INPUT:
@@ -300,7 +299,7 @@ def begin_line(system, k, step, before):
     status, given = transaction.begin(n, parameters, inputs_of(system, k), step, True, state)
     if status == OK:
         shape = parameters[at.INITIAL_SHAPE]
-        if lines_of(system) > 1:  # ends that lines share move alike only if no line turns them on its own in its first step
+        if lines_of(system) > 1:  # shared ends move alike only if no line turns them on its own in its first step
             shape = float(at.STATIC_EQUILIBRIUM)
         moving_lines.begin_line(system, k, shape, given, before)
         take_loads(system, k, step, before)
@@ -313,9 +312,9 @@ def begin_line(system, k, step, before):
 
 @kernel
 def begin_rope(system, k):
-    """Let the state of the first portion of a rope, k (modified), have the speed of its winch, for what continues it.
+    """Set the speed of the winch in the state of the first portion of a rope, k (modified), for its extrapolation.
 
-    Where the winch follows a length, it has that of the rope, too. Returns the length of the other portions there [m].
+    If the winch follows a length, also set the rope length. Returns the length of the other portions [m].
     """
     state, elsewhere, j = state_of(system, k), 0.0, k
     if state[at.SHEAVE_SPEED] != 0.0:
@@ -330,7 +329,7 @@ def begin_rope(system, k):
 
 @kernel
 def begin(system, step, before):
-    """`begin_line` of all lines, until one is refused; returns the status."""
+    """`begin_line` for all lines, until one is refused; returns the status."""
     status = check_loads(system)
     for k in range(lines_of(system)):
         if status == OK:
@@ -341,7 +340,7 @@ def begin(system, step, before):
 
 @kernel
 def commit(system, step, before):
-    """End the step of all lines, until the state of one is refused; returns the status."""
+    """End the step of all lines, until one state is refused; returns the status."""
     status = OK
     for k in range(lines_of(system)):
         moving_lines.end_line(system, k, step)
@@ -360,9 +359,9 @@ def commit(system, step, before):
 
 @kernel
 def advance(system, step, before):
-    """One communication step of `step` [s]; on any status but OK the states of all lines are as they were.
+    """One communication step of `step` [s]; on any status except OK the states of all lines are unchanged.
 
-    before (modified) : room for all states.  The plan (modified) says which line a status is about.
+    before (modified) : room for all states.  The plan (modified) stores the line of a status.
     """
     copy(system.state, before)
     status = breaking.begin(system, before)

@@ -1,6 +1,6 @@
-"""A tether alone: its plan, start, steps and outputs, as transactions around what its variant has.
+"""A tether alone: its plan, start, steps and outputs, as transactions around the kernels of its variant.
 
-Of a variant they need the kernels work_size(n), initialize(n, parameters, inputs, state, work),
+They use these kernels of a variant: work_size(n), initialize(n, parameters, inputs, state, work),
 advance(n, parameters, given, before, state, work), outputs_of(n, parameters, state, shape_points, outputs, work) and
 tension_at_ground(n, parameters, state); with nodes the view velocities_of(n, parameters, state, work).
 """
@@ -23,24 +23,24 @@ from .winch_start import winch_start
 
 
 def tether(variant):
-    """What `entry_points` need of a tether alone, as `variants.system` has it of lines; variant : its module here."""
+    """Module for `entry_points` of a single tether, like `variants.system`; variant : its module here."""
     name = variant.__name__.rpartition(".")[2]
     has_waves = BY_NAME[name].has_waves
     find_length, note_imbalance = winch_start(variant.initialize, variant.tension_at_ground)
 
     @kernel
     def complete_plan(plan):
-        """Write all numbers of a plan (modified) that follow from those that are given, see `plan_layout.py`."""
+        """Write all derived numbers of a plan (modified), see `plan_layout.py`."""
         n, points = plan[places.PLAN_HEADER + places.SEGMENTS], plan[places.PLAN_HEADER + places.WIND_POINTS]
         plan[places.PARAMETERS_SIZE] = parameters_size(n)
         plan[places.INPUTS_SIZE] = inputs_size(points)
         plan[places.STATE_SIZE] = state_size(n, points)
         plan[places.OUTPUTS_SIZE] = outputs_size(plan[places.PLAN_HEADER + places.SHAPE_POINTS])
-        plan[places.WORK_SIZE] = variant.work_size(n + 1)  # with the segment that it has more once it has let go
+        plan[places.WORK_SIZE] = variant.work_size(n + 1)  # includes the segment that is added when the line is released
 
     @kernel
     def take_outputs(system, outputs):
-        """Outputs (modified) that belong to the state: OK, or OUTPUT_NOT_FINITE, and then they have no meaning."""
+        """Outputs (modified) of the state: OK, or OUTPUT_NOT_FINITE, which invalidates them."""
         if has_waves:
             breaking.fit(system)
         n, parameters, state = segments_of(system, 0), system.parameters, system.state
@@ -53,7 +53,7 @@ def tether(variant):
 
     @kernel
     def initialize(system):
-        """First state between two ends (modified); a status, and it has no meaning on any but OK."""
+        """Initial state between two ends (modified); a status; the state is valid on OK only."""
         n, parameters, state = segments_of(system, 0), system.parameters, system.state
         status = transaction.start(n, parameters, system.inputs, state)
         if status == OK and is_sought(parameters):
@@ -66,9 +66,9 @@ def tether(variant):
 
     @kernel
     def advance(system, step, before):
-        """One communication step of `step` [s]; on any status but OK the state is as it was.
+        """One communication step of `step` [s]; on any status except OK the state is unchanged.
 
-        before (modified) : the state of before.
+        before (modified) : the earlier state.
         """
         parameters, state = system.parameters, system.state
         copy(state, before)
@@ -97,7 +97,7 @@ def tether(variant):
             breaking.unfit(system)
         return status
 
-    made = ModuleType(name)  # numba knows what is in a module
+    made = ModuleType(name)  # numba resolves names in a module
     for each in (complete_plan, take_outputs, initialize, advance, energy):
         setattr(made, each.__name__, each)
     made.name = name

@@ -1,6 +1,6 @@
-"""A catenary on the ground: whether it gets there, and the outputs of its three parts: two that hang, one that lies.
+"""A catenary on the ground: whether it touches down, and the outputs of its three parts: two hanging, one lying.
 
-The parts that hang start at the ends with the forces of the tether on these as tension vectors.
+The hanging parts start at the ends, with the end forces of the tether as tension vectors.
 
 Source: docs/models/theory.md, "Catenary on the ground".
 """
@@ -23,25 +23,24 @@ CLEAR = 0.02  # see `part_in_air`
 Lying = namedtuple(
     "Lying", "ground kite plane load stiffness ground_force kite_force near far length ground_is_high start end pull fall"
 )
-Lying.__doc__ = """A tether of which a part lies on the ground.
+Lying.__doc__ = """A tether with a part on the ground.
 
-ground, kite : ends [m].  plane : height on which it lies [m].  load : per unstretched length [N/m].  stiffness : EA [N].
+ground, kite : ends [m].  plane : height of the lying part [m].  load : per unstretched length [N/m].  stiffness : EA [N].
 ground_force, kite_force : of the tether on its ends [N].  near, far : unstretched lengths that hang from the ground end and
-from the kite [m].  length : that lies [m].  ground_is_high : whether the ground end is the higher one.
-start, end : where the tether touches the ground, at the side of the high end and of the low one [m].
-pull, fall : tension at that start [N], by how much it falls per length [N/m].
-"""
+from the kite [m].  length : of the lying part [m].  ground_is_high : whether the ground end is the higher one.
+start, end : touchdown points at the side of the high end and of the low one [m].
+pull, fall : tension at that start [N], its decrease per length [N/m]."""
 
 
 @kernel
 def plane_of(parameters, ground, kite):
-    """Height [m] of the ground under a tether; an end below the ground is where the tether lies, too."""
+    """Height [m] of the ground under a tether, lowered to an end below the ground."""
     return min(parameters[at.GROUND_HEIGHT], ground[2], kite[2])
 
 
 @kernel
 def lowest(ground, tension, load, length, stiffness):
-    """Lowest point [m] of a catenary that hangs lower than both ends, else its ground end [m]; tension vector there [N]."""
+    """Lowest point [m] of a catenary that hangs below both ends, else its ground end [m]; tension vector there [N]."""
     arc = tension[2] / load[2] if load[2] < 0.0 else 0.0
     if not 0.0 < arc < length:
         return ground, tension
@@ -50,10 +49,10 @@ def lowest(ground, tension, load, length, stiffness):
 
 @kernel
 def part_in_air(line, load, state):
-    """How far a catenary that lies nowhere is from it [-]: 0 where it touches the ground, 1 from CLEAR of its length on.
+    """Relative clearance of a catenary without ground contact [-]: 0 at touchdown, 1 from CLEAR of its length on.
 
-    By the height of its lowest point above the ground, and where that is an end, by the length that is missing to where the
-    tether would be level.
+    From the height of its lowest point above the ground, or if this is an end, from the missing length until the
+    tether is level there.
     """
     x, _ = positions_and_velocities(1, state)
     ground, kite = get(x, 0), get(x, 1)
@@ -70,7 +69,7 @@ def part_in_air(line, load, state):
 
 @kernel
 def rest_on_ground(line, load, state):
-    """Let a catenary that hangs below the ground lie on it, in the state (modified); load per unstretched length [N/m]."""
+    """Lay a catenary that hangs below the ground onto it, in the state (modified); load per unstretched length [N/m]."""
     x, _ = positions_and_velocities(1, state)
     ground, kite = get(x, 0), get(x, 1)
     stiffness, friction = property_of(line, 0, at.STIFFNESS), line.parameters[at.GROUND_FRICTION]
@@ -127,7 +126,7 @@ def point_lying(lying, arc):
 
 @kernel
 def point_at(lying, arc, length):
-    """Point [m] at an unstretched length `arc` [m] from the ground end of a tether of a length [m]."""
+    """Point [m] at an unstretched length `arc` [m] from the ground end of a tether of this length [m]."""
     if arc <= lying.near:
         x, y, z = point_in_space(lying.ground, lying.ground_force, lying.load, arc, lying.stiffness)
     elif length - arc <= lying.far:
@@ -140,7 +139,7 @@ def point_at(lying, arc, length):
 
 @kernel
 def write_shape(lying, length, shape_points, outputs):
-    """Points [m] at equal unstretched length along a tether of a length [m], into the outputs (modified)."""
+    """Points [m] at equal unstretched length along a tether of this length [m], into the outputs (modified)."""
     for k in range(shape_points):
         put_at(outputs, at.SHAPE + 3 * k, point_at(lying, length * k / max(1, shape_points - 1), length))
 
@@ -168,11 +167,11 @@ def write_parts(line, lying, chord, outputs):
 
 @kernel
 def write_lying(line, chord, load, state, shape_points, outputs):
-    """Write what is peculiar to a tether on the ground into the outputs (modified); chord [m], load [N/m]."""
+    """Write the additional outputs of a tether on the ground (modified); chord [m], load [N/m]."""
     lying = lying_of(line, load, state)
     outputs[at.GROUNDED_LENGTH] = lying.length
     leaving = lying.ground_force
-    if norm(leaving) == 0.0:  # slack: in the direction in which it lies
+    if norm(leaving) == 0.0:  # slack: direction of the lying part
         first, second = (lying.start, lying.end) if lying.ground_is_high else (lying.end, lying.start)
         leaving = second[0] - first[0], second[1] - first[1], 0.0
     write_direction(leaving, outputs)

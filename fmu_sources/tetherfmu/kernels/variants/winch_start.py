@@ -1,9 +1,9 @@
-"""The start of a winch that is controlled by force: the unstretched length at which its drum is in balance.
+"""Start of a force-controlled winch: the unstretched length at which its drum is in balance.
 
-    T(L) = W + c u + F sign(u)      (`equations/drum.py`), with the reel-out speed u of the start
+    T(L) = W + c u + F sign(u)      (`equations/drum.py`), with the initial reel-out speed u
 
-T falls with L where the tether is taut; one that hangs on its winch pulls the more the longer it is, which no winch
-balances. The search begins at `initial_length`, then at the length d/(1 + W/EA) of a straight line between ends d apart.
+T decreases with L if the tether is taut; in a tether that hangs from its winch it increases, and no winch can
+balance it. The search begins at `initial_length`, then at the length d/(1 + W/EA) of a straight line over the distance d.
 """
 
 from tetherfmu.runtime import layout as at
@@ -19,27 +19,27 @@ from ..motion import secant
 from ..motion.drum_in_equilibrium import EXACT, LONGEST, MOST_EVALUATIONS, NARROW, ROUNDING
 from ..notes import note
 
-FARTHEST = 0.2  # change of the length, relative, between two of them
+FARTHEST = 0.2  # relative change of the length between evaluations
 
 
 @kernel
 def forget_notes(state):
-    """Forget what was noted of lengths that were tried, in the new state (modified)."""
+    """Remove the notes about trial lengths from the new state (modified)."""
     state[at.WARNINGS] = 0.0
     for kind in range(at.WARNING_KINDS):
         state[at.WARNED_VALUES + kind] = 0.0
 
 
 def winch_start(settle, tension):
-    """The kernels `find` and `note_imbalance` of a variant.
+    """Return the kernels `find` and `note_imbalance` of a variant.
 
-    settle : kernel (n, parameters, inputs, state, work) that gives a new state (modified) its shape and returns a status.
-    tension : kernel (n, parameters, state) of the tension at the ground [N] of such a state.
+    settle : kernel (n, parameters, inputs, state, work) that solves the shape of a new state (modified); returns a status.
+    tension : kernel (n, parameters, state) of the ground tension [N] of such a state.
     """
 
     @kernel
     def search(n, parameters, inputs, guess, state, work):
-        """Whether a length in balance is found, from a guess [m]: the state (modified) has it."""
+        """Whether a balanced length was found, from a guess [m]; stores it in the state (modified)."""
         drum, speed = drum_of(parameters, inputs[at.WINCH_FORCE], 0.0), state[at.REELING]
         direction = HELD if speed == 0.0 else (OUTWARDS if speed > 0.0 else INWARDS)
         stiffness = property_of(chain_of(n, parameters, state), 0, at.STIFFNESS)
@@ -62,9 +62,9 @@ def winch_start(settle, tension):
 
     @kernel
     def find(n, parameters, inputs, state, work):
-        """Give a new state (modified) the length at which the winch is in balance; OK or NO_BALANCE_AT_START.
+        """Set the length of a new state (modified) at which the winch is in balance; OK or NO_BALANCE_AT_START.
 
-        Its shape has a meaning only after another `settle`.
+        The shape is invalid until the next `settle`.
         """
         given, force = parameters[at.INITIAL_LENGTH], max(0.0, inputs[at.WINCH_FORCE])
         stiffness = property_of(chain_of(n, parameters, state), 0, at.STIFFNESS)
@@ -80,9 +80,9 @@ def winch_start(settle, tension):
 
     @kernel
     def note_imbalance(n, parameters, before, state):
-        """Note in the state (modified) the tension [N] at the start of the first step, if it moves a drum without mass far.
+        """Note in the state (modified) the tension [N] at the start of the first step, if it moves a massless drum far.
 
-        before : the state of the start.
+        before : the initial state.
         """
         if before[at.LAST_STEP] <= 0.0 and winch.follows_force(parameters) and parameters[at.WINCH_MASS] == 0.0:
             force = state[at.LAST_WINCH_FORCE]

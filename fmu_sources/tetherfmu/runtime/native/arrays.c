@@ -1,5 +1,5 @@
-/* The arrays of the kernels (plan_layout.py), and the calls of the kernels. Which variable stands where in them is what
-tables.h says; of a tether alone the values of its inputs and outputs are those arrays (DIRECT). */
+/* The arrays of the kernels (plan_layout.py), and the calls of the kernels. tables.h defines the place of each variable in
+them; for a single tether its inputs and outputs are those arrays (DIRECT). */
 #include "arrays.h"
 
 #include <string.h>
@@ -35,7 +35,7 @@ size_t state_size_of(const Arrays *arrays, int line)
     return (size_t)(end - of_line(arrays, line, PLAN_STATE_AT));
 }
 
-/* Quantities of a line in the order in which the kernel `pack` takes them. */
+/* Quantities of a line in the order of the kernel `pack`. */
 static void quantities_of(const double *values, int line, double *quantities)
 {
     for (int i = 0; i < QUANTITIES; i++) {
@@ -44,7 +44,7 @@ static void quantities_of(const double *values, int line, double *quantities)
     }
 }
 
-/* The arrays for values, in one block; NULL without memory. */
+/* Allocate the arrays for values, in one block; NULL without memory. */
 Arrays *make_arrays(Instance *instance, const double *values)
 {
     int64_t *plan = instance->plan, segments = 0;
@@ -84,7 +84,7 @@ Arrays *make_arrays(Instance *instance, const double *values)
 
 /* --- parameters */
 
-/* A quantity as a message has it: Integers and Enumerations without a fraction, where they have none. */
+/* A quantity for a message: Integers and Enumerations without a fraction, if they have none. */
 static Fact fact_of(const char *key, const double *quantities, int line, int place)
 {
     int reference = QUANTITY_FROM[line][place];
@@ -93,7 +93,7 @@ static Fact fact_of(const char *key, const double *quantities, int line, int pla
     return is_whole ? whole(key, value) : real(key, value);
 }
 
-/* Whether the parameters of free points are allowed, which the kernels do not check; if not, `problem` says what is wrong. */
+/* Whether the parameters of free points, which the kernels do not check, are allowed; otherwise `problem` is filled in. */
 static bool check_points(const double *values, char *problem)
 {
     for (int i = 0; i < CHECKS; i++) {
@@ -118,7 +118,7 @@ void about_line(char *text, int line, const char *said)
     fill_in(text, LONGEST_TEXT, *name ? "the line {line}: {said}" : "{said}", FACTS(word("line", name), word("said", own)));
 }
 
-/* What is wrong with the quantities of a line. */
+/* Describe the problem with the quantities of a line. */
 static void refuse_quantities(const double *quantities, int line, int32_t result, char *problem)
 {
     char said[LONGEST_TEXT];
@@ -137,7 +137,7 @@ static void refuse_quantities(const double *quantities, int line, int32_t result
     about_line(problem, is_alone ? -1 : line, said);
 }
 
-/* Say in the parameters of a line which ends of it are free points, and how much of their masses it carries. */
+/* Write into the parameters of a line which of its ends are free points, and its share of their masses. */
 static void put_ends(const Arrays *arrays, int line)
 {
     static const int IS_FREE[2] = {AT_GROUND_IS_FREE, AT_KITE_IS_FREE};
@@ -151,7 +151,7 @@ static void put_ends(const Arrays *arrays, int line)
     }
 }
 
-/* Say in the parameters of a line which portion of a line over sheaves it is, if it is one, and what sheave is at its end. */
+/* Write the portion number, if any, and the sheave at its end into the parameters of a line. */
 static void put_sheave(const Arrays *arrays, int line)
 {
     double *parameters = parameters_of(arrays, line), *values = arrays->values;
@@ -163,7 +163,7 @@ static void put_sheave(const Arrays *arrays, int line)
     parameters[AT_SHEAVE_EFFICIENCY] = SHEAVE[line].efficiency < 0 ? 1.0 : values[SHEAVE[line].efficiency];
 }
 
-/* Say in the parameters of the lines whose winches are controlled by force which drums hold them. */
+/* Write the drums that drive force-controlled lines into their parameters. */
 static void put_holders(const Arrays *arrays)
 {
     for (int i = 0; i < HOLDERS; i++) {
@@ -172,8 +172,8 @@ static void put_holders(const Arrays *arrays)
     }
 }
 
-/* Whether all parameters are allowed, alone and together, so that the kernels have them; if not, `problem` (of LONGEST_TEXT
-bytes) says what is wrong. */
+/* Whether all parameters are allowed, alone and together, and passed to the kernels; otherwise `problem` (of LONGEST_TEXT
+bytes) describes the problem. */
 bool pack_parameters(const Arrays *arrays, double importer_tolerance, char *problem)
 {
     double *quantities = arrays->quantities;
@@ -198,7 +198,7 @@ bool pack_parameters(const Arrays *arrays, double importer_tolerance, char *prob
 
 /* --- starts, steps and outputs
 
-Inputs and outputs of the kernels among the values, or beside them where their variables stand elsewhere. */
+Inputs and outputs of the kernels are among the values, or separate if their variables are elsewhere. */
 static double *inputs_in(const Arrays *arrays, double *values)
 {
     return DIRECT ? values : arrays->given;
@@ -209,8 +209,7 @@ static double *outputs_in(const Arrays *arrays, double *values)
     return DIRECT ? values + OUTPUTS_AT : arrays->found;
 }
 
-/* Put the inputs among the values into the array of the kernels, unless they are it; those of lines that shared winches hold
-are sums. */
+/* Copy the inputs among the values to the array of the kernels, unless they are identical; lines on shared winches have sums. */
 static void give(const Arrays *arrays, const double *values)
 {
     for (int i = 0; !DIRECT && i < INPUTS_FROM; i++)
@@ -219,8 +218,8 @@ static void give(const Arrays *arrays, const double *values)
     for (int i = 0; i < HELD_TERMS; i++) arrays->given[HELD[i].place] += HELD_FACTOR[i] * values[HELD[i].reference];
 }
 
-/* Put the outputs of the kernels into the values if the status is 0, and return it; the force on a point is the sum of those of
-its lines. */
+/* Copy the outputs of the kernels to the values if the status is 0, and return it; the force on a point is the sum over its
+lines. */
 static int32_t show(const Arrays *arrays, double *values, int32_t result)
 {
     if (result || DIRECT) return result;
@@ -238,7 +237,7 @@ static int32_t show(const Arrays *arrays, double *values, int32_t result)
     return 0;
 }
 
-/* First shapes for the inputs in `values`, which get its outputs; returns the kernel's status. */
+/* Solve the initial shapes for the inputs in `values`, and write its outputs; returns the kernel's status. */
 int32_t first_shape(Arrays *arrays, double *values)
 {
 #if FREE_KITE
@@ -250,8 +249,8 @@ int32_t first_shape(Arrays *arrays, double *values)
         outputs_in(arrays, values), arrays->work));
 }
 
-/* One communication step [s] of the state with the inputs in `values`, which get its outputs; `before` gets the state of
-before. Returns the kernel's status: where that is not 0, state and outputs are as they were. */
+/* One communication step [s] of the state with the inputs in `values`, which receive its outputs; `before` receives the
+earlier state. Returns the kernel's status: if it is not 0, state and outputs are unchanged. */
 int32_t do_step(Arrays *arrays, double step, double *before, double *values)
 {
     give(arrays, values);
@@ -260,7 +259,7 @@ int32_t do_step(Arrays *arrays, double step, double *before, double *values)
         outputs_in(arrays, values), arrays->work));
 }
 
-/* Outputs in `values` that belong to the state; returns the kernel's status. */
+/* Write the outputs of the state to `values`; returns the kernel's status. */
 int32_t take_outputs(Arrays *arrays, double *values)
 {
     return show(arrays, values, KERNEL(outputs)(
@@ -270,7 +269,7 @@ int32_t take_outputs(Arrays *arrays, double *values)
 
 /* --- refusals */
 
-/* What the status of a kernel means for a step [s], or for the start, with the inputs and the unstretched length of now. */
+/* Describe the status of a kernel for a step [s], or for the start, with the present inputs and unstretched length. */
 void sentence_of(char text[LONGEST_TEXT], const Arrays *arrays, const double *values, int32_t result, double step)
 {
     int about = (int)arrays->plan[PLAN_STATUS_LINE], line = about < 0 ? 0 : about, place = index_of(result);

@@ -1,4 +1,4 @@
-/* The arrays of all lines (plan_layout.py), and all that is done with the kernels. */
+/* The arrays of all lines (plan_layout.py), and all operations with the kernels. */
 #ifndef ARRAYS_H
 #define ARRAYS_H
 
@@ -17,7 +17,7 @@ typedef struct {
 #endif
     int64_t segments; /* in all lines */
     int64_t *plan;
-    double *given, *found; /* inputs and outputs of the kernels, where these are not among the values */
+    double *given, *found; /* inputs and outputs of the kernels, unless these are among the values */
     double *quantities;    /* of the instance */
     double *parameters, *state, *work;
     double *before; /* the state before the last step that was done */

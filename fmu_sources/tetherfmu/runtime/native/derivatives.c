@@ -1,4 +1,4 @@
-/* Derivatives of inputs, which the importer gives for the next step, and of outputs by inputs, which it asks for. */
+/* Input derivatives, which the importer sets for the next step, and output derivatives by inputs, which it requests. */
 #include "derivatives.h"
 
 #include <math.h>
@@ -8,7 +8,7 @@
 
 /* --- derivatives of inputs */
 
-/* Whether the line of a term has another one of another shared winch. */
+/* Whether the line of a term also has a term of another shared winch. */
 static bool is_held_twice(int term)
 {
     for (int i = 0; i < HELD_TERMS; i++)
@@ -29,14 +29,14 @@ static Status check_derivative(Instance *instance, unsigned reference, int32_t o
     return say(instance, ERROR, WRONG_DERIVATIVE, FACTS(name, real("value", value), real("largest", AT_LARGEST_INPUT)));
 }
 
-/* --- where they wait: in the states of the lines; before the first step, in the instance */
+/* --- storage: in the states of the lines; before the first step, in the instance */
 
 static bool is_at_point(const Arrays *arrays, int line, int end, int point)
 {
     return arrays->plan[PLAN_HEADER + PLAN_LINE_NUMBERS * line + PLAN_START_POINT + end] == point;
 }
 
-/* Let the state of a line have the derivative of an input of it. */
+/* Store the derivative of an input in the state of its line. */
 static void put_in_line(const Arrays *arrays, int line, int place, double value)
 {
     double *given = state_of(arrays, line) + AT_GIVEN_DERIVATIVES;
@@ -44,8 +44,8 @@ static void put_in_line(const Arrays *arrays, int line, int place, double value)
     state_of(arrays, line)[AT_INPUT_DERIVATIVES + place] = value;
 }
 
-/* The same of a component of the load on a free point. It waits in all lines there, in the place of the acceleration that a
-driven end would have, see `free_points.places_of_load`. */
+/* Store the derivative of a load component on a free point. All lines there store it, in the place of the acceleration of a
+driven end, see `free_points.places_of_load`. */
 static void put_rate_of_load(const Arrays *arrays, int point, int component, double value)
 {
     for (int k = 0; k < LINES; k++) {
@@ -54,8 +54,8 @@ static void put_rate_of_load(const Arrays *arrays, int point, int component, dou
     }
 }
 
-/* The same of an input, in all lines that have it. The last numbers of the state of a line are derivatives of the wind at its
-points, 0 where none is given. */
+/* Store the derivative of an input in all its lines. The last numbers of the state of a line are derivatives of the wind at
+its points, 0 if none is set. */
 static void put_in_lines(const Arrays *arrays, unsigned reference, double value)
 {
     for (int i = 0; i < INPUTS_FROM; i++) {
@@ -79,7 +79,7 @@ static void keep_derivative(Instance *instance, unsigned reference, double value
     instance->has_derivative[reference] = true;
 }
 
-/* End initialization. The state of the start takes the derivatives that were given before. */
+/* End initialization. The initial state receives the derivatives that were set before. */
 Status begin_steps(Instance *instance)
 {
     if (exit_initialization(instance) != OK) return ERROR;
@@ -88,7 +88,7 @@ Status begin_steps(Instance *instance)
     return OK;
 }
 
-/* Keep first derivatives of inputs for the next step. All are set, or none. */
+/* Store first derivatives of inputs for the next step: all or none. */
 Status set_input_derivatives(
     Instance *instance, const unsigned *references, size_t count, const int32_t *orders, const double *values)
 {
@@ -98,27 +98,27 @@ Status set_input_derivatives(
     return OK;
 }
 
-/* --- derivatives of outputs by inputs: differences of the last step, done again with other inputs
+/* --- derivatives of outputs by inputs: differences of the last step, repeated with other inputs
 
-Changes of the inputs in parts of their scales. Internal steps must stay as they were, so a tether with internal steps
-takes small ones; the others are in an equilibrium whose iteration ends at 1e-9. A smaller part is tried where the forces
-at the ends are not smooth over the first one. */
+Inputs change by fractions of their scales. Internal steps must not change, so a tether with internal steps uses small
+fractions; the others are in an equilibrium whose iteration ends at 1e-9. A smaller fraction is tried if the end forces are
+not smooth over the first one. */
 enum { PARTS = 3 };
 static const double PARTS_WITH_STEPS[PARTS] = {1e-7, 1e-8, 1e-9}, PARTS_WITHOUT_STEPS[PARTS] = {1e-5, 1e-6, 1e-7};
 static const double SAME_STEP = 1e-3; /* relative difference of the next internal step: larger after other ones */
-static const double SMOOTH = 1e-3;    /* difference of both sides over the larger: twice the error of a bend on one side */
-static const double ONE_SIDED = 1.0;  /* what a difference to one side counts as */
-static const double SLOW = 1e-3;      /* [m/s] by which a position may change a velocity that is derived from it */
+static const double SMOOTH = 1e-3;    /* difference of both sides over the larger: twice the error of a one-sided kink */
+static const double ONE_SIDED = 1.0;  /* error assigned to a one-sided difference */
+static const double SLOW = 1e-3;      /* [m/s], largest change of a velocity that is derived from a position */
 
 /* Scale of an input of a line, in its unit, as runtime/inputs.py declares it. step : [s], 0 for the start. part : the
-largest one by which it is multiplied: a position from which a velocity is derived changes it by `SLOW` at most. */
+largest factor on it: a position with a derived velocity changes this velocity by at most `SLOW`. */
 static double scale_in_line(const Arrays *arrays, int line, unsigned place, double step, double part)
 {
     const double *state = state_of(arrays, line), *parameters = parameters_of(arrays, line);
     const double *before = arrays->before + (state - arrays->state);
     int64_t n = segments_of(arrays, line);
     double segment = (step > 0.0 ? state[AT_LENGTH] : parameters[AT_INITIAL_LENGTH]) / (double)n;
-    double way = step > 0.0 ? SLOW / part * before[AT_LAST_STEP] : 0.0; /* 0 where no velocity is derived */
+    double way = step > 0.0 ? SLOW / part * before[AT_LAST_STEP] : 0.0; /* 0 without derived velocities */
     bool sets_velocity = parameters[AT_END_VELOCITIES] == AT_DERIVED && way > 0.0;
     switch (INPUT_SCALE[place]) {
     case SCALE_SEGMENT_LENGTH: return sets_velocity && way < segment ? way : segment;
@@ -128,7 +128,7 @@ static double scale_in_line(const Arrays *arrays, int line, unsigned place, doub
     }
 }
 
-/* The same of a load on a free point: the smallest one of a load on a kite at the ends of the lines there. */
+/* `scale_of` a load on a free point: the smallest scale of a kite load at the line ends there. */
 static double scale_of_load(const Arrays *arrays, int point, double step, double part)
 {
     double least = INFINITY;
@@ -140,7 +140,7 @@ static double scale_of_load(const Arrays *arrays, int point, double step, double
     return least;
 }
 
-/* The same of an input of the FMU: the smallest one of the lines that have it. */
+/* `scale_of` an input of the FMU: the smallest scale of its lines. */
 static double scale_of(const Arrays *arrays, unsigned input, double step, double part)
 {
     double least = INFINITY, scale;
@@ -158,18 +158,18 @@ static double scale_of(const Arrays *arrays, unsigned input, double step, double
     return least;
 }
 
-/* Do the last step again, or the start if `step` is 0, with the inputs in `values`, which get the outputs; the kernel's
-status. The tether stays as it is. */
+/* Repeat the last step, or the start if `step` is 0, with the inputs in `values`, which receive the outputs; returns the
+kernel's status. The tether does not change. */
 static int32_t repeat(const Arrays *arrays, double step, double *values)
 {
     Arrays trial = *arrays;
     trial.state = arrays->spare;
     if (!(step > 0.0)) return first_shape(&trial, values);
     memcpy(trial.state, arrays->before, STATE_SIZE(arrays->segments) * sizeof(double));
-    return do_step(&trial, step, arrays->before, values); /* `before` keeps what it has */
+    return do_step(&trial, step, arrays->before, values); /* `before` is unchanged */
 }
 
-/* Whether outputs have no other slack segments than others, so that no kink of the forces lies between. */
+/* Whether two outputs have the same slack segments, so that no kink of the forces lies in between. */
 static bool is_on_same_side(const double *values, const double *others)
 {
     for (int k = 0; HAS_KINK && k < LINES; k++)
@@ -177,7 +177,7 @@ static bool is_on_same_side(const double *values, const double *others)
     return true;
 }
 
-/* Whether a step that was done again took the same internal steps as before. */
+/* Whether the repeated step used the same internal steps. */
 static bool took_same_steps(const Arrays *arrays)
 {
     const double *before = arrays->state, *after = arrays->spare;
@@ -186,7 +186,7 @@ static bool took_same_steps(const Arrays *arrays)
     return as_many && off <= SAME_STEP * next;
 }
 
-/* The same with inputs changed along a direction by so much; whether it can be compared. */
+/* Repeat it with inputs changed along a direction by this amount; returns whether it is comparable. */
 static bool repeat_with(
     const Arrays *arrays, double step, const double *values, const double *direction, double by, double *changed)
 {
@@ -197,7 +197,7 @@ static bool repeat_with(
     return is_done && is_on_same_side(changed, values);
 }
 
-/* Difference of the changes of the forces at the ends (of lines) to both sides, relative to the larger change. */
+/* Difference between the changes of the end forces (of lines) to both sides, relative to the larger change. */
 static double asymmetry(const double *before, const double *values, const double *after)
 {
     double difference = 0.0, larger = 0.0;
@@ -210,8 +210,8 @@ static double asymmetry(const double *before, const double *values, const double
     return larger > 0.0 ? difference / larger : 0.0;
 }
 
-/* Difference quotient of all values into `quotient`: between both sides, or with one of them if the other side cannot be
-compared. Returns how doubtful it is: `asymmetry`, `ONE_SIDED`, or infinity if neither side can. room : of VALUES. */
+/* Difference quotient of all values into `quotient`: two-sided, or one-sided if the other side is not comparable. Returns
+its doubtfulness: `asymmetry`, `ONE_SIDED`, or infinity if neither side is. room : of VALUES. */
 static double find_quotient(
     const Arrays *arrays, double step, const double *values, const double *direction, double by, double *quotient,
     double *room)
@@ -226,8 +226,8 @@ static double find_quotient(
     return doubt;
 }
 
-/* Derivative of all values along a direction of the inputs into `derivative`, the least doubtful one; false where there is
-none to be found. room : of 2 VALUES. */
+/* Derivative of all values along a direction of the inputs into `derivative`, the least doubtful one; false if there is
+none. room : of 2 VALUES. */
 static bool differentiate(
     const Arrays *arrays, double step, const double *values, const double *direction, double *derivative, double *room)
 {
@@ -249,7 +249,7 @@ static bool differentiate(
     return least < INFINITY;
 }
 
-/* Check the variables and their numbers, and put the seed into a direction of the inputs. */
+/* Check the variables and their numbers, and convert the seed to a direction of the inputs. */
 static Status read_direction(
     Instance *instance, const unsigned *unknowns, size_t count, const unsigned *knowns, size_t known_count,
     const double *seed, size_t seeds, size_t room, double *direction)
@@ -271,8 +271,8 @@ static Status read_direction(
     return OK;
 }
 
-/* The arrays of the last step or of a start with the inputs of now, which is to be differentiated. NULL, and a message, if
-there is none. */
+/* The arrays of the last step, or of a start with the present inputs, to be differentiated. NULL, and a message, if there
+are none. */
 static Arrays *differentiable(Instance *instance)
 {
     Arrays *arrays = instance->arrays;
@@ -287,8 +287,7 @@ static Arrays *differentiable(Instance *instance)
     return NULL;
 }
 
-/* Change of outputs along a direction of inputs: of the outputs of the last step, by the inputs that it was
-done with; in initialization mode of those of the start. */
+/* Change of outputs along a direction of inputs: for the last step, by its inputs; in initialization mode for the start. */
 Status directional_derivative(
     Instance *instance, const unsigned *unknowns, size_t count, const unsigned *knowns, size_t known_count,
     const double *seed, size_t seeds, double *sensitivity, size_t room)

@@ -1,4 +1,4 @@
-/* Derivatives of inputs, which the importer gives for the next step, and of outputs by inputs, which it asks for. */
+/* Input derivatives, which the importer sets for the next step, and output derivatives by inputs, which it requests. */
 #ifndef DERIVATIVES_H
 #define DERIVATIVES_H
 

@@ -5,7 +5,7 @@
 #include <math.h>
 #include <stdbool.h>
 
-/* `isfinite`, for which the C library of Windows has no function. */
+/* `isfinite`, which the C library of Windows lacks as a function. */
 static inline bool is_finite(double number)
 {
     return fabs(number) <= DBL_MAX;

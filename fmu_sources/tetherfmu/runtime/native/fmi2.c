@@ -6,7 +6,7 @@
 #include "instance.h"
 #include "saved_state.h"
 
-/* Pass a message to the importer's logger, which takes it for a format: `%` and `#` are doubled. */
+/* Pass a message to the importer's logger, which treats it as a format: `%` and `#` are doubled. */
 static void log_fmi2(const Instance *instance, Status status, const char *text)
 {
     char format[2 * LONGEST_TEXT], *next = format;
@@ -41,7 +41,7 @@ fmi2Component fmi2Instantiate(
     fmi2String instanceName, fmi2Type fmuType, fmi2String fmuGUID, fmi2String fmuResourceLocation,
     const fmi2CallbackFunctions *functions, fmi2Boolean visible, fmi2Boolean loggingOn)
 {
-    /* nothing is read from `fmuResourceLocation` */
+    /* `fmuResourceLocation` is not used */
     void (*logger)(void) = functions ? (void (*)(void))functions->logger : NULL;
     void *environment = functions ? functions->componentEnvironment : NULL;
     Instance *instance = make_instance(instanceName ? instanceName : "", log_fmi2, environment, logger, loggingOn);
@@ -98,8 +98,8 @@ fmi2Status fmi2Reset(fmi2Component c)
     return fmi2OK;
 }
 
-/* A step that is refused is an error, after which another one can be done: with fmi2Discard an importer would go on from where
-a part of the step has led. */
+/* A refused step is an error, after which another step is possible: with fmi2Discard an importer would continue from a
+partial step. */
 fmi2Status fmi2DoStep(
     fmi2Component c, fmi2Real currentCommunicationPoint, fmi2Real communicationStepSize,
     fmi2Boolean noSetFMUStatePriorToCurrentPoint)
@@ -121,14 +121,14 @@ static Status read_values(
     return get_values(instance, type, kinds, vr, nvr, value, nvr);
 }
 
-/* What the functions that read numbers do. kinds : of variables that the function is for. */
+/* Common code of the functions that read numbers. kinds : of variables of the function. */
 static Status get(
     fmi2Component c, const char *call, Type type, unsigned kinds, const fmi2ValueReference vr[], size_t nvr, void *value)
 {
     return filled(read_values(c, call, type, kinds, vr, nvr, value), type, value, nvr);
 }
 
-/* What the functions that set numbers do. */
+/* Common code of the functions that set numbers. */
 static Status set(
     fmi2Component c, const char *call, Type type, unsigned kinds, const fmi2ValueReference vr[], size_t nvr,
     const void *value)
@@ -266,7 +266,7 @@ fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte serializedSta
     return deserialize(instance, serializedState, size, (Saved **)FMUstate);
 }
 
-/* --- status of the last step: never pending; a refused step has got nowhere, and the next one can be done */
+/* --- status of the last step: never pending; a refused step made no progress, and the next one is possible */
 
 static Status no_status(fmi2Component c, const char *call, const void *value)
 {
@@ -305,7 +305,7 @@ fmi2Status fmi2GetStringStatus(fmi2Component c, const fmi2StatusKind s, fmi2Stri
     return filled(no_status(c, __func__, value), BYTES, value, sizeof *value);
 }
 
-/* --- what the flags of the model description do not offer */
+/* --- functions that the flags of the model description exclude */
 
 #define REFUSED refuse_call(c, __func__)
 #define NOT_OFFERED_GET(name, status, ...) \

@@ -6,7 +6,7 @@
 #include "instance.h"
 #include "saved_state.h"
 
-/* Pass a message to the importer, with the name of the instance, which FMI 3 has no argument for. */
+/* Pass a message to the importer, with the instance name, for which FMI 3 has no argument. */
 static void log_fmi3(const Instance *instance, Status status, const char *text)
 {
     char message[LONGEST_TEXT];
@@ -29,8 +29,8 @@ fmi3Status fmi3SetDebugLogging(
 
 /* --- life cycle */
 
-/* A new instance; NULL, and a message, if `refusal` says why there can be none, or if the token is wrong. what : that is not
-offered, for the refusal. */
+/* A new instance; NULL, and a message, if `refusal` states a reason, or if the token is wrong. what : unsupported feature,
+for the refusal. */
 static fmi3Instance instantiated(
     const char *call, fmi3String name, fmi3String token, fmi3InstanceEnvironment environment, fmi3LogMessageCallback log,
     fmi3Boolean is_logging, const char *refusal, const char *what)
@@ -91,7 +91,7 @@ fmi3Status fmi3EnterInitializationMode(
 {
     Instance *instance = entered(handle, __func__);
     if (!instance) return fmi3Error;
-    if (instance->phase != BEFORE) return enter_initialization(instance); /* refuses it in its own words */
+    if (instance->phase != BEFORE) return enter_initialization(instance); /* refuses it with its own message */
     Status status = set_up_experiment(instance, toleranceDefined, tolerance, startTime, stopTimeDefined, stopTime);
     return status == OK ? enter_initialization(instance) : status;
 }
@@ -116,7 +116,7 @@ fmi3Status fmi3Reset(fmi3Instance handle)
     return fmi3OK;
 }
 
-/* There are no events, a step is never left early, and the simulation need not end. */
+/* There are no events, a step never ends early, and the simulation need not end. */
 fmi3Status fmi3DoStep(
     fmi3Instance handle, fmi3Float64 currentCommunicationPoint, fmi3Float64 communicationStepSize,
     fmi3Boolean noSetFMUStatePriorToCurrentPoint, fmi3Boolean *eventHandlingNeeded, fmi3Boolean *terminateSimulation,
@@ -138,7 +138,7 @@ fmi3Status fmi3DoStep(
 
 #define ARGUMENTS fmi3Instance handle, const fmi3ValueReference references[], size_t count
 
-/* What the functions that read values do. kinds : of variables that the function is for. */
+/* Common code of the functions that read values. kinds : of variables of the function. */
 static Status read_values(ARGUMENTS, const char *call, Type type, unsigned kinds, void *values, size_t room)
 {
     Instance *instance = entered(handle, call);
@@ -153,7 +153,7 @@ static Status get(ARGUMENTS, const char *call, Type type, unsigned kinds, void *
     return filled(read_values(handle, references, count, call, type, kinds, values, room), type, values, room);
 }
 
-/* What the functions that set values do. */
+/* Common code of the functions that set values. */
 static Status set(ARGUMENTS, const char *call, Type type, unsigned kinds, const void *values, size_t room)
 {
     Instance *instance = entered(handle, call);
@@ -163,7 +163,7 @@ static Status set(ARGUMENTS, const char *call, Type type, unsigned kinds, const 
     return set_values(instance, type, kinds, references, count, values, room);
 }
 
-/* What the functions for types that no variable has do: fine for no variable at all. */
+/* Common code of the functions for types without variables: fine for zero variables. */
 static Status refuse_type(ARGUMENTS, const char *call, const char *sentence)
 {
     Instance *instance = entered(handle, call);
@@ -325,7 +325,7 @@ fmi3Status fmi3DeserializeFMUState(
     return deserialize(instance, serializedState, size, (Saved **)FMUState);
 }
 
-/* --- what the flags of the model description do not offer */
+/* --- functions that the flags of the model description exclude */
 
 #define REFUSED refuse_call(handle, __func__)
 #define NOT_OFFERED_GET(name, status, ...) \

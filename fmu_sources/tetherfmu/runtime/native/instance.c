@@ -1,4 +1,4 @@
-/* The life of an instance: phases, values, start and steps. A call that is refused leaves everything as it was. */
+/* The life of an instance: phases, values, start and steps. A refused call changes nothing. */
 #include "instance.h"
 
 #include <math.h>
@@ -13,14 +13,14 @@ const char *const CATEGORY[] = {"logStatusOK", "logStatusWarning", "logStatusDis
 
 /* --- making and resetting */
 
-/* Take the mark off what is freed next, so that a call with it is refused as far as its memory can tell. The compiler would
-leave out a write that nobody reads. */
+/* Clear the mark of an object before it is freed, so that a later call with it is refused if its memory is intact. The
+compiler would omit a write that nobody reads. */
 void unmark(const void **identity)
 {
     *(const void *volatile *)identity = NULL;
 }
 
-/* The instance that a call is for; NULL if the pointer that the importer passes is none of this FMU. */
+/* The instance of a call; NULL if the importer's pointer does not belong to this FMU. */
 Instance *entered(void *handle, const char *call)
 {
     Instance *instance = handle;
@@ -29,7 +29,7 @@ Instance *entered(void *handle, const char *call)
     return instance;
 }
 
-/* Refuse a call that the flags of the model description do not offer. */
+/* Refuse a call that the flags of the model description exclude. */
 Status refuse_call(void *handle, const char *call)
 {
     Instance *instance = entered(handle, call);
@@ -64,7 +64,7 @@ void free_instance(Instance *instance)
     free_room(instance);
 }
 
-/* Be as after instantiation. */
+/* Reset to the state after instantiation. */
 void to_start_values(Instance *instance)
 {
     give_back(instance->arrays);
@@ -79,7 +79,7 @@ void to_start_values(Instance *instance)
     instance->time = NAN;
 }
 
-/* Whether a guid or an instantiation token is that of this FMU. */
+/* Whether a guid or an instantiation token belongs to this FMU. */
 Status check_token(Instance *instance, const char *token)
 {
     if (token && !strcmp(token, TOKEN)) return OK;
@@ -118,7 +118,7 @@ Status set_up_experiment(Instance *instance, bool has_tolerance, double toleranc
     instance->stop_time = stop;
     if (!has_tolerance) return OK;
     if (!(tolerance > 0.0)) return say(instance, WARNING, TOLERANCE_NOT_USED, FACTS(real("tolerance", tolerance)));
-    if (tolerance < DEFAULT_TOLERANCE) instance->tolerance = tolerance; /* a looser one is poor */
+    if (tolerance < DEFAULT_TOLERANCE) instance->tolerance = tolerance; /* a looser one is inaccurate */
     return OK;
 }
 
@@ -138,7 +138,7 @@ Status terminate(Instance *instance)
 
 /* --- start and steps */
 
-/* Say what was probably given in another unit. */
+/* Warn of values with probably wrong units. */
 static void warn_of_units(Instance *instance)
 {
     for (size_t i = 0; i < sizeof DOUBT / sizeof *DOUBT; i++) {
@@ -148,13 +148,13 @@ static void warn_of_units(Instance *instance)
     }
 }
 
-/* Whether line k goes on over a sheave as the next one. */
+/* Whether line k continues over a sheave as the next one. */
 static bool goes_on(const Instance *instance, int k)
 {
     return instance->arrays->plan[PLAN_HEADER + PLAN_LINE_NUMBERS * k + PLAN_THROUGH] != 0;
 }
 
-/* Whether something has not been said of a line that may run over sheaves, and this portion of it is the worst. */
+/* Whether a note on a line, possibly over sheaves, is unreported, and this portion is the worst. */
 static bool is_to_be_said(const Instance *instance, int line, int kind)
 {
     const double *state = state_of(instance->arrays, line);
@@ -171,7 +171,7 @@ static bool is_to_be_said(const Instance *instance, int line, int kind)
     return true;
 }
 
-/* Say what has been implausible since the start in a portion, each once of a line. */
+/* Warn of implausible behaviour of a portion since the start, once per line. */
 static void warn_of_line(Instance *instance, int line)
 {
     const double *state = state_of(instance->arrays, line);
@@ -193,7 +193,7 @@ static void warn(Instance *instance)
     for (int k = 0; k < LINES; k++) instance->warned[k] |= (uint64_t)state_of(instance->arrays, k)[AT_WARNINGS];
 }
 
-/* Go on with other arrays and their values. */
+/* Continue with other arrays and their values. */
 void take_arrays(Instance *instance, Arrays *arrays)
 {
     give_back(instance->arrays);
@@ -201,7 +201,7 @@ void take_arrays(Instance *instance, Arrays *arrays)
     memcpy(instance->values, arrays->values, VALUES * sizeof(double));
 }
 
-/* Check the parameters and find the first shape; `refusal` is the status if that is not possible, and nothing is changed. */
+/* Check the parameters and solve the initial shape; on failure `refusal` is the status, and nothing changes. */
 Status start(Instance *instance, Status refusal)
 {
     char problem[LONGEST_TEXT];
@@ -251,7 +251,7 @@ static Status check_time(Instance *instance, double time, double step, Status re
     return say(instance, WARNING, TIME_JUMPS, FACTS(real("time", time), real("end", instance->time)));
 }
 
-/* Remember from where and with which inputs a step was done. */
+/* Remember the start and the inputs of a step. */
 static void remember(Arrays *arrays, const double *values)
 {
     double *before = arrays->spare;
@@ -281,19 +281,19 @@ Status advance(Instance *instance, double time, double step, Status refusal)
 
 /* --- values */
 
-/* Kind of a value reference; 0 of one that is none of the kinds asked for. */
+/* Kind of a value reference; 0 if it is not of the requested kinds. */
 unsigned kind_of(unsigned reference, unsigned kinds)
 {
     return reference <= VALUES && KIND[reference] & kinds ? KIND[reference] : 0;
 }
 
-/* A value reference in words, for sentences that have its number, too. */
+/* Name of a value reference, for sentences that also contain its number. */
 Fact name_of(unsigned reference)
 {
     return word("name", reference <= VALUES && *NAME[reference] ? NAME[reference] : UNKNOWN_VARIABLE);
 }
 
-/* Whether `room` values are as many as the variables have. */
+/* Whether `room` equals the number of values of the variables. */
 Status check_count(Instance *instance, const unsigned *references, size_t count, size_t room)
 {
     size_t needed = 0;
@@ -302,13 +302,13 @@ Status check_count(Instance *instance, const unsigned *references, size_t count,
     return say(instance, ERROR, WRONG_COUNT, FACTS(whole("count", (double)room), whole("needed", (double)needed)));
 }
 
-/* A number of an Integer or Enumeration variable; 0 for what no such variable holds. */
+/* A number of an Integer or Enumeration variable; 0 if it is out of range. */
 static int32_t integer(double value)
 {
     return fabs(value) <= AT_LARGEST_INTEGER ? (int32_t)value : 0;
 }
 
-/* Whether values of variables of some kinds can be read now. In initialization mode outputs are calculated for that. */
+/* Whether values of variables of these kinds can be read now. In initialization mode this computes outputs. */
 static Status check_readable(Instance *instance, unsigned kinds, const unsigned *references, size_t count, size_t room)
 {
     bool outputs = false;
@@ -321,8 +321,8 @@ static Status check_readable(Instance *instance, unsigned kinds, const unsigned 
     return outputs && instance->phase == INITIALIZING ? start(instance, ERROR) : OK;
 }
 
-/* The status of a call that reads. Where it failed, what is no value is put there, for importers that do not look at it: NaN,
-the smallest integer, false, or bytes that are 0, of which a string is NULL. */
+/* The status of a call that reads. On failure, invalid values are written, for importers that ignore the status: NaN, the
+smallest integer, false, or bytes that are 0, as a string NULL. */
 Status filled(Status status, Type type, void *values, size_t room)
 {
     if (status == OK || !values) return status;
@@ -338,7 +338,7 @@ Status filled(Status status, Type type, void *values, size_t room)
     return status;
 }
 
-/* Values of variables of some kinds, in their order. */
+/* Values of variables of these kinds, in order. */
 Status get_values(
     Instance *instance, Type type, unsigned kinds, const unsigned *references, size_t count, void *values, size_t room)
 {
@@ -379,7 +379,7 @@ static Status check_settable(Instance *instance, Type type, unsigned kinds, unsi
     return OK;
 }
 
-/* Store values of variables of some kinds; they are checked when they are used. All are set, or none. */
+/* Store values of variables of these kinds, all or none; they are checked when they are used. */
 Status set_values(
     Instance *instance, Type type, unsigned kinds, const unsigned *references, size_t count, const void *values,
     size_t room)

@@ -10,11 +10,11 @@
 #include "messages.h"
 #include "tables.h"
 
-typedef enum { FLOAT64, FLOAT32, INT32, INT64, TRUTH_INT, TRUTH, BYTES } Type; /* of what the importer passes */
+typedef enum { FLOAT64, FLOAT32, INT32, INT64, TRUTH_INT, TRUTH, BYTES } Type; /* of the importer's values */
 typedef void (*Log)(const Instance *instance, Status status, const char *text);
 
 struct Instance {
-    const void *identity; /* `&AN_INSTANCE`, so that a pointer to anything else is recognized */
+    const void *identity; /* identifies valid pointers */
     char *name;
     Log log; /* of fmi2.c or fmi3.c, which know the type of the importer's function */
     void *environment;
@@ -23,20 +23,20 @@ struct Instance {
     Phase phase;
     bool is_logging, has_written; /* whether the importer wants messages; whether the first refusal went to stderr */
     bool stop_is_defined, warned_of_time;
-    uint64_t warned[LINES];       /* what was implausible and has been said of each line, as bits */
+    uint64_t warned[LINES];       /* reported implausibilities of each line, as bits */
     double tolerance;             /* the importer's, 0 for none */
     double time;                  /* end of the last step [s], NaN before the first */
     double start_time, stop_time; /* [s] */
     Arrays *arrays;               /* NULL before the first start */
     double values[VALUES + 1];    /* inputs, outputs, parameters; last the time */
-    double derivatives[INPUTS];     /* of inputs, given before the first step */
+    double derivatives[INPUTS];     /* of inputs, set before the first step */
     bool has_derivative[INPUTS];    /* whether one was given */
     double scratch[3 * VALUES];     /* without meaning between calls */
-    double quantities[QUANTITIES];  /* of a line, as the kernels take them; without meaning between calls */
-    int64_t plan[PLAN_SIZE];        /* of arrays that there is no room for yet */
+    double quantities[QUANTITIES];  /* of a line, in kernel order; undefined between calls */
+    int64_t plan[PLAN_SIZE];        /* of arrays that are not allocated yet */
 };
 
-extern const char AN_INSTANCE, A_SAVED_STATE; /* their addresses are the marks of what this FMU has made */
+extern const char AN_INSTANCE, A_SAVED_STATE; /* their addresses mark objects of this FMU */
 extern const char *const CATEGORY[]; /* names of log categories, by status */
 
 /* --- its life */
@@ -63,7 +63,7 @@ double last_successful_time(const Instance *instance);
 
 unsigned kind_of(unsigned reference, unsigned kinds);
 Fact name_of(unsigned reference);
-#define VARIABLE(reference) whole("reference", reference), name_of(reference) /* facts of sentences about one */
+#define VARIABLE(reference) whole("reference", reference), name_of(reference) /* facts for sentences about a variable */
 Status check_count(Instance *instance, const unsigned *references, size_t count, size_t room);
 Status filled(Status status, Type type, void *values, size_t room);
 Status get_values(

@@ -9,7 +9,7 @@
 #if KERNELS_IN_C
 #include "kernels_in_c.h"
 #else
-#define IN(memory) /* kernels in a library take the addresses of this process */
+#define IN(memory) /* kernels in a library use the addresses of this process */
 
 int64_t KERNEL(segments)(int64_t tethers, const double *quantities);
 int32_t KERNEL(pack)(int64_t tethers, int64_t kites, const double *quantities, double tolerance, double *parameters);
@@ -23,8 +23,8 @@ int32_t KERNEL(outputs)(
     int64_t *plan, double *parameters, double *inputs, double *state, double *outputs, double *work);
 #endif
 
-/* What a kernel returns is 0 if all is done, else a code and the index of an input or a parameter, as `status.code` and
-`status.index` of status.py read them. */
+/* A kernel returns 0 on success, else a code and the index of an input or a parameter, decoded by `status.code` and
+`status.index` of status.py. */
 static inline int code_of(int32_t result)
 {
     return result & 0xFF;

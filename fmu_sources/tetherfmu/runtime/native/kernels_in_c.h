@@ -1,4 +1,4 @@
-/* The kernels as C, called as those of a library. Their arrays lie in the memory of the instance, see room_in_c.c. */
+/* The kernels as C, with the interface of a library. Their arrays are in the memory of the instance, see room_in_c.c. */
 #ifndef KERNELS_IN_C_H
 #define KERNELS_IN_C_H
 
@@ -6,7 +6,7 @@
 
 #define IN(memory) (memory),
 
-/* The address that the kernels know a place in the memory by. */
+/* The kernels' address of a place in the memory. */
 static inline uint32_t address(const unsigned char *memory, const void *place)
 {
     return (uint32_t)((const unsigned char *)place - memory);

@@ -11,12 +11,12 @@
 #include "instance.h"
 
 enum { STANDARD_SNPRINTF = 2 };   /* option of the Universal C Runtime */
-enum { DIGITS_OF_A_DOUBLE = 17 }; /* that tell it from all others */
-enum { FIRST_FIXED = -4, FIRST_SCIENTIFIC = 16 }; /* decimal exponents between which Python writes none */
+enum { DIGITS_OF_A_DOUBLE = 17 }; /* that identify it uniquely */
+enum { FIRST_FIXED = -4, FIRST_SCIENTIFIC = 16 }; /* range of decimal exponents that Python does not write */
 enum { LONGEST_SCIENTIFIC = 32, LONGEST_NUMBER = 512 }; /* texts of a double, with and without an exponent */
-enum { LONGEST_FORMAT = 16 };                           /* of those in the sentences */
+enum { LONGEST_FORMAT = 16 };                           /* of formats in the sentences */
 
-/* `snprintf`, which the Universal C Runtime of Windows has under another name only. */
+/* `snprintf`, which has another name in the Universal C Runtime of Windows. */
 static int print(char *text, size_t room, const char *format, ...)
 {
     va_list arguments;
@@ -101,7 +101,7 @@ static void put_real(Writer *writer, double number)
     }
 }
 
-/* A number as a format of printf has it, with a point whatever the locale says. */
+/* A number in a printf format, with a decimal point in any locale. */
 static void put_formatted(Writer *writer, const char *format, double number)
 {
     char text[LONGEST_NUMBER];
@@ -124,7 +124,7 @@ static void put_fact(Writer *writer, const Fact *fact, const char *format, size_
     }
 }
 
-/* Write a sentence into `text`; `facts` ends with one without a key. What does not fit is cut off. */
+/* Write a sentence into `text`, truncated if necessary; `facts` ends with one without a key. */
 void fill_in(char *text, size_t room, const char *sentence, const Fact *facts)
 {
     Writer writer = {text, text + room - 1};
@@ -161,7 +161,7 @@ void rename_in(char *text, size_t room, const char *sentence, const char *const 
     *writer.next = '\0';
 }
 
-/* Write the first refusal to the standard error stream where the importer has not turned logging on, and may show nothing. */
+/* Write the first refusal to stderr if the importer has not enabled logging, and may show nothing. */
 static void write_first(Instance *instance, const char *text)
 {
     if (instance->is_logging || instance->has_written) return;

@@ -1,4 +1,4 @@
-/* Room for an instance and its arrays: on the heap, see room.c, or all of it from the start, see room_in_c.c. */
+/* Room for an instance and its arrays: on the heap, see room.c, or static, see room_in_c.c. */
 #ifndef ROOM_H
 #define ROOM_H
 

@@ -1,5 +1,5 @@
-/* Room for an instance whose kernels are C: the memory of the kernels, with the instance and two places for its arrays in it.
-An address of the kernels is a place in this memory. Nothing is taken from the heap after instantiation but saved states. */
+/* Room for an instance whose kernels are C: the memory of the kernels, with the instance and two places for its arrays in
+it. An address of the kernels is a place in this memory. After instantiation only saved states use the heap. */
 #include "room.h"
 
 #include <stdlib.h>
@@ -11,7 +11,7 @@ An address of the kernels is a place in this memory. Nothing is taken from the h
 enum { ALIGNED = 16 };
 #define WHOLE(size) (((size) + ALIGNED - 1) / ALIGNED * ALIGNED)
 
-enum { PLACES = 2 }; /* for the arrays in use, and for those of a start or a saved state that may be refused */
+enum { PLACES = 2 }; /* for the arrays in use, and for a start or a saved state that may be refused */
 static const size_t INSTANCE_AT = WHOLE(FREE_AT), ARRAYS_AT = WHOLE(FREE_AT) + WHOLE(sizeof(Instance));
 static const size_t PLACE = WHOLE(
     sizeof(Arrays) +
@@ -35,7 +35,7 @@ void free_room(Instance *instance)
     free(memory_of(instance));
 }
 
-/* The place that the arrays of the instance are not in; NULL if it is too small. */
+/* The place without the arrays of the instance; NULL if it is too small. */
 void *take_room(Instance *instance, size_t size)
 {
     unsigned char *first = memory_of(instance) + ARRAYS_AT;

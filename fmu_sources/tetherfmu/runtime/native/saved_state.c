@@ -11,13 +11,13 @@
 
 typedef struct { /* header and facts of saved_state.py; all platforms are little-endian */
     char magic[8];
-    uint32_t length, checksum; /* of what follows */
+    uint32_t length, checksum; /* of the rest */
     char variant[16];
     uint32_t phase, segments;
     double tolerance, time;
 } Head;
 
-enum { HEADER = offsetof(Head, variant) }; /* bytes before what the checksum is of */
+enum { HEADER = offsetof(Head, variant) }; /* bytes before the checksummed part */
 
 /* CRC-32 of zlib, four bits at a time. */
 static uint32_t crc32(const unsigned char *bytes, size_t size)
@@ -39,7 +39,7 @@ static void discard(Saved *saved)
     free(saved);
 }
 
-/* Room for a record, in `*saved` if there is one that has it; NULL without memory. */
+/* Room for a record, in `*saved` if that is large enough; NULL without memory. */
 static Saved *room_for(Saved *old, size_t size)
 {
     Saved *saved = old;
@@ -54,14 +54,14 @@ static Saved *room_for(Saved *old, size_t size)
     return saved;
 }
 
-/* Whether a pointer is one of an FMU state of this FMU. */
+/* Whether a pointer refers to an FMU state of this FMU. */
 static Status check_saved(Instance *instance, const Saved *saved)
 {
     if (!saved) return refuse_null(instance, "FMUstate");
     return saved->identity == &A_SAVED_STATE ? OK : say(instance, ERROR, NO_FMU_STATE, NULL);
 }
 
-/* Free a state, and forget it in `*saved`. As the standard has it, nothing is done where there is none. */
+/* Free a state and clear `*saved`. As the standard requires, NULL is ignored. */
 Status free_saved(Instance *instance, Saved **saved)
 {
     if (!saved || !*saved) return OK;
@@ -71,7 +71,7 @@ Status free_saved(Instance *instance, Saved **saved)
     return OK;
 }
 
-/* Bytes that `serialize` needs. */
+/* Number of bytes for `serialize`. */
 Status saved_size(Instance *instance, const Saved *saved, size_t *size)
 {
     if (check_saved(instance, saved) != OK) return ERROR;
@@ -79,7 +79,7 @@ Status saved_size(Instance *instance, const Saved *saved, size_t *size)
     return OK;
 }
 
-/* Write the whole state to `*saved`, which is made if it is NULL. */
+/* Write the whole state to `*saved`, which is allocated if it is NULL. */
 Status save(Instance *instance, Saved **saved)
 {
     if (*saved && check_saved(instance, *saved) != OK) return ERROR;
@@ -149,7 +149,7 @@ Status deserialize(Instance *instance, const void *bytes, size_t size, Saved **s
     return OK;
 }
 
-/* Whether the integers among the values are such; outputs do not count, they are computed anew. */
+/* Whether Integer values are integers; outputs do not count, they are recomputed. */
 static Status check_integers(Instance *instance, const double *values)
 {
     char problem[LONGEST_TEXT], text[LONGEST_TEXT];
@@ -163,7 +163,7 @@ static Status check_integers(Instance *instance, const double *values)
     return OK;
 }
 
-/* Whether what this FMU has no variable for is as it is here. */
+/* Whether quantities without a variable in this FMU have its values. */
 static Status check_constants(Instance *instance, const double *values)
 {
     for (int i = 0; i < CONSTANTS; i++) {
@@ -183,7 +183,7 @@ static bool is_set(double number, int count)
     return 0.0 <= number && number < (double)((uint64_t)1 << count) && number == floor(number);
 }
 
-/* Whether a state array has what every tether can have, as `saved_state.check_state` has it. */
+/* Whether a state array is valid for any tether, as in `saved_state.check_state`. */
 static bool is_possible(const double *state, size_t size)
 {
     for (size_t i = 0; i < size; i++)
@@ -195,7 +195,7 @@ static bool is_possible(const double *state, size_t size)
     return is_set(state[AT_WARNINGS], AT_WARNING_KINDS) && is_set(state[AT_GIVEN_DERIVATIVES], AT_INPUTS);
 }
 
-/* Why the numbers of a state array cannot be used, or NULL if they have been taken. */
+/* Reason why the numbers of a state array are invalid, or NULL after they were accepted. */
 static const char *problem_of_state(Arrays *arrays, const Head *head, const double *state)
 {
     if (arrays->segments != (int64_t)head->segments) return STATE_DAMAGED;
@@ -207,13 +207,13 @@ static const char *problem_of_state(Arrays *arrays, const Head *head, const doub
     return NULL;
 }
 
-/* Outputs follow from the state: those that were saved do not count. */
+/* Outputs are recomputed from the state: saved outputs do not count. */
 static void clear_outputs(double *values)
 {
     memset(values + OUTPUTS_AT, 0, (PARAMETERS_AT - OUTPUTS_AT) * sizeof(double));
 }
 
-/* Go on with the arrays of a saved state; if that is not possible, nothing is changed. */
+/* Continue with the arrays of a saved state; on failure nothing changes. */
 static Status restore_arrays(Instance *instance, const Head *head, const double *values)
 {
     char problem[LONGEST_TEXT], text[LONGEST_TEXT];
@@ -235,7 +235,7 @@ static Status restore_arrays(Instance *instance, const Head *head, const double 
     return OK;
 }
 
-/* Go back to a state, bit for bit; if that is not possible, nothing is changed. */
+/* Restore a state, bit for bit; on failure nothing changes. */
 Status restore(Instance *instance, const Saved *saved)
 {
     Head head;
@@ -246,7 +246,7 @@ Status restore(Instance *instance, const Saved *saved)
     if (head.phase < STEPPING) {
         memcpy(instance->values, values, VALUES * sizeof(double));
         clear_outputs(instance->values);
-        memset(instance->has_derivative, 0, sizeof instance->has_derivative); /* the record has no place for them */
+        memset(instance->has_derivative, 0, sizeof instance->has_derivative); /* the record does not contain them */
     } else if (restore_arrays(instance, &head, values) != OK) {
         return ERROR;
     }

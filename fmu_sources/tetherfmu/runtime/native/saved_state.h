@@ -7,7 +7,7 @@
 typedef struct {
     const void *identity; /* `&A_SAVED_STATE` */
     size_t size, room;
-    unsigned char bytes[]; /* the record of saved_state.py; its checksum is made when it is serialized */
+    unsigned char bytes[]; /* the record of saved_state.py; the checksum is computed on serialization */
 } Saved;
 
 Status save(Instance *instance, Saved **saved);

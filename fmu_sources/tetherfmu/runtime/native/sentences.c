@@ -1,4 +1,4 @@
-/* What the status of a kernel says about a tether, or about a line of a system. */
+/* Sentences for the status of a kernel, about a tether or a line of a system. */
 #include "arrays.h"
 
 #include <math.h>

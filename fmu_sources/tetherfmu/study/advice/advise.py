@@ -1,7 +1,7 @@
-"""The scene advisor: the cheapest configuration that meets what a scene asks for, and the evidence for it.
+"""The scene advisor: the cheapest configuration that meets the requirements of a scene, with evidence.
 
-Every flight is charged by `runs.cost`, counted work times unit costs, so that a scene always gets the same advice. What
-all flights may cost together is bounded: what is not known by then is said.
+Every flight is charged by `runs.cost`, counted work times unit costs, so that a scene always gets the same advice. The total
+cost of all flights is bounded; results that are then still unknown are reported as such.
 """
 
 from math import ceil, inf, sqrt
@@ -20,9 +20,9 @@ from .reasons import numbers, reasons
 from .tradeoff import CLEARLY, SEGMENTS, TOLERANCES, Measured, ladder, measure, steps
 
 BUDGET, FAST_BUDGET = 15.0, 0.7  # of all flights for an advice [s], of the machine of costs.csv
-HANDLING, HANDLING_OF_STEP = 2e-3, 1.5e-6  # what a flight and each of its steps take besides the kernel [s]
-PART_OF_FINER = 0.6  # of the budget: what the finer model may cost
-PART_OF_CHECK = 0.125  # of the allowed error: what the finer model may be wrong by
+HANDLING, HANDLING_OF_STEP = 2e-3, 1.5e-6  # overhead of a flight and of each step outside the kernel [s]
+PART_OF_FINER = 0.6  # of the budget: maximum for the finer model
+PART_OF_CHECK = 0.125  # of the allowed error: maximum for the finer model
 CHECK_SEGMENTS = 1.8  # of the finer model to begin with: this over the root of the allowed error
 CHECK_STEP = 0.017  # its communication step to begin with [s], about
 FIRST_SEGMENTS = 11  # of the search
@@ -46,7 +46,7 @@ class Search:
         return (point.error(self.scene.wanted.outputs) + self.own) / self.limit
 
     def fly(self, config):
-        """`part` of a configuration; infinite if it would cost too much, but for the first one."""
+        """`part` of a configuration; infinite if it would cost too much, except the first one."""
         if config not in self.points:
             duration = self.scene.duration
             handling = HANDLING + HANDLING_OF_STEP * duration / config.step
@@ -60,7 +60,7 @@ class Search:
     def is_too_coarse(self, config):
         """Whether a tether of this kind that is not coarser in any respect was clearly wrong.
 
-        Not so the quasi-steady tether: few segments may make up for what its model leaves out.
+        Not for the quasi-steady tether: few segments may compensate for the omissions of its model.
         """
         return any(
             done.variant == config.variant != "quasi_steady"
@@ -72,7 +72,7 @@ class Search:
         )
 
     def least_that_does(self):
-        """Least cost per simulated second of what was found [-], infinite if nothing was."""
+        """Least cost per simulated second of a sufficient configuration [-], infinite if there is none."""
         return min((point.cost for point in self.points.values() if self.part(point) <= 1.0), default=inf)
 
     def best_of(self, variant):
@@ -80,7 +80,7 @@ class Search:
         return min((each for config, each in self.points.items() if config.variant == variant), key=self.part, default=None)
 
     def refine(self):
-        """Go from a coarse dynamic tether to one that does, by more segments or shorter steps, what helps more."""
+        """Refine a coarse dynamic tether until it suffices, by more segments or shorter steps, whichever helps more."""
         segments, choices = SEGMENTS[SEGMENTS.index(FIRST_SEGMENTS) :], steps(self.scene)
         part = self.fly(Config("dynamic", segments[0], TOLERANCES[-1], choices[0]))
         while part > 1.0:
@@ -92,7 +92,7 @@ class Search:
             segments, choices = finer[parts.index(part)]
 
     def cheaper(self):
-        """Try what may do at less cost: those without nodes at the shortest step first, then all from the cheapest on."""
+        """Try cheaper candidates: tethers without nodes at the shortest step first, then all from the cheapest on."""
         costs = {config: least_cost(self.scene, config) for config in ladder(self.scene)}
         for variant in (each.name for each in TABLE if not each.has_nodes):
             mine = [each for each in costs if each.variant == variant and costs[each] < self.least_that_does()]
@@ -138,7 +138,7 @@ def advise(scene, budget=BUDGET):
 
 
 def explain(scene, advice):
-    """Lines for people: what to use, what error to expect, and why; `advice` is an `Advice`."""
+    """Lines of text: recommendation, expected error, and reasons; `advice` is an `Advice`."""
     config, found = advice.point.config, numbers(scene, advice.search.finer.run.flown if scene.kite_is_free else None)
     finer = advice.search.finer.run
     warnings = [*hanging(scene, finer.flown), *(line for line in finer.implausible if not is_of_ground(line))]
@@ -161,7 +161,7 @@ def advise_in_words(scene, budget=BUDGET):
 
 
 def run(options):
-    """Print the advice for a scene file; returns 1 if nothing meets what it asks for."""
+    """Print the advice for a scene file; returns 1 if nothing meets its requirements."""
     scene = load_for_advice(options.scene, options.settings)
     if not options.fast:
         now(f"flying {scene.name} with candidates and a finer model")

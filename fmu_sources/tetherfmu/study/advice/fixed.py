@@ -1,8 +1,8 @@
-"""Fixed steps for real time: segments and step that meet an allowed error within a time for each communication step.
+"""Fixed steps for real time: segments and step that meet an allowed error within a time per communication step.
 
-Flown is the dynamic tether with `fixed_step`, as the importer will run it, against the finer model of `advise`. The time of
-a communication step is counted work times unit costs, as in `measuring/runs.py`, with the most iterations that a
-communication step took in the flight. What it takes at most is a bound in the code, `limits.WORST_WORK`.
+The study runs the dynamic tether with `fixed_step`, like the importer, against the finer model of `advise`. The time of
+a communication step is counted work times unit costs, as in `measuring/runs.py`, with the most iterations of any
+communication step in the flight. The code guarantees an upper bound, `limits.WORST_WORK`.
 """
 
 from math import inf
@@ -21,7 +21,7 @@ from tetherfmu.study.measuring.tables import page
 
 from .tradeoff import CLEARLY, SEGMENTS, STEPS
 
-PARTS = (1, 2, 4, 8, 16)  # fixed steps in a communication step that is given
+PARTS = (1, 2, 4, 8, 16)  # fixed steps in a given communication step
 LEAST = STAGES  # iterations of a fixed step of order 2
 BLOCK = 50  # compared outputs that are flown at once: all communication steps between them are kept meanwhile
 
@@ -33,7 +33,7 @@ class Fixed(NamedTuple):
     step: float  # communication step [s]
     parts: int  # fixed steps in it
 
-    variant, tolerance = "dynamic", 0.0  # not annotated: they are those of each
+    variant, tolerance = "dynamic", 0.0  # not annotated: constants of the class
 
     @property
     def fixed_step(self):
@@ -41,7 +41,7 @@ class Fixed(NamedTuple):
         return self.step / self.parts
 
     def time(self, iterations):
-        """Time [s] of a communication step with so many iterations, of the machine of costs.csv."""
+        """Time [s] of a communication step with this number of iterations, on the machine of costs.csv."""
         work = np.array([1.0, self.segments, iterations, iterations * self.segments])
         return float(UNITS.loc[FIXED].to_numpy() @ work)
 
@@ -66,7 +66,7 @@ class Point(NamedTuple):
     config: Fixed
     errors: dict  # by output; empty if refused
     iterations: int  # the most in a communication step
-    most: int  # of them that one could take
+    most: int  # upper bound for one step
     implausible: tuple  # sentences
 
     def error(self, names):
@@ -126,9 +126,9 @@ def fly(scene, config, reference):
 
 
 def advise_fixed(scene, finer, budget):
-    """`FixedAdvice` for a scene: the cheapest that does against a finer model, a `Reference`.
+    """`FixedAdvice` for a scene: the cheapest sufficient configuration against a finer model, a `Reference`.
 
-    budget : what the flights may cost together [s].
+    budget : maximum cost of all flights [s].
     """
     names, allowed, most = scene.wanted.outputs, scene.wanted.allowed_error, scene.wanted.time_per_step or inf
     own, left, points = finer.own_error(names), budget, []
@@ -148,6 +148,6 @@ def advise_fixed(scene, finer, budget):
 
 
 def explain_fixed(scene, advice):
-    """Lines for people: what to use, which error and time to expect, and what is guaranteed."""
+    """Lines of text: recommendation, expected error and time, and guarantees."""
     facts = {"own_error": advice.finer.own_error(scene.wanted.outputs), "fmu": fmu_of(scene, advice.point.config)}
     return page("advice/fixed.txt.j2", scene=scene, advice=advice, **facts).rstrip("\n")

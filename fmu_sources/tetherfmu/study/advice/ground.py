@@ -6,16 +6,16 @@ from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.plausibility import GROUND_IGNORED, SENTENCES, UNDER
 from tetherfmu.study.measuring.tables import percent
 
-_, _, ANY_DEPTH = SENTENCES[GROUND_IGNORED].partition("}")  # what the sentence says of any depth
+_, _, ANY_DEPTH = SENTENCES[GROUND_IGNORED].partition("}")  # the part of the sentence after the depth
 
 
 def is_of_ground(sentence):
-    """Whether a sentence of `Run.implausible` is the one that `hanging` says with the largest depth."""
+    """Whether a sentence of `Run.implausible` equals the one of `hanging`, with any depth."""
     return sentence.endswith(ANY_DEPTH)
 
 
 def lying(flown):
-    """A text on the part of the tether that lies on the ground in a flight; empty if none ever does."""
+    """A text on the part of the tether on the ground in a flight; empty if none ever is."""
     lengths, lies = flown.of("tether_length"), flown.of("grounded_length")
     if not lies.any():
         return ""

@@ -1,4 +1,4 @@
-"""Dimensionless numbers of a scene, and so, why not a simpler tether.
+"""Dimensionless numbers of a scene, which show why a simpler tether is insufficient.
 
     weight    mu g L / T
     drag      |ground_force + kite_force - weight| / T
@@ -7,9 +7,9 @@
     wave      wave_time rms|dF/dt| / rms|F|:  travel time of a wave times the rate at which the force on the kite changes
 
 T: tension at the kite, root mean square over the scene; the others are means. All from a coarse quasi-steady flight,
-with a free end from that of the finer model; its load there includes the inertia of the tether.
+or for a free end from the finer model, where the load includes the inertia of the tether.
 
-The numbers at which a tether ceases to be adequate are in thresholds.csv, which `docs/make/make_thresholds.py` measures.
+thresholds.csv lists the numbers at which a tether ceases to be adequate, measured by `docs/make/make_thresholds.py`.
 Between the measured levels the error grows as a power of the number of a group, below the lowest as its square.
 """
 
@@ -30,17 +30,17 @@ TABLE = Path(__file__).with_name("thresholds.csv")
 LEVELS = (0.001, 0.01, 0.1)  # errors that the thresholds are for
 COARSE = 8  # segments of the flight that the numbers come from
 GROUPS = ("weight", "drag", "slack", "wave")
-LARGEST = 1e3  # stands for a threshold that the sweep did not reach ...
+LARGEST = 1e3  # replaces a threshold that the sweep did not reach ...
 BEYOND = 10.0  # ... as does every larger one than this
-STEEPEST = 3.0  # exponent with which the error goes on beyond the last threshold
+STEEPEST = 3.0  # exponent of the error beyond the last threshold
 # thresholds: a row for each group, variant, number of segments and stretch, a column for each level
 CURVES = pd.read_csv(TABLE).set_index(["group", "variant", "segments", "stretch", "level"]).value.unstack()
 
 
 def numbers(scene, flown=None):
-    """All numbers of a scene, as attributes; StepRefused if a coarse quasi-steady tether cannot fly it.
+    """All numbers of a scene, as attributes; StepRefused if a coarse quasi-steady tether refuses it.
 
-    flown : `Flown` to take them from, which a free end needs: no quasi-steady tether moves it.
+    flown : `Flown` as their source, required for a free end, which no quasi-steady tether can have.
     """
     if flown is None:
         flown = runs.run(scene, runs.Config("quasi_steady", COARSE, 0.0, scene.every), exact=True).flown
@@ -63,7 +63,7 @@ def numbers(scene, flown=None):
 
 @cache
 def thresholds_at(group, variant, segments, stretch):
-    """Numbers of a group at which a tether is wrong by `LEVELS`, at a stretch [-]; infinite: it never is."""
+    """Numbers of a group at which the error of a tether reaches `LEVELS`, at a stretch [-]; infinite: never."""
     if group == "wave":
         variant = "catenary" if variant == "straight" else variant
         segments = CURVES.loc[group, variant].index[-1][0]
@@ -77,7 +77,7 @@ def thresholds_at(group, variant, segments, stretch):
 
 
 def group_error(group, config, found):
-    """Error [-] that one number of a scene stands for."""
+    """Error [-] for one number of a scene."""
     x = getattr(found, group)
     values = np.minimum(thresholds_at(group, config.variant, config.segments, found.stretch), LARGEST)
     if x <= values[0]:
@@ -88,7 +88,7 @@ def group_error(group, config, found):
 
 
 def limit(group, config, found, level):
-    """Number of a group at which a configuration is wrong by a level [-]; infinite if it never is."""
+    """Number of a group at which the error of a configuration reaches a level [-]; infinite if never."""
     values = thresholds_at(group, config.variant, config.segments, found.stretch)
     known, levels = values < BEYOND, np.log(LEVELS)
     if not known.any() or (np.log(level) > levels[known][-1] + 1e-9 and not known.all()):

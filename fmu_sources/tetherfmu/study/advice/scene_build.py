@@ -21,7 +21,7 @@ VECTORS = {  # outputs of the FMU that an output of a scene is made of, where th
     "ground_direction": {"ground_force"},
     "power": {"kite_force", "ground_tension", "winch_speed"},
 }
-KEPT = inputs_at("kite", "winch")  # never left out: the motion of the kite or its load, and what any `winch_control` needs
+KEPT = inputs_at("kite", "winch")  # never omitted: the motion or load of the kite, and inputs for any `winch_control`
 DIGITS = 12  # of start values: more are rounding
 
 
@@ -31,9 +31,9 @@ def vector_of(name):
 
 
 def needed(scene, inputs, table):
-    """Names of the inputs that are not 0 all through a scene, and of what is calculated and it asks for: two tuples.
+    """Names of the inputs that are nonzero in a scene, and of the calculated variables that it requires: two tuples.
 
-    Elements of vectors have the name of the vector.  inputs : as `fmus.inputs_of` gives them.  table : of the
+    Vector elements have the name of the vector.  inputs : from `fmus.inputs_of`.  table : of the
     variables of its FMU.
     """
     moved = inputs.any().groupby(vector_of).transform("any")
@@ -55,11 +55,11 @@ def vectors_in_words(names):
 
 
 def advised(path, shape_points, platforms, given=Lean()):  # noqa: B008 (a constant)
-    """The advice for a scene file as text, whether it meets what is asked, the name of the FMU and its `BuildOptions`.
+    """The advice for a scene file as text, whether it meets the requirements, the name of the FMU and its `BuildOptions`.
 
-    shape_points : of the output `shape`, if the scene asks for it.  platforms : as in `BuildOptions`.  given : `Lean`, whose
-    lists count before those of the file, and these before what the scene needs; its start values are settings of the scene.
-    SceneError says in one line what is wrong with the file, or why its scene cannot be flown.
+    shape_points : of the output `shape`, if the scene requires it.  platforms : as in `BuildOptions`.  given : `Lean`, whose
+    lists override those of the file, which override the needs of the scene; its start values are settings of the scene.
+    SceneError describes a problem of the file in one line, or why its scene fails.
     """
     scene = load_for_advice(path, given.starts)
     with flown_from(path):

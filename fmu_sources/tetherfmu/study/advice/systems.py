@@ -1,11 +1,11 @@
-"""How many segments and which tolerance a system of tethers needs, by flying it against a finer one.
+"""Number of segments and tolerance of a system of tethers, from runs against a finer one.
 
 With F of a system, R of the finer one, rms over the output times after `settled`, the error of a force is
 
     rms |F - R| / rms |R|
 
-for the force of all lines on each driven point, and for that of each line on the points at its ends. A force of less than
-`LEAST` of the largest one counts as if it were that large. Step times are counted work times unit costs, as in
+for the force of all lines on each driven point, and for the force of each line on the points at its ends. A force below
+`LEAST` of the largest one counts as that large. Step times are counted work times unit costs, as in
 `measuring/runs.py`.
 """
 
@@ -39,13 +39,13 @@ LEAST = 0.01  # of the largest force: a smaller one counts as so large
 class SystemConfig(NamedTuple):
     """A configuration of a system."""
 
-    segments: int  # of each line, in quarters of those of the file
+    segments: int  # of each line, in quarters of the segments in the file
     tolerance: float  # 0 with fixed steps
     step: float  # communication step [s]
 
     @property
     def factor(self):
-        """Segments over those of the file."""
+        """Segments over those in the file."""
         return self.segments / WHOLE
 
     def words(self):
@@ -61,13 +61,13 @@ class SystemAdvice(NamedTuple):
     least: float  # the error is at least this, and at most `expected` [-], as of `advise.Advice`
     expected: float
     met: bool  # whether `expected` is allowed
-    points: list  # `Measured` of all configurations that were flown, first that of the file
+    points: list  # `Measured` of all tested configurations, the file's first
     finer: object  # `errors.Reference`
     stopped: bool  # whether the budget ended the search
 
 
 def forces_of(flown, found):
-    """Forces of a `SystemFlown` [N], arrays (rows, 3), dict by what acts where, and its longest wave time [s].
+    """Forces of a `SystemFlown` [N], arrays (rows, 3), dict by point and line, and its longest wave time [s].
 
     found : `SystemFile` of the system.
     """
@@ -79,7 +79,7 @@ def forces_of(flown, found):
 
 
 def errors(flight, found, reference):
-    """Errors [-] of forces against those of a reference, both as of `forces_of`; dict by name."""
+    """Relative errors [-] of forces against a reference, both from `forces_of`; dict by name."""
     (mine, _), (right, wave_time) = found, reference
     first = settled(flight, wave_time)
     sizes = {name: rms(size(each[first:])) for name, each in right.items()}
@@ -95,9 +95,9 @@ def cost(flight, config, calls, work, row="dynamic"):
 
 
 def run(flight, config, exact=False):
-    """`Run` of a configuration, whose `flown` is that of `forces_of`, and its cost [s]; StepRefused if it refuses a step.
+    """`Run` of a configuration, with `forces_of` as `flown`, and its cost [s]; StepRefused if it refuses a step.
 
-    exact : as a reference is flown, with adaptive steps whatever the file says.
+    exact : run as a reference, with adaptive steps regardless of the file.
     """
     fixed = 0.0 if exact else flight.found.solver.fixed_step
     solver = replace(flight.found.solver, relative_tolerance=config.tolerance, fixed_step=fixed)
@@ -118,7 +118,7 @@ def measure(flight, config, reference):
 
 
 def candidates(flight, finest):
-    """Configurations with fewer segments than the finest one, from cheap to dear; before them that of the file."""
+    """Configurations with fewer segments than the finest one, in order of cost; the file's first."""
     solver, step = flight.found.solver, flight.wanted.communication_step
     tolerances = (0.0,) if solver.fixed_step else TOLERANCES
     own = SystemConfig(WHOLE, 0.0 if solver.fixed_step else solver.relative_tolerance or DEFAULT_TOLERANCE, step)
@@ -159,12 +159,12 @@ def table(flight, advice):
         row["tolerance"] = f"{each.config.tolerance:g}" if each.config.tolerance else "-"
         largest = max(each.errors, key=each.errors.get) if each.errors else f"refused: {each.refused}"
         row |= {"error [%]": 100.0 * each.error(), "largest at": largest}
-        rows.append(row | {"step time": each.cost / own if each.cost and own else np.nan})  # none of what is refused
+        rows.append(row | {"step time": each.cost / own if each.cost and own else np.nan})  # none if it is refused
     return pd.DataFrame(rows)
 
 
 def explain(flight, advice):
-    """Lines for people: what to use, what error to expect, and what else was flown."""
+    """Lines of text: recommendation, expected error, and the other runs."""
     counts = flight.segments_of_lines(advice.point.config.factor)
     facts = {"counts": counts, "table_of_points": table(flight, advice), "part_of_check": of_scenes.PART_OF_CHECK}
     return page("advice/system.txt.j2", flight=flight, advice=advice, **facts).rstrip("\n")
@@ -182,7 +182,7 @@ def advised(path, settings=(), budget=of_scenes.BUDGET):
 
 
 def start_values(flight, advice):
-    """Start values of the FMU of a system with what is advised: pairs of a parameter and its value."""
+    """Start values of the FMU of a system according to the advice: pairs of a parameter and its value."""
     config = advice.point.config
     counts = flight.segments_of_lines(config.factor)
     tolerance = [("relative_tolerance", config.tolerance)] if config.tolerance else []
@@ -190,7 +190,7 @@ def start_values(flight, advice):
 
 
 def run_command(options):
-    """Print the advice for the file of a system, or of a scene; returns 1 if nothing meets what is asked for."""
+    """Print the advice for the file of a system, or of a scene; returns 1 if nothing meets its requirements."""
     with prefixed("", SceneError):
         path = path_of(options.scene, named_scenes() | named_systems())
     if not is_system(path):

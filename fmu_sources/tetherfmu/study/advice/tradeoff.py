@@ -19,9 +19,9 @@ SEGMENTS = (2, 3, 4, 6, 8, 11, 16, 22, 32, 45)
 TOLERANCES = (1e-2, 1e-3, 1e-4)
 STEPS = (0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001, 0.0005)  # communication steps [s]
 SHORT_STEP = 0.002  # [s]
-LEVELS = (0.1, 0.03, 0.01, 0.003)  # errors for which the cheapest configuration is named
-REFERENCE_ERROR = 3e-4  # asked of the reference: a tenth of the smallest level
-CLEARLY = 1.5  # what is wrong by so many times the allowed error: nothing coarser is tried
+LEVELS = (0.1, 0.03, 0.01, 0.003)  # error levels, each with its cheapest configuration
+REFERENCE_ERROR = 3e-4  # goal for the reference: a tenth of the smallest level
+CLEARLY = 1.5  # error over allowed error beyond which nothing coarser is tried
 LONG_RUN = 0.05  # [s], not repeated
 
 
@@ -52,9 +52,9 @@ def steps(scene):
 
 
 def ladder(scene):
-    """All configurations of the study, with a free end those of the dynamic tether.
+    """All configurations of the study; for a free end, only dynamic tethers.
 
-    At short steps the tolerance does not matter: the solver takes one step in each.
+    At short steps the tolerance has no effect: the solver needs one step each.
     """
     configs = []
     for variant in (BY_NAME[name] for name in ADVISED):
@@ -82,10 +82,10 @@ def measure(scene, config, reference, repeats=1, exact=False):
 def study(scene, store, executor, configs=None, repeats=3):
     """All points of a scene: its `Reference`, and a table with a row for each configuration.
 
-    Columns: the fields of `Measured` and `Config`, `host_cost`, an error for each output, and as `error` the largest of
-    those that the scene asks for.
+    Columns: the fields of `Measured` and `Config`, `host_cost`, an error for each output, and as `error` the largest error
+    among the outputs that the scene requires.
 
-    store : `Store` that finished points are taken from and added to.  executor : as of concurrent.futures.
+    store : `Store` for finished points (read and written).  executor : as of concurrent.futures.
     configs : sequence of `Config`, by default `ladder(scene)`.  repeats : timed runs of each.
     """
     configs, names = configs or ladder(scene), scene.wanted.outputs

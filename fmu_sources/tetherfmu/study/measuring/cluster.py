@@ -1,4 +1,4 @@
-"""A Dask cluster as an executor of concurrent.futures, which says in one line that it is lost."""
+"""A Dask cluster as an executor of concurrent.futures, with a one-line error if it is lost."""
 
 import asyncio
 import logging
@@ -13,11 +13,11 @@ from tetherfmu.console.ending import WorkersLost
 
 PATIENCE = 30.0  # without any worker, and for a scheduler that does not answer [s]
 LOOKED_AFTER = 1.0  # how often the workers are counted [s]
-LOST = (CancelledError, asyncio.CancelledError, CommClosedError)  # what versions of distributed raise without a scheduler
+LOST = (CancelledError, asyncio.CancelledError, CommClosedError)  # raised by versions of distributed without a scheduler
 
 
 def look_after(client, executor, closed):
-    """Cancel all tasks when the cluster has been without workers for too long: the scheduler would wait for ever."""
+    """Cancel all tasks when the cluster has been without workers for too long: the scheduler would wait forever."""
     without = 0.0
     while not closed.wait(LOOKED_AFTER):
         count = 1
@@ -32,9 +32,9 @@ def look_after(client, executor, closed):
 
 @contextmanager
 def cluster(address):
-    """The executor of the Dask scheduler at an address; `WorkersLost` when nobody is left to do its tasks.
+    """The executor of the Dask scheduler at an address; `WorkersLost` when no worker is left.
 
-    While it is in use, nothing is logged: what counts is raised.
+    It suppresses logging: relevant errors are raised.
     """
     before, closed = logging.root.manager.disable, threading.Event()
     logging.disable(logging.CRITICAL)

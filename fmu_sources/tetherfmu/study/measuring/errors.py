@@ -32,7 +32,7 @@ LONGEST_SETTLING = 0.25  # ... at most this part of the scene
 FIRST_SEGMENTS, MOST_SEGMENTS = 16, 256
 LONGEST_STEP, SHORTEST_STEP = 0.004, 0.00025  # communication step [s], about
 TOLERANCE = 1e-6
-# what reading raises if a file has no `Reference`
+# exceptions on reading a file without a `Reference`
 DAMAGED = (KeyError, OSError, TypeError, ValueError, EOFError, zipfile.BadZipFile)
 FINER = 10.0  # times that the own error of a reference is smaller than the errors that it judges
 size = partial(np.linalg.norm, axis=-1)  # length of vectors along the last axis
@@ -83,16 +83,16 @@ def worst(found, names=None):
 
 
 class Reference(NamedTuple):
-    """A reference run and what is known of it."""
+    """A reference run and its properties."""
 
     config: Config
     run: Run
     space: dict  # change of each output against half of the segments
     time: dict  # change of each output against the double communication step and ten times the tolerance
-    spent: float  # what all flights cost together, by `runs.cost` [s]
+    spent: float  # cost of all flights, by `runs.cost` [s]
 
     def own_error(self, names=None):
-        """Bound of its own error in some outputs, or in all: both changes together; each is larger than what is left."""
+        """Bound of its own error in some or all outputs: sum of both changes, each of which exceeds the remaining error."""
         return worst(self.space, names) + worst(self.time, names)
 
 
@@ -105,7 +105,7 @@ def write_reference(path, reference):
 
 
 def read_reference(path):
-    """The `Reference` in a file; one of `DAMAGED` if it has none."""
+    """The `Reference` in a file; one of `DAMAGED` otherwise."""
     with np.load(path, allow_pickle=False) as file:
         config, (work, calls, implausible, length), seconds, space, time, spent = json.loads(str(file["facts"]))
         flown = Flown(file["outputs"], file["peak"], None, seconds, (), file["time"])
@@ -131,7 +131,7 @@ def judging(scene, measure, names, target):
 
 
 def even_part(every, longest):
-    """Communication step [s] of about the longest at most, of which an even number makes up the time between outputs [s]."""
+    """Communication step [s] of approximately the longest at most, an even number of which fills the output interval [s]."""
     return every / (2 * ceil(every / (2.0 * longest) - 1e-6))
 
 
@@ -153,10 +153,10 @@ def converged(scene, target, names, first_segments=FIRST_SEGMENTS, longest_step=
 def refined(fly, compare, config, most, target, names, budget=inf):
     """`Reference`, refined from a configuration on until its `own_error` is at most `target` [-].
 
-    fly : gives the `Run` of a configuration, and what it costs [s].  compare : errors of a flight against another one, dict
-    by output.  most : segments.  names : outputs that count, None: all.  Segments are doubled or the communication step is
-    halved, what helps more. The next refinement, which costs about twice as much, is left out if the flights would cost more
-    than the budget [s].
+    fly : returns the `Run` of a configuration, and its cost [s].  compare : errors of a flight against another one, dict
+    by output.  most : segments.  names : relevant outputs, None: all.  Each refinement doubles the segments or halves the
+    communication step, whichever helps more. It stops before a refinement, at about twice the cost, would exceed the
+    budget [s].
     """
     known = {}
 

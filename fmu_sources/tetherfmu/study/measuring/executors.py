@@ -33,9 +33,9 @@ def end_with(parent):
 
 @contextmanager
 def executor_of(dask=None, processes=None):
-    """An executor: that of the Dask scheduler at an address, or processes of this machine (None: one per core).
+    """An executor: of the Dask scheduler at an address, or processes of this machine (None: one per core).
 
-    Tasks that are not begun when it is left are cancelled. `WorkersLost` if what does the work is gone.
+    On exit, pending tasks are cancelled. `WorkersLost` if the workers are gone.
     """
     if dask is not None:
         from .cluster import cluster  # distributed belongs to another extra

@@ -1,4 +1,4 @@
-"""FMUs of scenes: those of all variants in a folder, and what they are given along a scene."""
+"""FMUs of scenes: all variants in a folder, and their inputs along a scene."""
 
 from pathlib import Path
 from zipfile import is_zipfile

@@ -1,12 +1,12 @@
-"""Results of a flight for people: a table of outputs, power and payout, and a summary in lines.
+"""Results of a flight: a table of outputs, power and payout, and a summary in lines.
 
-Columns are a dict of arrays (rows,) by the names of variables (docs/use/interface.md), those of lines, points and winches of
-a system with their names before a dot; `time` is the first. Each row is a communication point, the first one the start.
+Columns are a dict of arrays (rows,) by the names of variables (docs/use/interface.md), in a system with the name of a line,
+point or winch before a dot; `time` is the first. Each row is a communication point, the first one the start.
 
     power    tension where the tether leaves the winch times winch speed [W]; positive while the tether pulls rope out
-    payout   unstretched length less that at the start [m]
+    payout   unstretched length minus its initial value [m]
 
-The power of a winch that holds several lines is that of the sum of their tensions times their ratios.
+The power of a shared winch uses the sum of its tensions times their ratios.
 """
 
 import csv
@@ -82,7 +82,7 @@ def since(columns, begin):
 
 
 def chosen(columns, names):
-    """Columns of these names: of a variable, of a vector, or of those of all lines and points; None: all but shapes."""
+    """Columns with these names: of a variable, a vector, or all lines and points; None: all but shapes."""
     if names is None:
         return {name: values for name, values in columns.items() if not own_name(name).startswith("shape")}
     found = {"time": columns["time"]}
@@ -108,18 +108,18 @@ def write_csv(columns, path):
 
 
 def unit_of(own):
-    """Unit of an output of a tether or of a line, or of what is made of them."""
+    """Unit of an output of a tether or of a line, or of a derived column."""
     names = {line: tether for tether, line in OF_A_LINE.items()}
     return DERIVED.get(own) or BY_NAME[names.get(own, own)].quantity.unit
 
 
 def phases(speed):
-    """Masks of the rows in which a winch of this speed [m/s] reels out and in, by their names."""
+    """Masks of the rows in which a winch with this speed [m/s] reels out and in, by name."""
     return {"out": speed > STILL, "in": speed < -STILL}
 
 
 def summary(columns):
-    """Lines for people: mean, least and largest value of what they report, and when; power by phase; slack; breaks."""
+    """Lines of text: mean, least and largest values with times; power by phase; slack; breaks."""
     time, rows, notes = columns["time"], [], []
     for name, values in columns.items():
         own = own_name(name)
@@ -141,7 +141,7 @@ def summary(columns):
 
 
 def phases_in_words(before, power, speed):
-    """A line on the mean power in the phases of a winch; before : what its names begin with."""
+    """A line on the mean power in the phases of a winch; before : prefix of its names."""
     parts = [
         f"{power[rows].mean():.5g} W reeling {phase} ({100.0 * rows.mean():.3g} % of the time)"
         for phase, rows in phases(speed).items()
@@ -159,7 +159,7 @@ def alike(mean, low, high):
 
 
 def decimals_of(number, digits):
-    """Decimals with which a number has so many digits."""
+    """Number of decimals for so many significant digits."""
     return max(0, digits - 1 - math.floor(math.log10(abs(number)))) if number else 0
 
 

@@ -1,4 +1,4 @@
-"""One run: a configuration of a tether flown through a scene, what it gave at the output times of the scene, what it costs.
+"""One run: a configuration of a tether in a scene, its results at the output times of the scene, and its cost.
 
 Costs are counted work times measured unit costs, so that they do not depend on the load of the machine:
 
@@ -27,13 +27,13 @@ from .start import tether_at_start
 
 TABLE = Path(__file__).with_name("costs.csv")
 UNITS = pd.read_csv(TABLE, index_col="variant")  # unit costs [s]: a row of `COLUMNS` for each variant and one for the host
-FIXED = "fixed_step"  # row of the dynamic tether with fixed steps of order 2, whose work are iterations
-HOST = "host"  # row of what FMPy adds to each communication step: set 6, step, get 6
-ADVISED = tuple(variant for variant in VARIANTS if variant in UNITS.index)  # those whose costs are known
+FIXED = "fixed_step"  # row of the dynamic tether with fixed steps of order 2, in iterations
+HOST = "host"  # row of FMPy's overhead per communication step: set 6, step, get 6
+ADVISED = tuple(variant for variant in VARIANTS if variant in UNITS.index)  # variants with known costs
 HOST_COST = float(UNITS.at[HOST, "per call"])  # [s]
 COLUMNS = ("per call", "per call and segment", "per work", "per work and segment")
 SHAPE_POINTS = DEFAULT_OPTIONS["shape_points"]
-UNWARNED = {"action": "ignore", "category": PlausibilityWarning}  # each run of a study would give the same warnings
+UNWARNED = {"action": "ignore", "category": PlausibilityWarning}  # each run of a study would repeat the same warnings
 
 
 class Config(NamedTuple):
@@ -57,7 +57,7 @@ class Run(NamedTuple):
     flown: Flown  # without the positions of the nodes
     work: int  # internal steps, accepted and rejected, or Newton iterations for shapes
     calls: int  # communication steps
-    implausible: tuple = ()  # sentences on what no tether and no kite does
+    implausible: tuple = ()  # sentences on implausible behaviour
     length: float = 0.0  # unstretched, at the start [m]
 
 

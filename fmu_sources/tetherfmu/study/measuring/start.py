@@ -13,8 +13,8 @@ def tether_at_start(scene, tolerance=0.0, variant="dynamic", first=None, wind=No
 
     It starts turning with the kite (`initial_shape = quasi_steady`), with a free end at rest.
 
-    first : inputs to start with, array (`layout.INPUTS`,); None: those of the start.  wind : at the wind points of a scene
-    that has them [m/s], array (wind_points, 3).  options : of TetherModel.
+    first : initial inputs, array (`layout.INPUTS`,); None: those of the start.  wind : at the wind points of a scene
+    with them [m/s], array (wind_points, 3).  options : of TetherModel.
     """
     options = {"relative_tolerance": tolerance, "initial_shape": at.QUASI_STEADY} | options
     kind = MODELS[variant]

@@ -21,20 +21,20 @@ KEPT = "the finished points are kept, and the same command continues from them"
 
 @cache
 def digest(folder):
-    """Hash of all sources and tables in a folder: a finished result of other sources is not taken."""
+    """Hash of all sources and tables in a folder: results of other sources are not reused."""
     files = sorted(path for path in folder.rglob("*") if path.suffix in (".py", ".csv"))
     contents = (path.relative_to(folder).as_posix().encode() + path.read_bytes() for path in files)
     return hashlib.sha256(b"".join(contents)).hexdigest()[:12]
 
 
 def key(*what):
-    """Name of a result: a hash of the sources of the package, and of what it is a result of."""
+    """Name of a result: a hash of the sources of the package, and of its arguments."""
     return hashlib.sha256(repr((digest(PACKAGE), *what)).encode()).hexdigest()[:24]
 
 
 @contextmanager
 def keeping():
-    """Say that finished points are kept where Ctrl-C, a full disk, or a loss of workers ends what is done with them."""
+    """Report that finished points are stored if Ctrl-C, a full disk, or a loss of workers ends the block."""
     try:
         yield
     except OSError as error:
@@ -50,9 +50,9 @@ def keeping():
 
 
 class Store:
-    """A file of finished results, and in its folder what is kept whole.
+    """A file of finished results, with a folder for entire objects.
 
-    points : dict of results by key, those of earlier runs included.
+    points : dict of results by key, including earlier runs.
     """
 
     def __init__(self, file):
@@ -84,7 +84,7 @@ class Store:
             os.fsync(file.fileno())
 
     def kept(self, key, make):
-        """The `Reference` that `make` returned when it was first asked for under this key; anew if its file is damaged."""
+        """The stored `Reference` that `make` returned for this key; made again if its file is damaged."""
         path = self.folder / f"{key}.npz"
         if path.exists():
             with suppress(*DAMAGED):

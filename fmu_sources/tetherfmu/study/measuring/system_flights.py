@@ -1,4 +1,4 @@
-"""Flights of systems: what moves goes along the courses of the table [series], or else on as it starts; a wind blows."""
+"""Flights of systems: motion follows the courses of the table [series], or continues from the start; with wind."""
 
 from dataclasses import dataclass, field, replace
 from warnings import catch_warnings
@@ -25,7 +25,7 @@ from tetherfmu.runtime.quantities import check, quantities, quantity
 
 from .system_start import motion_of_equilibrium, started
 
-STEP = 0.02  # communication step, where it is not given [s]
+STEP = 0.02  # default communication step [s]
 ARGUMENTS = {name: f"{name}s" for name in (*WINCH, RELEASE)}  # of `TetherSystem.fly`, by the names of inputs
 
 
@@ -46,7 +46,7 @@ class SystemFlight:
     duration: float = quantity(20.0, "s", "of the flight", minimum=0.5, maximum=86400.0)
     wind: Wind = field(default_factory=Wind)
     loads: dict = field(default_factory=dict)  # constant forces on free points [N], by name
-    series: dict = field(default_factory=dict)  # what moves: by argument of `TetherSystem.fly` a function of time by name
+    series: dict = field(default_factory=dict)  # motions: by argument of `TetherSystem.fly` a function of time by name
     wanted: Wanted = Wanted()
     __post_init__ = check
 
@@ -104,7 +104,7 @@ class SystemFlight:
         return self.count * round(self.every / step)
 
     def segments_of_lines(self, factor):
-        """Segments of each line, those of the file times a factor, dict by name; at least 1."""
+        """Segments of each line, from the file times a factor, dict by name; at least 1."""
         own = {each.name: each.tether.segments for each in self.found.lines}
         return {name: min(at.MAX_SEGMENTS, max(1, round(factor * count))) for name, count in own.items()}
 
@@ -120,14 +120,14 @@ def is_system(path):
     try:
         return "points" in tables_of(path)
     except ValueError:
-        return False  # said where it is read
+        return False  # reported on reading
 
 
 def load(path, settings=()):
-    """`SystemFlight` of the file (Path) of a system; SceneError says in one line what is wrong with it.
+    """`SystemFlight` of the file (Path) of a system; SceneError describes a problem in one line.
 
-    settings : pairs of keys of the file and values in their place; or of ``duration``, ``wind.velocity`` and the like,
-    ``wanted.allowed_error`` and ``wanted.communication_step``, as of a scene file, and ``loads.NAME`` of a free point.
+    settings : pairs of keys of the file and their values; or ``duration``, ``wind.velocity`` and the like,
+    ``wanted.allowed_error`` and ``wanted.communication_step``, as in a scene file, and ``loads.NAME`` of a free point.
     """
     of_flight = [pair for pair in settings if pair[0].partition(".")[0] in OF_THE_FLIGHT]
     with prefixed(f"{path}: ", SceneError):
@@ -201,7 +201,7 @@ def driven_by(found):
 
 
 def loads_in(table):
-    """Loads on free points [N], dict by name; ValueError names one that is none."""
+    """Loads on free points [N], dict by name; ValueError names an unknown one."""
     require(table, "loads", table)
     read, found = vector_in("N", at.LARGEST_INPUT), {}
     for name, value in table.items():
@@ -211,7 +211,7 @@ def loads_in(table):
 
 
 def refuse(flight):
-    """ValueError if a winch of a `SystemFlight` needs a force, which nothing gives here, or a load is on no free point."""
+    """ValueError if a winch of a `SystemFlight` needs a force that is not specified, or a load is not on a free point."""
     forces = flight.series.get("winch_forces", {})
     for each in flight.found.lines:
         if each.winch.winch_control == at.WINCH_BY_FORCE and each.name not in forces:

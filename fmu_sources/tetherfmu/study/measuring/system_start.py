@@ -1,7 +1,7 @@
-"""A system that starts in motion: what starts in equilibrium has the rate at which its equilibrium moves.
+"""A system that starts in motion: parts that start in equilibrium move at the rate of their equilibrium.
 
-Free points without a position start where they are in equilibrium at rest, and so do drums by force. While driven points
-move or winches turn, that equilibrium moves; a point that started at rest there would be jerked. The rate is a central
+Free points without a position, and force-controlled drums, start in equilibrium at rest. While driven points
+move or winches turn, that equilibrium moves; a point that started at rest would be jerked. The rate is a central
 difference over `SHORT` before and after the start.
 """
 
@@ -18,16 +18,16 @@ STILL = (0.0, 0.0, 0.0)
 
 
 def started(found, given):
-    """Arguments of `TetherSystem.initialize` of those of a step at the start; found : `SystemFile`."""
+    """Arguments of `TetherSystem.initialize` from those of a step at the start; found : `SystemFile`."""
     own = {what: value for what, value in given.items() if what not in ("releases", "winch_lengths")}
     driven = {each.name: each.velocity for each in found.points if each.is_driven}
     return own | {"velocities": driven | own.get("velocities", {})}
 
 
 def motion_of_equilibrium(found, given):
-    """Velocities of free points and speeds of drums that are sought in equilibrium: arguments of `initialize`, by name.
+    """Velocities of sought free points and speeds of sought drums: arguments of `initialize`, by name.
 
-    found : `SystemFile`.  given : its arguments, as of `started`.  {} where nothing moves, or nothing is sought.
+    found : `SystemFile`.  given : its arguments, as for `started`.  {} if nothing moves, or nothing is sought.
     """
     points = [each.name for each in found.points if each.position is None and not any(each.velocity)]
     drums = [each.name for each in found.lines if is_sought(each.winch) and not each.reel_out_speed]
@@ -49,12 +49,12 @@ def motion_of_equilibrium(found, given):
 
 
 def is_sought(winch):
-    """Whether a `Winch` starts with the length at which its force is in balance."""
+    """Whether a `Winch` starts with the length that balances its force."""
     return winch.winch_control == at.WINCH_BY_FORCE and winch.winch_start == at.WINCH_IN_BALANCE
 
 
 def speeds_of_lines(found, given):
-    """Reel-out speeds [m/s] of lines by name whose winch is not sought; given : those that are told, by name."""
+    """Reel-out speeds [m/s] of lines, by name, whose winch is not sought; given : input speeds, by name."""
     by_speed = [each for each in found.winches if each.control == "speed"]
     speeds = {
         each.name: 0.0 if is_sought(each.winch) else float(given.get(each.name, each.reel_out_speed)) for each in found.lines
@@ -75,7 +75,7 @@ def equilibrium(found, given, speeds, time):
 
 
 def with_length(line, more):
-    """A line with so much more unstretched length [m]; one with portions of given lengths as it is."""
+    """A line with this additional unstretched length [m]; one with portions of given lengths is unchanged."""
     if not more or line.initial_portions is not None:
         return line
     return replace(line, tether=changed(line.tether, {"initial_length": line.tether.initial_length + more}))

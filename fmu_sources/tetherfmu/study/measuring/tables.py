@@ -65,7 +65,7 @@ def percent(value):
 
 
 def known(error, own):
-    """The same of an error, with the own error of the reference that judged it, if that one is not fine enough for it."""
+    """Text of an error, with the error of its reference, unless that is small in comparison."""
     return percent(error) if fine_enough(own, [error]) else f"{100.0 * error:.2g} ± {percent(own)}"
 
 
@@ -80,7 +80,7 @@ STUDY = Path(__file__).parents[1]
 
 @cache
 def templates_of(folder):
-    """The Jinja templates in a folder, with what those of all pages share."""
+    """The Jinja templates in a folder, with those shared by all pages."""
     templates = Environment(loader=FileSystemLoader(folder), undefined=StrictUndefined, **SPACES)
     templates.filters |= {"table": markdown, "percent": percent, "known": known, "factor": factor}
     return templates

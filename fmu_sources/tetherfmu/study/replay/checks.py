@@ -13,43 +13,43 @@ from . import delays
 from .log import UNCHECKED
 from .readings import FASTEST, POSITION, VELOCITY, WIND, between
 
-WINDOW = 1.0  # s, over which motions are compared
+WINDOW = 1.0  # s, length of compared motions
 FEWEST = 4  # of them
 UNEXPLAINED = 0.7  # part of the motion that the velocity need not explain
 IMPOSSIBLE_NOISE = 10.0  # m/s, in rates of positions over windows, which no receiver has
-MOVING = 1.0  # m/s, root mean square of a motion from which on it can be compared
+MOVING = 1.0  # m/s, root mean square motion required for a comparison
 REELING = 0.3  # m/s, likewise of a reel-out speed
-BLOWING = 2.0  # m/s, mean wind from which on it has a direction
-NEAR = 0.3  # of a factor to 1, beside what noise explains
-OFFSET = 0.3  # m/s, of a velocity or a speed, from which on it is doubtful, beside what noise explains
-RANGE_OF_LENGTH = 10.0  # m, standard deviation of a length from which on it has a factor
+BLOWING = 2.0  # m/s, mean wind required for a direction
+NEAR = 0.3  # distance of a factor from 1, in addition to noise
+OFFSET = 0.3  # m/s, doubtful offset of a velocity or a speed, in addition to noise
+RANGE_OF_LENGTH = 10.0  # m, standard deviation of a length required for a factor
 NOISE = 3.0  # standard deviations of a factor that noise explains
-MANY = 20  # rows, from which on those that fit worst are left out
+MANY = 20  # rows required to omit those that fit worst
 FARTHEST = 1.1  # distance of the kite over the length of the tether, 95th percentile
-DOUBTFUL = 1.02  # the same, from which on it is doubtful
+DOUBTFUL = 1.02  # doubtful value
 NEAREST = 0.4  # the same, at its largest
-TAUT = 10.0  # tension over the weight of the tether, from which on the tether is nearly straight
+TAUT = 10.0  # tension over weight above which the tether is nearly straight
 LEAST_TAUT = 0.97  # median of distance over length while it is
 SLACK = 3.0  # tension over the weight of the tether, median, below which it is hardly taut
 FORCE_COEFFICIENTS = 0.2, 1.0  # of a soft kite: tension over dynamic pressure and area, median; kgf for N is outside
 AIRSPEEDS = 0.4, 2.5  # airspeed over the speed of the kite in the wind, median; km/h for m/s is outside
-FLYING = 3.0  # m/s, from which on a kite has its airspeed
-WINDS = 0.33, 3.0  # factor of the wind with which the kite has its airspeed; km/h for m/s is outside
+FLYING = 3.0  # m/s, minimum airspeed of a flying kite
+WINDS = 0.33, 3.0  # factor between wind and airspeed; km/h for m/s is outside
 FACTORS = np.linspace(0.0, 5.0, 101)  # of the wind that are tried
 AXES = ("east", "north", "up")
 
 
 def check(log):
-    """`LogError` if two quantities of a log contradict each other as wrong units, axes or signs do; doubts to its report.
+    """`LogError` if two quantities of a log contradict each other like wrong units, axes or signs; doubts go to its report.
 
-    What nothing in the log can be compared with is one of the doubts.
+    A quantity that cannot be compared is also a doubt.
     """
     log = delays.moved_by(log, vars(log.map.delay))
     position = log.of(POSITION) - np.array(log.map.station.outlet)
     done, undone = [], []
     clocks = delays.found(log, position)
     delays.judge(log, clocks)
-    log = delays.with_one_clock(log, clocks)  # so that a delay is not taken for a wrong sign or unit
+    log = delays.with_one_clock(log, clocks)  # otherwise a delay looks like a wrong sign or unit
     position = log.of(POSITION) - np.array(log.map.station.outlet)
     for name, compare in COMPARISONS.items():
         found = compare(log, position)
@@ -117,7 +117,7 @@ def compare_speed(log, position):
 
 
 def compare_velocity(log, position):
-    """Whether positions change as the velocity says; LogError if they do not."""
+    """Whether positions change according to the velocity; LogError if not."""
     if log.of(VELOCITY) is None:
         return False
     moved, velocity = rates(log, position), means(log, log.of(VELOCITY))
@@ -155,14 +155,14 @@ def doubt_offset(log, name, rest, reference):
 
 
 def ways_of(velocity):
-    """Directions in which there is motion, array (ways, 3), unit vectors: the axes if there is some in each direction."""
+    """Directions with motion, array (ways, 3), unit vectors: the axes if there is some in each direction."""
     _, sizes, ways = np.linalg.svd(velocity, full_matrices=False)
     moving = sizes > MOVING * np.sqrt(len(velocity))
     return np.eye(3) if moving.all() else ways[moving]
 
 
 def in_words(way):
-    """A displacement [m] in words; what is hardly there is left out."""
+    """A displacement [m] in words; negligible components are omitted."""
     parts = [f"{each:.2g} m {axis}" for each, axis in zip(way, AXES, strict=True) if abs(each) > 0.1 * np.abs(way).max()]
     return ", ".join(parts) or "nowhere"
 
@@ -216,7 +216,7 @@ def compare_length(log, position):
 
 
 def compare_reeling(log, position):
-    """Whether the length, or the distance, changes as the reel-out speed says; LogError if the length does not."""
+    """Whether the length, or the distance, changes according to the reel-out speed; LogError if the length does not."""
     if "reel_out_speed" not in log.table:
         return None
     speed, is_length = means(log, log.table[["reel_out_speed"]].to_numpy()), "tether_length" in log.table
@@ -236,7 +236,7 @@ def compare_reeling(log, position):
 
 
 def compare_tension(log, position):
-    """Whether the tension is that of a kite of this area; LogError if it has the wrong sign."""
+    """Whether the tension is plausible for a kite of this area; LogError if it has the wrong sign."""
     if "ground_tension" not in log.table:
         return None
     tension, area = log.table["ground_tension"].to_numpy(), log.map.kite.area
@@ -271,7 +271,7 @@ def compare_tension(log, position):
 
 
 def judge_small_tension(log, position):
-    """Doubt a tension with which the tether would hang slack, unless the log says that it is longer than the way."""
+    """Doubt a tension at which the tether would hang slack, unless the logged length exceeds the distance."""
     distance = np.linalg.norm(position, axis=1)
     if "tether_length" in log.table:
         length = log.map.station.length_outside(log.table["tether_length"].to_numpy())
@@ -288,7 +288,7 @@ def judge_small_tension(log, position):
 
 
 def units_of_tension(log, found, least, most):
-    """Units of the logged tension, the smallest first, with which a multiple of it would lie between two numbers."""
+    """Units of the logged tension, the smallest first, that put a multiple of it between two numbers."""
     (column,) = log.map.sources["ground_tension"].numbers
     known = sorted(factors("N").items(), key=lambda unit: unit[1])
     return [spelled for spelled, factor in known if least <= found * factor / column.factor <= most]
@@ -300,7 +300,7 @@ def probably(units):
 
 
 def compare_wind(log, position):
-    """Whether the wind is one in which the kite has its airspeed; doubts are on airspeed and direction."""
+    """Whether the wind is plausible for the airspeed of the kite; doubts concern airspeed and direction."""
     wind, velocity = log.of(WIND), log.of(VELOCITY)
     if wind is None:
         return None
@@ -330,7 +330,7 @@ def compare_wind(log, position):
 
 
 def judge_what_is_not_said(log):
-    """Doubt a tether that is none of the user's, and still air."""
+    """Doubt a default tether, and still air."""
     tether = log.map.tether
     for doubt in doubts_of(tether, "tether."):
         log.report.doubt(doubt, of_unit=True)
@@ -343,7 +343,7 @@ def judge_what_is_not_said(log):
         log.report.doubt("there is no wind_velocity: the tethers fly in still air")
 
 
-COMPARISONS = {  # what is compared, and how: True if it was, False if nothing is there to compare with, None without it
+COMPARISONS = {  # comparisons: True if done, False without data to compare with, None without the quantity
     "speed of kite_position": compare_speed,
     "kite_position against kite_velocity": compare_velocity,
     "kite_position against tether_length": compare_length,

@@ -8,19 +8,19 @@ import pandas as pd
 HUGE = 1e100  # of whatever unit: no number
 LATEST = 1e11  # s, after which no flight was: Unix time in a smaller unit
 LONGEST_STEP = 10.0  # s from row to row: time in a smaller unit
-ROUNDED = 1.5  # rows of the same time, on average, from which on times are taken as rounded
-SAME = 0.9  # of the rows whose time is that of another one: if so many are copies, times are not rounded, but rows copied
-MOST_BACK = 0.05  # of the rows whose time may not fit in with the others
+ROUNDED = 1.5  # mean number of rows with equal time above which times count as rounded
+SAME = 0.9  # of the rows with equal times: with so many copies, rows are copied, not times rounded
+MOST_BACK = 0.05  # of the rows: largest share of inconsistent times
 DAY = 86400.0  # s
 OF_DAY = r"\d{1,2}:\d{2}:\d{2}([.,]\d*)?"  # a time of the day, hours first
 ALLOWED = "numbers, dates such as 2019-10-08 13:12:08.8, or times of the day such as 13:12:08.8"
 
 
 def repaired(cells, column, factor, report):
-    """Times [s] of the rows of a log, growing, array (kept,), and these rows.
+    """Times [s] of the rows of a log, increasing, array (kept,), and these rows.
 
-    cells : DataFrame of texts.  column, factor : that of the time, and from its unit to s.  ValueError if these are no times
-    of a flight.
+    cells : DataFrame of texts.  column, factor : of the time, and from its unit to s.  ValueError for invalid flight
+    times.
     """
     time = seconds(cells[column], factor, report)
     rows = np.flatnonzero(np.isfinite(time))
@@ -66,7 +66,7 @@ def seconds(cells, factor, report):
 
 
 def past_midnight(time, report):
-    """Times [s] that go on after midnight where a time of the day begins again."""
+    """Times [s] that continue after midnight, where a time of day restarts."""
     if not np.all((time >= 0.0) & (time <= DAY)):
         return time
     days = np.concatenate([[0], np.cumsum(np.diff(time) < -0.99 * DAY)])
@@ -93,7 +93,7 @@ def never_falling(time):
     """Places of the longest part of some numbers that never falls, array (kept,); found by patience sorting."""
     if np.all(np.diff(time) >= 0.0):
         return np.arange(len(time))
-    last, places, before = [], [], []  # of the best part of each length: its last number, and where that stands
+    last, places, before = [], [], []  # for the best part of each length: its last number, and its place
     for place, number in enumerate(time.tolist()):
         k = bisect_right(last, number)
         before.append(places[k - 1] if k else -1)
@@ -120,7 +120,7 @@ def apart(time, rows, cells, report):
 
 
 def spread(time, report):
-    """Times of rows whose clock was rounded: rows of the same time lie evenly in it; those of a part of it at its side."""
+    """Times of rows with a rounded clock: rows with equal time are distributed evenly; at the margins on one side."""
     values, first, counts = np.unique(time, return_index=True, return_counts=True)
     inner = counts[1:-1] if len(counts) > 2 else counts  # the first and the last one may be parts
     whole, width = int(np.median(inner)), float(np.median(np.diff(values)))

@@ -1,4 +1,4 @@
-"""Which column of a log is what: maps, files in TOML; see docs/use/your_log.md, "Maps"."""
+"""Meaning of the columns of a log: maps, files in TOML; see docs/use/your_log.md, "Maps"."""
 
 import math
 from dataclasses import dataclass, field, replace
@@ -16,7 +16,7 @@ from tetherfmu.runtime.quantities import check, quantity
 
 MAPS = {path.stem: path for path in sorted(Path(__file__).parent.glob("*.toml"))}  # that this package has
 BY_YEAR = {2019: "kitepower_2019", 2023: "kitepower_2023", 2025: "kitepower_2025"}  # of the first row of a log
-KITEPOWER = "kitepower"  # stands for them
+KITEPOWER = "kitepower"  # common name of these
 AXES = {"east": (0, 1.0), "x": (0, 1.0), "west": (0, -1.0)}  # of a column: its axis, and its sign along it
 AXES |= {"north": (1, 1.0), "y": (1, 1.0), "south": (1, -1.0), "up": (2, 1.0), "z": (2, 1.0), "down": (2, -1.0)}
 GEODETIC = ("latitude", "longitude", "altitude")
@@ -24,13 +24,13 @@ POINTS, SPEEDS = ("kite_position", "origin"), ("kite_velocity", "wind_velocity")
 SCALARS = {"tether_length": "m", "reel_out_speed": "m/s", "ground_tension": "N", "airspeed": "m/s"}  # and their units
 LABELS = ("phase", "cycle")
 PLAIN, GEODETIC_POINT, FROM_ANGLES, WIND_FROM = "plain", "geodetic", "from angles", "wind from"  # kinds of numbers
-MAY_MISS = ("kite_velocity", "wind_velocity", *SCALARS)  # what a map may call optional
+MAY_MISS = ("kite_velocity", "wind_velocity", *SCALARS)  # quantities that a map may declare optional
 SMALL_TIMES = {"us": 1e-6, "ns": 1e-9}  # units of time that only logs have, and the factor to s
 ANGLES = {"deg": 1.0, "rad": math.degrees(1.0), "1e-7 deg": 1e-7}  # of geodetic coordinates, and the factor to deg
 
 
 class MapError(SceneError):
-    """A map that cannot be used; the message is one line with file, key, value and what is allowed."""
+    """An unusable map; the message is one line with file, key, value and the permitted values."""
 
 
 @dataclass(frozen=True)
@@ -79,7 +79,7 @@ class Smoothing:
 
 @dataclass(frozen=True)
 class Delay:
-    """By how much later than the rest a quantity stands in the log [s]."""
+    """Latency of a quantity relative to the other channels of the log [s]."""
 
     kite_position: float = quantity(0.0, "s", "latency of the position", -10.0, 10.0)
     kite_velocity: float = quantity(0.0, "s", "latency of the velocity", -10.0, 10.0)
@@ -95,9 +95,9 @@ OF_SCENES = ("tether", "environment", "ground")
 
 @dataclass(frozen=True)
 class Column:
-    """Column of a number, and the factor to its unit; `others` may stand for it, the first one that a log has.
+    """Column of a number, and the factor to its unit; `others` are alternatives, the first one in a log counts.
 
-    `unit` : that of the number, where the map leaves it to the log to say another one; "" where the map says it.
+    `unit` : of the number, if the log may specify another one; "" if the map specifies it.
     """
 
     name: str
@@ -106,24 +106,24 @@ class Column:
     unit: str = ""
 
     def among(self, table):
-        """The same number in the first of its columns that a `csv_files.Table` has; its first one if it has none."""
+        """The same number in the first of its columns in a `csv_files.Table`; its first one if it has none."""
         found = next(filter(None, map(table.column, (self.name, *self.others))), self.name)
         return replace(self, name=found, factor=self.factor * self.units.get(table.unit(found), 1.0))
 
     @property
     def units(self):
-        """Units that a log may say, and their factors, a dict."""
+        """Units that a log may specify, and their factors, a dict."""
         return factors(self.unit) | (SMALL_TIMES if self.unit == "s" else {}) if self.unit else {}
 
 
 @dataclass(frozen=True)
 class Source:
-    """Where a log has a quantity: a `Column` for each of its numbers, and what kind of numbers these are.
+    """Columns of a quantity in a log: a `Column` for each component, and the kind of these numbers.
 
     PLAIN : a scalar, or a vector x east, y north, z up.  GEODETIC_POINT : latitude, longitude [deg], altitude [m].
     FROM_ANGLES : elevation, azimuth [rad] and distance [m], see `csv_files.from_angles`.
-    WIND_FROM : the speed of the wind [m/s], and the direction from which it comes [rad, clockwise from north].
-    `instead` : a `Source` for logs that have the columns of that one only.
+    WIND_FROM : the speed of the wind [m/s], and the direction from which it blows [rad, clockwise from north].
+    `instead` : a `Source` for logs with its columns only.
     """
 
     numbers: tuple
@@ -136,7 +136,7 @@ class Source:
         return tuple(each.name for each in self.numbers)
 
     def among(self, table):
-        """The same quantity in those columns of each number that a `csv_files.Table` has."""
+        """The same quantity with the columns of each number in a `csv_files.Table`."""
         found = replace(self, numbers=tuple(each.among(table) for each in self.numbers))
         other = self.instead.among(table) if self.instead else found
         is_there = [all(name in table.cells for name in each.columns) for each in (found, other)]
@@ -149,12 +149,12 @@ class Source:
 
 @dataclass(frozen=True)
 class Columns:
-    """A map: what the columns of a log mean, and the constants of the flight.
+    """A map: meaning of the columns of a log, and the constants of the flight.
 
     `sources` : dict from a name of the interface to its `Source`.  `labels` : dict "phase", "cycle" to a column.  `origin` :
     the station in geodetic coordinates (deg, deg, m), or the `Source` pair (geodetic, in metres) of one receiver; None:
-    positions are seen from the station.  `optional` : quantities that a log need not have.  `names_tether` : whether it says
-    anything of the tether that flew.
+    positions are relative to the station.  `optional` : quantities that a log may lack.  `names_tether` : whether it
+    describes the tether of the flight.
     """
 
     name: str
@@ -190,11 +190,11 @@ class Columns:
         return self.sources[name].columns if name in self.sources else ()
 
     def without(self, name):
-        """The same map without a quantity."""
+        """The map without a quantity."""
         return replace(self, sources={key: each for key, each in self.sources.items() if key != name})
 
     def for_log(self, table, report):
-        """The same map for a `csv_files.Table`: without optional quantities that it lacks, in its units."""
+        """The map for a `csv_files.Table`: without optional quantities that it lacks, in its units."""
         sources = {name: each.among(table) for name, each in self.sources.items()}
         found = replace(self, time=self.time.among(table), sources=sources)
         for name in self.optional:
@@ -212,7 +212,7 @@ class Columns:
         return found
 
     def with_constants(self, changes):
-        """The same map with other constants; changes : dict "section.key" to a value as in a file. MapError names a key."""
+        """The map with other constants; changes : dict "section.key" to a value as in a file. MapError names a key."""
         records = {}
         for key, value in changes.items():
             section, _, name = key.partition(".")
@@ -224,7 +224,7 @@ class Columns:
 
 
 def load(name):
-    """`Columns` of a map of this package, by its name, or of a file; MapError says in one line what is wrong."""
+    """`Columns` of a map of this package, by name, or of a file; MapError describes a problem in one line."""
     path = MAPS.get(str(name), Path(name))
     if path not in MAPS.values() and path.suffix != ".toml":
         known = [KITEPOWER, *MAPS]
@@ -256,7 +256,7 @@ def read(table, name):
 
 
 def read_records(table, base):
-    """Records of the constants of a map, dict by section, those of `base` with what a table of a file changes."""
+    """Records of the constants of a map, dict by section: `base` with the changes in a table of a file."""
     kinds = OWN | {section: RECORDS[section] for section in OF_SCENES}
     found = {section: given(kind, table, section) for section, kind in kinds.items()}
     whole = vars(ground_of(RECORDS["ground"](**found["ground"]), Environment()))
@@ -274,7 +274,7 @@ def own_stiffness(tether):
 
 
 def given(kind, table, section):
-    """Values that a table of a file gives to a record, dict by name; ValueError names the key."""
+    """Values from a table of a file for a record, dict by name; ValueError names the key."""
     if section not in table:
         return {}
     made = record(kind, table[section], section, left_out=NOT_OF_A_SCENE)
@@ -282,7 +282,7 @@ def given(kind, table, section):
 
 
 def text_of(table, section, key):
-    """Name of a column; ValueError if it is none."""
+    """Name of a column; ValueError if it is not a text."""
     value = table[key]
     if not isinstance(value, str) or not value:
         raise ValueError(f"{section}.{key} is {value!r}; it must be the name of a column")
@@ -298,7 +298,7 @@ def optional(names, table):
 
 
 def factor_of(table, section, unit, key="unit", more=None):
-    """Factor of the unit that a table names to the unit of its quantity; ValueError says what is allowed."""
+    """Factor from the unit in a table to the unit of its quantity; ValueError names the permitted units."""
     spelled = table.get(key, unit)
     known = factors(unit) | (more or {})
     if not isinstance(spelled, str) or spelled not in known:
@@ -309,7 +309,7 @@ def factor_of(table, section, unit, key="unit", more=None):
 def number(table, section, unit, more=None):
     """`Column` of a table {column, unit}, or of a column; unit : of the quantity, None for texts; more : units.
 
-    A list of columns stands for the first of them that a log has.
+    From a list of columns, the first one in a log counts.
     """
     table = {"column": table} if isinstance(table, str | list) else table
     require(table, section, ("column", "unit") if unit else ("column",))
@@ -321,7 +321,7 @@ def number(table, section, unit, more=None):
 def among(table, section, key, unit, named="unit", more=None, factor=1.0):
     """`Column` of a column, or of a list of columns, under a key of a table.
 
-    unit : of the number, None for texts.  named : the key of another one.  more : units.  factor : beside that of the unit.
+    unit : of the number, None for texts.  named : the key of another one.  more : units.  factor : additional factor.
     """
     listed = table[key] if isinstance(table[key], list) and table[key] else [table[key]]
     name, *others = (text_of({key: each}, section, key) for each in listed)
@@ -331,7 +331,7 @@ def among(table, section, key, unit, named="unit", more=None, factor=1.0):
 
 
 def wind(table, section):
-    """`Source` of a wind by its speed and the direction from which it comes."""
+    """`Source` of a wind from its speed and the direction from which it blows."""
     require(table, section, ("speed", "from", "unit", "angle"))
     if "from" not in table:
         raise ValueError(f"the key {section}.from is missing: the column of the direction from which the wind comes")
@@ -340,7 +340,7 @@ def wind(table, section):
 
 
 def vector(table, section):
-    """`Source` of a table that names a column for each axis, or those of geodetic coordinates, of angles, or of a wind."""
+    """`Source` of a table with a column for each axis, or for geodetic coordinates, angles, or a wind."""
     if section == "wind_velocity" and "speed" in table:
         return wind(table, section)
     unit = "m" if section in POINTS else "m/s"

@@ -7,7 +7,7 @@ from . import runs
 from .columns import LABELS
 from .flight import EVERY
 
-MEAN = 1.0  # s, over which tensions are averaged before they are compared
+MEAN = 1.0  # s, averaging time of tensions before comparison
 SETTLED = 1.2  # s from the start that are not compared: a tether starts in equilibrium
 ALL, NONE = "all", "not named"
 
@@ -21,9 +21,8 @@ def residuals(flight, flown):
     """Results of the tethers minus the log, a DataFrame with a row for each tether and time, with the labels of the log.
 
     flown : dict from the name of a tether to its `runs.Flown`.  Columns: `length`, of the unstretched lengths [m];
-    `tension`, of the means over `MEAN` at the ground [N]; `measured`, that mean [N]; `band` [N], by which the tension of
-    the taut tether changes if its length, or the position of its end, is wrong by the noise of a position
-    (`stiffness` [N/m] times noise), NaN where the tether is slack.
+    `tension`, of the means over `MEAN` at the ground [N]; `measured`, the measured mean [N]; `band` [N], tension change
+    of the taut tether by the noise of a position (`stiffness` [N/m] times noise), NaN while the tether is slack.
     """
     length, measured = flight.length(flight.times), averaged(flight.measured("ground_tension", flight.times))
     rows = np.clip(np.searchsorted(flight.log.time, flight.times, side="right") - 1, 0, None)
@@ -40,9 +39,9 @@ def residuals(flight, flown):
 
 
 def errors(found, start, lead):
-    """Table of `residuals` by tether: over all, by phase and by cycle, without what is near the start [s].
+    """Table of `residuals` by tether: over all, by phase and by cycle, except near the start [s].
 
-    lead : what drives the winch; it has no residual.
+    lead : quantity that drives the winch; it has no residual.
     """
     found, judged = found[found.time >= start + SETTLED], of_length if lead == "tension" else of_tension
     rows = []
@@ -79,7 +78,7 @@ def of_tension(part):
 
 
 def rms(values):
-    """Root mean square of what is known; NaN if nothing is."""
+    """Root mean square of the known values; NaN if there are none."""
     known = values[np.isfinite(values)]
     return float(np.sqrt(np.mean(known**2))) if len(known) else np.nan
 
@@ -96,9 +95,9 @@ def rounded(errors):
 
 
 def untrustworthy(found):
-    """Share of the time in which the finest tether is taut, and of that the share in which noise is more than tension.
+    """Fraction of the time in which the finest tether is taut, and the part of it in which noise exceeds tension.
 
-    Noise: that of the positions alone, as tension of the taut tether; tension: the measured one. NaN if it is never taut.
+    Noise: from positions only, as tension of the taut tether; tension: measured. NaN if it is never taut.
     """
     finest = found[(found.tether == runs.finest(found.tether.unique())) & np.isfinite(found.measured)]
     taut = finest[np.isfinite(finest.band)]

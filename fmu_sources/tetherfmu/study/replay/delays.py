@@ -1,8 +1,8 @@
-"""Do the recorders of a log have one clock? Delays between its columns, sought by correlation.
+"""Clock offsets between the recorders of a log: delays between its columns, from correlation.
 
-Of two signals that should be the same but for a factor, on a grid of equal steps and averaged over `SMOOTHED`, the delay is
-that of the largest correlation within +-`RANGE`, between the steps by a parabola. Its interval comes from the jackknife over
-`PARTS` of the log. Signals of a flight are almost periodic: of several peaks that are nearly as high the nearest one counts.
+For two signals that should be proportional, on an equidistant grid and averaged over `SMOOTHED`, the delay is
+at the largest correlation within +-`RANGE`, refined by a parabola. Its interval follows from the jackknife over
+`PARTS` of the log. Signals of a flight are almost periodic: among several peaks of almost equal height the nearest counts.
 """
 
 from dataclasses import replace
@@ -13,13 +13,13 @@ import pandas as pd
 
 from .readings import POSITION, VELOCITY, WIND, between
 
-RANGE = 10.0  # s, the largest delay that is sought
-STEP, SMOOTHED = 0.1, 1.0  # s, of the grid, at least; over which signals are averaged
-LEAST, OF_VECTORS = 0.6, 0.95  # correlation from which on two signals belong to each other; of all axes at once
-AS_HIGH = 0.03  # by which a nearer peak may be lower
+RANGE = 10.0  # s, largest delay
+STEP, SMOOTHED = 0.1, 1.0  # s, minimum grid spacing; averaging time of signals
+LEAST, OF_VECTORS = 0.6, 0.95  # minimum correlation of related signals; of all axes together
+AS_HIGH = 0.03  # permitted deficit of a nearer peak
 PARTS, QUANTILE = 10, 2.26  # of the jackknife, and of Student's distribution with one degree less, 95 %
 SHORTEST = 20.0  # s of a log
-CLEAR, CLEAR_OF_SPEED = 0.2, 2.0  # s, from which on a delay is doubtful; the second one where the speed is not the airspeed
+CLEAR, CLEAR_OF_SPEED = 0.2, 2.0  # s, doubtful delay; the second one if the speed is not the airspeed
 
 
 class Signal(NamedTuple):
@@ -54,7 +54,7 @@ def found(log, position):
 
 
 def pairs_of(log, position):
-    """Pairs of `Signal` that should be the same but for a factor, and from which delay on they are doubtful [s]."""
+    """Pairs of `Signal` that should be proportional, and their doubtful delay [s]."""
     velocity, direction = log.of(VELOCITY), position / np.linalg.norm(position, axis=1)[:, None]
     moved = Signal("kite_position", rate(log, on_grid(log, position)), "motion")
     flown = radial = airspeed = None
@@ -128,7 +128,7 @@ def delay_between(log, one, other, clear):
 
 
 def peak(a, b, step, around=None):
-    """Delay [s] of a behind b, correlation with it, and without; within +-`RANGE`, or `SMOOTHED` around a delay [s]."""
+    """Delay [s] of a behind b, correlation with and without it; within +-`RANGE`, or `SMOOTHED` around a delay [s]."""
     most = min(round(RANGE / step), len(a) // 3)
     shifts = np.arange(-most, most + 1)
     if around is not None:
@@ -149,7 +149,7 @@ def peak(a, b, step, around=None):
 
 
 def correlation(a, b, shift):
-    """That of a, so many steps later, with b, over all components; NaN if too little is known."""
+    """Correlation of a, this many steps later, with b, over all components; NaN with too few values."""
     a, b = a[max(0, shift) : len(a) + min(0, shift)], b[max(0, -shift) : len(b) + min(0, -shift)]
     known = np.isfinite(a).all(axis=1) & np.isfinite(b).all(axis=1)
     if known.sum() < 0.3 * len(a):
@@ -182,7 +182,7 @@ def in_words(delay):
 
 
 def with_one_clock(log, delays):
-    """The same log with its columns moved by clear delays, so that they can be compared; kite_position stays."""
+    """The log with its columns shifted by clear delays, so that they can be compared; kite_position is unchanged."""
     moved = {"kite_position": 0.0}
     for each in delays:
         pair = (each.late.column, each.early.column)
@@ -193,7 +193,7 @@ def with_one_clock(log, delays):
 
 
 def moved_by(log, late):
-    """The same log with readings where they belong; late : by how much later they stand, dict of name to [s]."""
+    """The log with corrected readings; late : latency, dict of name to [s]."""
     time, table = log.time, log.table.copy()
     for name in table.columns.drop("time"):
         if (seconds := late.get(name.partition("[")[0], 0.0)) and pd.api.types.is_numeric_dtype(table[name]):
@@ -202,7 +202,7 @@ def moved_by(log, late):
 
 
 def of_position(log):
-    """By how much later the position stands in a log than the winch [s], by correlation; 0 if that is not clear."""
+    """Latency of the position relative to the winch in a log [s], by correlation; 0 if it is not clear."""
     log = moved_by(log, vars(log.map.delay))
     for each in found(log, log.of(POSITION) - np.array(log.map.station.outlet)):
         names = each.late.column, each.early.column

@@ -19,7 +19,7 @@ from .runs import TETHERS, words
 WIDTH, DPI = 9.0, 100  # inches, and dots in each
 SHARE = 0.5, 99.5  # percentiles that set the scale of an axis
 MARGIN = 0.08  # of an axis beyond them
-MOST_BEYOND = 0.6  # of the range of what is measured: how far an axis reaches beyond it for the tethers
+MOST_BEYOND = 0.6  # of the measured range: extension of an axis for the tethers
 NEWTONS = 5000.0  # largest tension that is shown in N; above, in kN
 SOME = 0.03  # of the time in which the tether is slack, above which its sag is shown
 SHAPES = 10  # shapes that are drawn
@@ -36,16 +36,16 @@ def smooth(values):
 
 
 def range_of(values):
-    """Percentiles `SHARE` of what is known of some arrays, two numbers; 0 and 1 if nothing is."""
+    """Percentiles `SHARE` of the known values of some arrays, two numbers; 0 and 1 if there are none."""
     known = np.concatenate([np.ravel(each) for each in values] or [np.zeros(0)])
     known = known[np.isfinite(known)]
     return np.percentile(known, SHARE) if len(known) else np.array([0.0, 1.0])
 
 
 def limits(times, measured, others, with_zero=False):
-    """Limits of an axis for arrays (times,): those of what is measured, and of others not far beyond it.
+    """Limits of an axis for arrays (times,): measured ones, and others not far beyond them.
 
-    What happens before a tether has settled, and single peaks, do not count.
+    Times before a tether has settled, and single peaks, do not count.
     """
     counts = times >= times[0] + SETTLED
     low, high = range_of([each[counts] for each in others])
@@ -86,7 +86,7 @@ def noise_in(made):
 
 
 def cut_off(times, curves, low, high):
-    """A sentence on the curve that goes farthest beyond an axis after it has settled; curves : dict of arrays (times,)."""
+    """A sentence on the curve that exceeds an axis most after it has settled; curves : dict of arrays (times,)."""
     known = {name: each[(times >= times[0] + SETTLED) & np.isfinite(each)] for name, each in curves.items()}
     ends = {name: (each.min(), each.max()) for name, each in known.items() if len(each)}
     beyond = {name: max(low - least, most - high) for name, (least, most) in ends.items()}
@@ -141,7 +141,7 @@ def draw_height(axes, made):
 
 
 def draw_sag(axes, made):
-    """Sag of each tether, and what lies on the ground."""
+    """Sag of each tether, and the length on the ground."""
     times, curves, lying = made.flight.times, {}, False
     for name, each in made.flown.items():
         curves[name] = each.table.sag.to_numpy()
@@ -163,7 +163,7 @@ def draw_ground(axes, made):
 
 
 def panels(made):
-    """Functions that draw what is of interest in this flight, the uppermost first."""
+    """Functions that draw the relevant panels of this flight, from top to bottom."""
     table = made.flight.log.table
     found = [draw_tension]
     if made.lead == "tension" and made.flight.has_length:
@@ -176,7 +176,7 @@ def panels(made):
 
 
 def intervals(times, labels):
-    """Triples (label, start, end) [s] of equal labels in a row; labels : texts, array (times,), "" for none."""
+    """Triples (label, start, end) [s] of consecutive equal labels; labels : texts, array (times,), "" for none."""
     edges = np.flatnonzero(np.concatenate([[True], labels[1:] != labels[:-1], [True]]))
     for first, behind in pairwise(edges):
         if labels[first]:
@@ -238,7 +238,7 @@ def flight_figure(made, name):
 
 
 def add_legend(axes, made):
-    """Which curve is whose, above the uppermost axes."""
+    """Legend of the curves, above the uppermost axes."""
     lines = axes.plot([], [], **LOGGED, label="measured") if "ground_tension" in made.flight.log.table else []
     for name in made.flown:
         lines += axes.plot([], [], **line_of(name), label=words(name))
@@ -322,7 +322,7 @@ def colours_of(count):
 
 
 def add_scale(figure, axes, times):
-    """Which colour is what time, in axes of their own."""
+    """Colour scale of time, in separate axes."""
     count = len(times)
     colours = ScalarMappable(BoundaryNorm(np.arange(count + 1) - 0.5, count), ListedColormap(colours_of(count)))
     scale = figure.colorbar(colours, cax=axes, orientation="horizontal", ticks=range(count))

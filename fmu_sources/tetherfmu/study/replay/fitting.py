@@ -11,23 +11,23 @@ from .flight import SHORTEST, Correction
 from .log import LogError
 from .runs import SEGMENTS, fly
 
-AT_START = "length at 0 s of the log m"  # is what the offset is where the log has no length, but the speed
+AT_START = "length at 0 s of the log m"  # meaning of the offset if the log has no length, but the speed
 NAMES = {"offset": "length offset m", "origin": ("origin east m", "origin north m", "origin up m"), "delay": "delay s"}
-BLOCKS = 20  # of the part, from whose differences the uncertainty comes
-CONFIDENCE = 0.95  # that all intervals hold at once
+BLOCKS = 20  # blocks of the part, for the uncertainty
+CONFIDENCE = 0.95  # probability that all intervals are valid
 PULLED = 3.0  # tension over the weight of the tether, below which it hangs or lies: sag makes 0.5 % of the length there
 SETTLED = 2.0  # s from the start, after which the tether has forgotten it
 FEWEST = 100  # rows of a taut tether
 ROUNDS = 6  # of Gauss and Newton, at most
 SMALL = 0.05  # of the half width of its interval: a step of a number after which it is found
-LARGEST = 0.9999  # correlation of two columns, from which on they cannot be distinguished
+LARGEST = 0.9999  # correlation of two indistinguishable columns
 
 
 @dataclass(frozen=True)
 class Fit:
     """Result of a fit: `correction`, and by name its numbers with the half widths of their intervals, dict of pairs.
 
-    The intervals hold all at once with the probability `CONFIDENCE`.  `rms` : the residual on the part of the fit [m].
+    All intervals are valid with the probability `CONFIDENCE`.  `rms` : residual on the part of the fit [m].
     """
 
     correction: Correction
@@ -47,9 +47,9 @@ def fit(flight, wanted=("offset",), segments=SEGMENTS):
 
     The dynamic tether follows the measured tension along the logged positions. Its length minus the logged one is, to first
     order, offset - u d - tau u v with the direction u of the kite, its velocity v, the error d of the origin and the delay
-    tau of the positions: least squares, again from the corrected positions until nothing changes. Intervals come from the
-    jackknife over `BLOCKS` parts in a row, since the errors of a position are alike for seconds (Kunsch, Annals of
-    Statistics 17, 1989). LogError if the tether is nowhere taut, or if the part cannot distinguish two of them.
+    tau of the positions: least squares, repeated from the corrected positions until convergence. Intervals come from the
+    jackknife over `BLOCKS` consecutive parts, since position errors are correlated over seconds (Kunsch, Annals of
+    Statistics 17, 1989). LogError if the tether is never taut, or if the part cannot distinguish two of them.
     """
     refuse_unknown_length(flight, wanted)
     names = [name for each in wanted for name in np.atleast_1d(NAMES[each])]
@@ -74,7 +74,7 @@ def fit(flight, wanted=("offset",), segments=SEGMENTS):
 
 
 def refuse_unknown_length(flight, wanted):
-    """LogError unless a log has what a fit compares."""
+    """LogError unless a log has data for a fit."""
     if not flight.has_length:
         raise flight.log.wrong("has neither tether_length nor reel_out_speed: nothing can be fitted")
     if "tether_length" not in flight.log.table and "offset" not in wanted:
@@ -84,7 +84,7 @@ def refuse_unknown_length(flight, wanted):
 
 
 def test(found, flight):
-    """A sentence on how a `Fit` does on the part of a `Flight` behind that on which it was found."""
+    """A sentence on the quality of a `Fit` on the part of a `Flight` after the part of the fit."""
     start = max(flight.start, found.end)
     if flight.end - start < SHORTEST:
         return "not tested: the fit used the whole flight"
@@ -124,7 +124,7 @@ def residual(flight, wanted, segments=SEGMENTS):
     slopes["delay"] = -np.sum(direction * velocity, axis=1, keepdims=True)
     pulled = flight.measured("ground_tension", time) > PULLED * flight.log.map.weight * distance
     taut = np.isfinite(rest) & flight.is_taut(length) & pulled
-    there = time + flight.correction.delay  # beyond the ends of the log the kite stands still
+    there = time + flight.correction.delay  # beyond the ends of the log the kite is at rest
     taut[(time < time[0] + SETTLED) | (there < flight.log.time[0] + SETTLED) | (there > flight.log.time[-1])] = False
     if taut.sum() < FEWEST:
         part = f"from {flight.start:g} to {flight.end:g} s"
@@ -133,7 +133,7 @@ def residual(flight, wanted, segments=SEGMENTS):
 
 
 def refuse_alike(columns, names):
-    """LogError if two numbers act on the residual in the same way on this part."""
+    """LogError if two numbers affect the residual equally on this part."""
     scaled = columns / np.maximum(np.linalg.norm(columns, axis=0), 1e-12)
     alike = np.abs(np.triu(scaled.T @ scaled, 1))
     if alike.size and alike.max() > LARGEST:

@@ -1,4 +1,4 @@
-"""A flight that is ready to be flown: smooth motion of the end of the tether at the kite, and what the winch follows."""
+"""A prepared flight: smooth motion of the kite end of the tether, and the input of the winch."""
 
 from dataclasses import dataclass, replace
 
@@ -18,7 +18,7 @@ SHORTEST = 5.0  # s, a flight
 EVERY = 0.1  # s between two rows of the results
 TAUT = 0.01  # length over distance, minus 1, below which a tether is taut
 STEP = 0.02  # communication step of the tethers [s]
-EVENED = 1.0  # s over which a length is smoothed that drives the winch: each quantum of a log would accelerate the rope
+EVENED = 1.0  # s, smoothing of a length that drives the winch: otherwise quanta of a log accelerate the rope
 LEADS = {"tension": "force", "length": "length", "speed": "speed"}  # and how the winch is then controlled
 MEASURED = {"tension": "ground_tension", "length": "tether_length", "speed": "reel_out_speed"}
 
@@ -29,7 +29,7 @@ class Correction:
 
     length: float = 0.0  # to the length [m]
     origin: tuple = (0.0, 0.0, 0.0)  # to the positions [m]
-    delay: float = 0.0  # by how much later than the rest the positions stand in the log [s]
+    delay: float = 0.0  # latency of the positions in the log [s]
 
 
 @dataclass(frozen=True)
@@ -51,12 +51,12 @@ class Flight:
         return self.start + EVERY * np.arange(1 + int((self.end - self.start) / EVERY + 1e-6))
 
     def part(self, start, end):
-        """The same flight from start to end [s]; LogError if the log has no such part."""
+        """The part of the flight from start to end [s]; LogError if the log has no such part."""
         start, end = part_of(self.log, start, end)
         return replace(self, start=start, end=end)
 
     def corrected(self, correction):
-        """The same flight with a `Correction`."""
+        """The flight with a `Correction`."""
         return replace(self, correction=correction)
 
     def kite(self, time):
@@ -95,16 +95,16 @@ class Flight:
 
     @property
     def has_length(self):
-        """Whether the log says how the length changes."""
+        """Whether the log contains changes of the length."""
         return "tether_length" in self.log.table or "reel_out_speed" in self.log.table
 
     @property
     def has_whole_length(self):
-        """Whether the length is known, not only how it changes: it is logged, or that at the start was fitted."""
+        """Whether the length is known, not only its changes: it is logged, or its initial value was fitted."""
         return "tether_length" in self.log.table or (self.has_length and self.correction.length != 0.0)
 
     def require(self, lead):
-        """LogError unless the log has what leads a winch: "tension", "length" or "speed"."""
+        """LogError unless the log has the quantity that drives a winch: "tension", "length" or "speed"."""
         if MEASURED[lead] in self.log.table or (lead == "length" and self.has_whole_length):
             return
         there = ", ".join(each for each in MEASURED.values() if each in self.log.table)
@@ -131,9 +131,9 @@ class Flight:
         return pd.DataFrame({"time": self.times} | columns)
 
     def inputs(self, lead, step=STEP):
-        """Inputs of a tether, array (steps, INPUTS): the motion of the kite, the wind, and what drives the winch.
+        """Inputs of a tether, array (steps, INPUTS): the motion of the kite, the wind, and the winch input.
 
-        lead : "tension", "length" or "speed".  LogError names a gap in what drives.
+        lead : "tension", "length" or "speed".  LogError names a gap in it.
         """
         time = np.arange(round((self.times[-1] - self.start) / step)) * step + self.start
         rows = np.zeros((len(time), COUNT))
@@ -151,7 +151,7 @@ class Flight:
 
 
 def prepare(log, start=None, end=None):
-    """`Flight` of a `Log` from start to end [s] of its time, None: all of it. LogError says what is wrong."""
+    """`Flight` of a `Log` from start to end [s] of its time, None: all of it. LogError describes a problem."""
     checks.check(log)
     first, last = log.time[0], log.time[-1]
     start, end = part_of(log, first if start is None else start, last if end is None else end)
@@ -204,7 +204,7 @@ def at_end_of_tether(log):
 
 
 def late_by(log, names, delay):
-    """Readings as they were `delay` [s] later in the log, array (rows, names); None if the log does not have them."""
+    """Readings `delay` [s] later in the log, array (rows, names); None if the log lacks them."""
     readings = log.of(names)
     if readings is None or delay == 0.0:
         return readings

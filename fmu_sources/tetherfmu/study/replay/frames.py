@@ -8,8 +8,8 @@ from tetherfmu.runtime.inputs import components
 from .columns import FROM_ANGLES, GEODETIC_POINT, WIND_FROM, Source
 
 EARTH_RADIUS = 6378137.0  # m, at the equator
-ROUNDS = 5  # in which an origin is improved; each takes off three digits of what is left
-SCATTER = 10.0  # m, median, by which positions in degrees and in metres may differ
+ROUNDS = 5  # iterations for an origin; each reduces the error by three digits
+SCATTER = 10.0  # m, largest median difference of positions in degrees and in metres
 TURN = 2.0 * np.pi  # rad
 
 
@@ -21,10 +21,10 @@ def local(latitude, longitude, altitude, origin):
 
 
 def origin_of(geodetic, metres):
-    """Latitude, longitude [deg] and altitude [m] of the point from which positions in metres are counted.
+    """Latitude, longitude [deg] and altitude [m] of the origin of positions in metres.
 
-    geodetic, metres : the same positions, arrays (rows, 3), NaN where they are not known. The median over the flight, which
-    a reading that is wrong does not move. ValueError if no row has both, or if they are not the same positions.
+    geodetic, metres : the same positions, arrays (rows, 3), NaN if unknown. The median over the flight, which
+    outliers do not affect. ValueError if no row has both, or if they are different positions.
     """
     both = np.isfinite(geodetic).all(axis=1) & np.isfinite(metres).all(axis=1)
     both &= (np.abs(geodetic[:, 0]) < 90.0) & (np.abs(geodetic[:, 1]) <= 360.0) & geodetic[:, :2].any(axis=1)
@@ -66,7 +66,7 @@ def convert(raw, found, table, report):
 
 
 def refuse_other_angles(source, numbers):
-    """ValueError if geodetic coordinates [deg, deg, m], array (rows, 3), are none for the most part."""
+    """ValueError if most geodetic coordinates [deg, deg, m], array (rows, 3), are invalid."""
     for name, column, values, most in zip(("latitude", "longitude"), source.columns, numbers.T, (90.0, 360.0), strict=False):
         known = values[np.isfinite(values)]
         if len(known) and np.abs(np.median(known)) > most:
@@ -77,7 +77,7 @@ def refuse_other_angles(source, numbers):
 
 
 def station_of(raw, found, report):
-    """The origin of a map in geodetic coordinates, found in the log if the map leads there."""
+    """The origin of a map in geodetic coordinates, computed from the log if the map says so."""
     if not isinstance(found.origin[0], Source):
         return found.origin
     geodetic, metres = (source.read(raw) for source in found.origin)
@@ -88,7 +88,7 @@ def station_of(raw, found, report):
 
 
 def judge_angle(direction, readings, report):
-    """Doubt a direction of the wind in degrees that looks like radians, and the other way round."""
+    """Doubt a direction of the wind in degrees that looks like radians, and vice versa."""
     largest = np.max(np.abs(readings), initial=0.0, where=np.isfinite(readings))
     if direction.factor != 1.0 and 0.0 < largest <= TURN:
         report.doubt(f"{direction.name}, from where wind_velocity comes, is {largest:.3g} deg at most: is it in radians?")

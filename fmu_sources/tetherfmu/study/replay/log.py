@@ -1,4 +1,4 @@
-"""The log of a flight as it was written: read, in SI units, x east, y north, z up, with what is impossible left out."""
+"""The log of a flight as it was written: read, in SI units, x east, y north, z up, without impossible values."""
 
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -13,13 +13,13 @@ from tetherfmu.files.toml_files import contents_of
 
 from . import clock, columns, frames, readings
 
-UNCHECKED = "not checked"  # how the doubts begin that say what the log has nothing to compare with
+UNCHECKED = "not checked"  # prefix of doubts on quantities that cannot be compared
 STANDS_FOR_NONE = 999.0, 9999.0, 99999.0, 999999.0, 32767.0, 32768.0, 65535.0  # numbers that loggers write without a reading
-ALONE = 0.1  # of such a number: if no other reading is so near to it, it is none
+ALONE = 0.1  # of such a number: distance to the next reading above which it is invalid
 
 
 class LogError(SceneError):
-    """A log that cannot be used; the message is one line with file, column, and what is wrong."""
+    """An unusable log; the message is one line with file, column, and problem."""
 
 
 @dataclass
@@ -27,21 +27,21 @@ class Report:
     """Changes to a log before its replay, a line each, and its doubtful signals."""
 
     lines: list = field(default_factory=list)  # texts
-    doubts: list = field(default_factory=list)  # texts: what may be wrong, and was left as it is
-    of_units: list = field(default_factory=list)  # those of the doubts that say which unit was probably meant
+    doubts: list = field(default_factory=list)  # texts: possible errors that were not corrected
+    of_units: list = field(default_factory=list)  # the doubts that suggest another unit
 
     def say(self, text):
         """Add a line."""
         self.lines.append(text)
 
     def doubt(self, text, of_unit=False):
-        """Add what may be wrong; of_unit : whether it says which unit was probably meant."""
+        """Add a possible error; of_unit : whether it suggests another unit."""
         self.doubts.append(text)
         if of_unit:
             self.of_units.append(text)
 
     def count(self, done, rows, total, why):
-        """Add a line on some of the rows, unless there are none."""
+        """Add a line on a number of rows, unless it is zero."""
         if rows:
             self.say(f"{done}: {rows} of {total} rows, {why}")
 
@@ -52,13 +52,13 @@ class Report:
 
 @dataclass(frozen=True)
 class Log:
-    """A log in SI units, its map and what was done to it.
+    """A log in SI units, with its map and its report.
 
-    `table` : DataFrame with the column `time` [s], growing, from 0 at the first row; the components of `kite_position` [m]
-    and, where the log has them, of `kite_velocity`, `wind_velocity` [m/s], and `tether_length`, `reel_out_speed`,
-    `ground_tension`, `airspeed`; NaN where a reading is missing; `phase`, `cycle` as texts.  `map` : without the optional
-    quantities that the log does not have.  `source` : the file, for messages.  `begin` : time of the
-    first row in the file [s].  `rows` : where the rows stand in the file, from 1, array (rows,).
+    `table` : DataFrame with the column `time` [s], increasing, from 0 at the first row; components of `kite_position` [m]
+    and, if logged, of `kite_velocity`, `wind_velocity` [m/s], and `tether_length`, `reel_out_speed`,
+    `ground_tension`, `airspeed`; NaN for missing readings; `phase`, `cycle` as texts.  `map` : without missing optional
+    quantities.  `source` : the file, for messages.  `begin` : time of the
+    first row in the file [s].  `rows` : row numbers in the file, from 1, array (rows,).
     """
 
     table: pd.DataFrame
@@ -82,14 +82,14 @@ class Log:
         return LogError(f"{self.source}: {text}" if self.source else text)
 
     def cannot_fly(self, text):
-        """`LogError` on what no tether can do, with the units that were probably meant."""
+        """`LogError` on implausible behaviour, with the probable units."""
         return self.wrong("; ".join([text, *self.report.of_units]))
 
 
 def read(path, of, constants=()):
-    """`Log` of a CSV file; of : a `Columns`, or the name or the file of a map. LogError says in one line what is wrong.
+    """`Log` of a CSV file; of : a `Columns`, or the name or the file of a map. LogError describes a problem in one line.
 
-    constants : others than those of the map, see `Columns.with_constants`.
+    constants : that override those of the map, see `Columns.with_constants`.
     """
     path, report = Path(path), Report()
     try:
@@ -106,7 +106,7 @@ def read(path, of, constants=()):
 
 
 def map_for(name, cells):
-    """`Columns` of a map by its name; `kitepower` stands for that of the year of the log."""
+    """`Columns` of a map by name; `kitepower` selects the map for the year of the log."""
     if str(name) != columns.KITEPOWER:
         return columns.load(name)
     times = pd.to_numeric(cells["time"], errors="coerce") if "time" in cells else pd.Series(dtype=float)
@@ -118,7 +118,7 @@ def map_for(name, cells):
 
 
 def log_of(table, found, report=None, source=""):
-    """`Log` of a `csv_files.Table`; ValueError says what is wrong."""
+    """`Log` of a `csv_files.Table`; ValueError describes a problem."""
     report = Report() if report is None else report
     report.say(f"map {found.name}: {found.about}" if found.about else f"map {found.name}")
     found, cells = found.for_log(table, report), table.cells
@@ -151,7 +151,7 @@ def log_of(table, found, report=None, source=""):
 
 
 def numbers(cells, name, report):
-    """Readings of a column, array (rows,), NaN where a cell has no number, or one that stands for none."""
+    """Readings of a column, array (rows,), NaN for a cell without a number, or with a placeholder."""
     found = pd.to_numeric(cells[name], errors="coerce").to_numpy(float, copy=True)
     found[~(np.abs(found) < clock.HUGE)] = np.nan
     found[np.abs(found) < 1.0 / clock.HUGE] = 0.0

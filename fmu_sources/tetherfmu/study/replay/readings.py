@@ -1,4 +1,4 @@
-"""Readings of a log, in SI units: what no kite has is left out, and what may be wrong is doubted."""
+"""Readings of a log, in SI units: impossible values are removed, and possible errors are doubted."""
 
 import numpy as np
 import pandas as pd
@@ -6,30 +6,30 @@ import pandas as pd
 from tetherfmu.runtime.inputs import components
 
 POSITION, VELOCITY, WIND = (components(name, 3) for name in ("kite_position", "kite_velocity", "wind_velocity"))
-# what is larger in magnitude is no reading of a kite [m], [m/s], [N]
+# largest possible magnitude of readings of a kite [m], [m/s], [N]
 LARGEST = dict.fromkeys(POSITION, 2e4) | dict.fromkeys(VELOCITY, 150.0) | dict.fromkeys(WIND, 80.0)
 LARGEST |= {"tether_length": 2e4, "reel_out_speed": 50.0, "ground_tension": 1e7, "airspeed": 150.0}
-# a reading that is farther than this from the median of its neighbours may be a spike; and what 1 s adds to it
+# a reading further than this from the median of its neighbours may be a spike; addition per 1 s
 FLOOR = dict.fromkeys(POSITION, (5.0, 15.0)) | dict.fromkeys(VELOCITY, (7.0, 20.0))
 FLOOR |= {"tether_length": (2.0, 5.0), "reel_out_speed": (3.0, 3.0)}
-SPIKE = 8.0  # times the typical distance from the median of the neighbours, from which on it is one
-NEARBY = 1.1  # s, in which neighbours lie
+SPIKE = 8.0  # in typical distances from the median of the neighbours: minimum of a spike
+NEARBY = 1.1  # s, time range of neighbours
 NEIGHBOURS = 5, 111  # rows: fewest and most neighbours
 OF_TENSION = 0.3  # of its 99th percentile: floor of a spike of the tension
-AWAY = 20.0  # m, from which on a position that is exactly 0 beside another one is no reading
+AWAY = 20.0  # m, minimum distance at which a position of exactly 0 is invalid
 COVERED = 0.5  # of the time that readings of a quantity must cover
-COARSE = 3.0  # times its smallest difference: a reading that changes by less, in the median, has few digits
-HELD = 0.5  # of the rows: if so many repeat the reading above, a slower sensor is held
+COARSE = 3.0  # in smallest differences: a median change below this indicates few digits
+HELD = 0.5  # share of rows that repeat the reading above, for a slower sensor
 FEWEST = 20  # rows of a log, readings of a quantity
-FROZEN = 5.0  # s, from which on a reading that does not change is doubtful
+FROZEN = 5.0  # s, doubtful duration of a constant reading
 AT_REST = 0.2  # m/s: a position, or a length, may stay the same below it
 FASTEST = 150.0  # m/s, of a kite
 FAR_FROM_USUAL = 5.0  # times the median of such differences, which a noisy receiver has in all rows
-JUMP = 5.0, 5.0  # m by which a position may differ from what its velocity says from row to row, and what 1 s adds to it
+JUMP = 5.0, 5.0  # m, permitted difference of a position from its velocity between rows; addition per 1 s
 
 
 def between(time, own, values, longest_gap):
-    """Readings, linear between those at their own times [s], at other times [s]; NaN outside, and in longer gaps [s]."""
+    """Readings, interpolated linearly from their own times [s] to other times [s]; NaN outside, and in longer gaps [s]."""
     found = np.interp(time, own, values, np.nan, np.nan)
     after = np.clip(np.searchsorted(own, time), 1, len(own) - 1)
     found[own[after] - own[after - 1] > longest_gap] = np.nan
@@ -37,7 +37,7 @@ def between(time, own, values, longest_gap):
 
 
 def repair(table, longest_gap, report):
-    """Put NaN for what is no reading; a line on each column from which something is left out.
+    """Replace invalid readings by NaN; a line on each affected column.
 
     table : as of a `Log`.  longest_gap [s] : that is bridged.
     """
@@ -68,9 +68,9 @@ def runs_of(values):
 
 
 def leave_out_held(table, names, longest_gap, report):
-    """Put NaN for readings that repeat the one above, if most do: a slower sensor, or receiver, whose reading is held.
+    """Replace repeated readings by NaN, if most are repeated: a slower sensor or receiver, whose reading is held.
 
-    They would be late by half the time for which they are held. Runs that are longer than the longest gap [s] stay.
+    On average they would be late by half the hold time. Runs longer than the longest gap [s] are kept.
     """
     if names[0] not in table:
         return
@@ -111,7 +111,7 @@ def leave_out_impossible(table, name, report):
 
 
 def leave_out(values, which, name, time, report, why):
-    """Put NaN for some readings, and a line that says when the first one was."""
+    """Replace some readings by NaN, with a line on the time of the first one."""
     if which.any():
         k = int(np.argmax(which))
         first = f"from {time[k]:.1f} s on ({values[k]:.4g})"
@@ -144,7 +144,7 @@ def spikes_of(values, floor, step):
 
 
 def is_covered(time, known, longest_gap):
-    """Whether enough readings are known for most of the time; where the log has no rows at all, none are missing."""
+    """Whether enough readings are known for most of the time; missing rows of the log do not count."""
     steps, rows = np.diff(time[known]), np.diff(time)
     return known.sum() >= FEWEST and steps[steps <= longest_gap].sum() >= COVERED * rows[rows <= longest_gap].sum()
 
@@ -186,7 +186,7 @@ def judge_jumps(table, report):
 
 
 def judge_steps(table, names, speeds, allowed, report):
-    """Doubt steps of a reading that are longer than allowed, (m, m/s), beside what the speeds explain, if they are known."""
+    """Doubt steps of a reading that exceed the allowed ones, (m, m/s), plus those that known speeds explain."""
     table = table[["time", *names, *(name for name in speeds if name in table)]].dropna()
     steps = np.diff(table[[*names]].to_numpy(), axis=0)
     time, speed = np.diff(table["time"].to_numpy()), np.zeros((len(table), 1))

@@ -1,4 +1,4 @@
-"""Fly a measured flight with tethers: what the log says, what they say, and how far to trust either."""
+"""Replay of a measured flight with tethers: comparison with the log, and reliability of both."""
 
 from argparse import ArgumentTypeError
 from dataclasses import dataclass
@@ -17,17 +17,17 @@ from .columns import KITEPOWER
 from .flight import MEASURED, Flight, prepare
 
 NOTHING = "nothing"  # of --fit
-LONGEST_FIT = 0.5  # of the flight, from its start: the part of the fit if none is named and nothing is before the flight
-SHORTEST_FLIGHT = 30.0  # s, on whose first half is fitted
-SHORTEST_BEFORE = 20.0  # s before the flight, from which on they are the part of the fit
+LONGEST_FIT = 0.5  # of the flight, from its start: default part of the fit without earlier rows
+SHORTEST_FLIGHT = 30.0  # s, for a fit on the first half
+SHORTEST_BEFORE = 20.0  # s before the flight, minimum to use them for the fit
 
 
 @dataclass(frozen=True)
 class Replay:
-    """A measured flight with what the tethers gave: `flown`, dict from the name of a tether to `runs.Flown`.
+    """A measured flight with the results of the tethers: `flown`, dict from the name of a tether to `runs.Flown`.
 
-    `not_flown` : sentences on the tethers that gave nothing.
-    `fit` : `fitting.Fit` or None.  `tested` : a sentence on how it does on another part.  `residuals`, `errors` : tables of
+    `not_flown` : sentences on tethers without results.
+    `fit` : `fitting.Fit` or None.  `tested` : a sentence on its quality on another part.  `residuals`, `errors` : tables of
     `comparison`.
     """
 
@@ -54,7 +54,7 @@ class Replay:
 
     @property
     def doubts(self):
-        """Sentences on what is not reliable."""
+        """Sentences on unreliable results."""
         taut, share = comparison.untrustworthy(self.residuals)
         if self.lead != "tension" and share > 0.0:
             noise = self.flight.log.map.smoothing.position_noise
@@ -86,7 +86,7 @@ def default_lead(read):
 
 
 def part_of_fit(flight, start=None, end=None):
-    """The part of the log on which is fitted: start to end [s], or what is before the flight, or its first half."""
+    """The part of the log for the fit: start to end [s], or the rows before the flight, or its first half."""
     first, last = flight.log.time[0], flight.end
     if start is None and end is None:
         before = flight.start - first
@@ -98,8 +98,8 @@ def part_of_fit(flight, start=None, end=None):
 def replay(flight, lead, tethers=tuple(runs.TETHERS), wanted=("offset",), fit_part=None, segments=runs.SEGMENTS):
     """`Replay` of a `Flight` driven by "tension", "length" or "speed".
 
-    tethers : names of `runs.TETHERS`.  wanted : what is fitted, see `fitting.fit`; () for nothing.  fit_part : the `Flight`
-    on which it is; None: `part_of_fit`.  LogError if the log has not what that needs, a tether cannot start, or none flies.
+    tethers : names of `runs.TETHERS`.  wanted : fitted numbers, see `fitting.fit`; () for none.  fit_part : the `Flight`
+    for the fit; None: `part_of_fit`.  LogError if the log lacks data for it, a tether cannot start, or all fail.
     """
     found, tested = None, ""
     if wanted:
@@ -146,9 +146,9 @@ def text(made, table):
 
 
 def wanted_fits(flight, named):
-    """Fitted corrections, a tuple: those named (a list), or the offset if the log allows it; else its report says so.
+    """Fitted corrections, a tuple: those in a list, or the offset if the log permits it; otherwise its report says so.
 
-    WrongUse if `NOTHING` is named beside something.
+    WrongUse if `NOTHING` is combined with another one.
     """
     if named:
         if NOTHING in named and len(named) > 1:
@@ -167,7 +167,7 @@ def wanted_fits(flight, named):
 
 
 def own_folder(name):
-    """Folder of the results of a log if none is named; WrongUse if it cannot be one."""
+    """Default folder of the results of a log; WrongUse if it cannot be one."""
     try:
         return folder(str(Path("flights") / Path(name).stem))
     except ArgumentTypeError as error:
@@ -175,7 +175,7 @@ def own_folder(name):
 
 
 def run(options):
-    """The command `replay`; returns 1 if no FMU meets what its scene asks for."""
+    """The command `replay`; returns 1 if no FMU meets the requirements of its scene."""
     if options.html:
         page.drawing()  # before the flight, which would be in vain without plotly
     read = log.read(options.log, options.map or KITEPOWER, options.settings or ())
@@ -193,7 +193,7 @@ def run(options):
 
 
 def build_fmu(place):
-    """Build the FMU of the scene in a folder, and print where it is; returns 1 if none meets what the scene asks for."""
+    """Build the FMU of the scene in a folder, and print its path; returns 1 if none meets the requirements of the scene."""
     if path := scene.build(place):
         print(path)
     return 0 if path else FAILED

@@ -1,4 +1,4 @@
-"""The tethers along a measured flight: each is driven by the log, and what it gives is compared with the log."""
+"""The tethers along a measured flight: the log drives each of them, and their results are compared with the log."""
 
 import warnings
 from dataclasses import replace
@@ -31,10 +31,10 @@ TAUT = 1.05  # first length over the distance of the ends, at most, where a tens
 class Flown(NamedTuple):
     """Result of a tether along a flight: `table`, a DataFrame with a row for each of `Flight.times`; NaN where it refused.
 
-    Columns beside outputs of these names: `mean_tension`, of `ground_tension` over the steps since the row before [N];
-    `air_force`, what forces at both ends and weight leave [N]: drag, of a tether that hangs in equilibrium in the air.
-    `shapes` : (rows, points, 3) [m].  `refusals` : `Refusal` of the steps that were refused.  `stopped` : time from
-    which on nothing was tried any more [s], None if all of the flight was.
+    Columns, in addition to outputs of these names: `mean_tension`, of `ground_tension` since the row before [N];
+    `air_force`, sum of end forces and weight [N]: drag, for a tether that hangs in equilibrium in the air.
+    `shapes` : (rows, points, 3) [m].  `refusals` : `Refusal` of the refused steps.  `stopped` : time from
+    which on nothing was tried any more [s], None if the flight is complete.
     """
 
     table: pd.DataFrame
@@ -55,7 +55,7 @@ def words(name):
 
 
 def first_length(flight, rows, lead):
-    """Unstretched length [m] at the start: logged, or that with which the tether has the measured tension."""
+    """Unstretched length [m] at the start: logged, or the length at which the tether has the measured tension."""
     start = by_name(rows[0])
     distance = float(np.linalg.norm(start["kite_position"]))
     if lead == "length":
@@ -78,8 +78,8 @@ def first_length(flight, rows, lead):
 def fly(flight, variant, lead, segments=SEGMENTS, **quantities):
     """`Flown` of a tether along a `Flight`.
 
-    variant : a key of `TETHERS`.  lead : "tension", "length" or "speed", what the winch follows.  quantities : others than
-    those of the map of the log, by name.  LogError if the log cannot lead it, or the tether cannot start.
+    variant : a key of `TETHERS`.  lead : "tension", "length" or "speed", the winch input.  quantities : that override
+    those of the map of the log, by name.  LogError if the log cannot drive it, or the tether cannot start.
     """
     flight.require(lead)
     rows, found = flight.inputs(lead), flight.log.map

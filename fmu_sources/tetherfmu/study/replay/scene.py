@@ -18,20 +18,20 @@ from .readings import WIND
 from .runs import words
 
 FILE, SERIES = "scene.toml", "flight.csv"
-FROM_SERIES = ("segments", "initial_length")  # of a tether: what the table [tether] goes without
-# what is wanted of it, allowed error, and why
+FROM_SERIES = ("segments", "initial_length")  # of a tether: omitted in the table [tether]
+# required output, allowed error, and reason
 TAUT = ("kite_force", "ground_force"), 0.05, "The tether is taut for most of the time: its forces count."
 HANGING = "The tether is slack for most of the time: its forces change from moment to moment, so its shape counts."
 SLACK = ("shape",), 0.03, HANGING
-MOST = 0.5  # of the time in which the tether is slack, above which its shape counts
+MOST = 0.5  # slack fraction of the time above which its shape counts
 UNUSUAL = re.compile(r"[^\w .~-]", re.ASCII)  # characters that some hosts cannot have in the path of an FMU
 
 
 def series(made):
-    """Inputs of a tether along a `Replay`, a DataFrame with the column `time` from 0 on, and how many times it leaves out.
+    """Inputs of a tether along a `Replay`, a DataFrame with the column `time` from 0 on, and the number of omitted times.
 
-    The winch gets the length that drove it, or that the finest tether found; driven by the speed, it gets that. Left out are
-    times at which that is not known: no reading, or a step that the tether refused.
+    The winch follows the length that drove it, or the result of the finest tether; with speed control the speed. Times
+    without this value are omitted: a missing reading, or a refused step.
     """
     flight, times = made.flight, made.flight.times
     table = flight.signals().assign(time=np.round(times - times[0], 9))
@@ -87,9 +87,9 @@ def quoted(text):
 
 
 def build(place):
-    """Build the FMU that is advised for the scene in a folder; returns its path, None if nothing meets what is wanted.
+    """Build the advised FMU for the scene in a folder; returns its path, None if nothing meets the requirements.
 
-    It has the values of the scene as start values, see `advice.scene_build`.  SceneError if the scene cannot be flown.
+    Its start values are the values of the scene, see `advice.scene_build`.  SceneError if the scene fails.
     """
     now("flying the scene with candidates and a finer model")
     text, met, name, options = scene_build.advised(place / FILE, BuildOptions.shape_points, (this_platform(),))

@@ -19,11 +19,11 @@ class Noise(NamedTuple):
 
     position: float  # of a measured position [m]
     velocity: float  # of a measured velocity [m/s]
-    acceleration: float  # by which the acceleration of the kite changes in one second [m/s2]
+    acceleration: float  # change of the acceleration of the kite in one second [m/s2]
 
 
 class Smoothed(NamedTuple):
-    """Motion at the times of the measurements, arrays (times, 3), and what is left of the noise."""
+    """Motion at the times of the measurements, arrays (times, 3), and the remaining noise."""
 
     position: np.ndarray  # [m]
     velocity: np.ndarray  # [m/s]
@@ -34,13 +34,13 @@ class Smoothed(NamedTuple):
 def smooth(time, positions, velocities, noise):
     """Most probable motion, `Smoothed`, from positions [m] and velocities [m/s], arrays (times, 3); NaN: not measured.
 
-    time : (times,) [s], growing.  noise : `Noise`.
+    time : (times,) [s], increasing.  noise : `Noise`.
 
     The acceleration of the point is a Wiener process, s' = (v, a, white noise) for s = (x, v, a). Its most probable motion
-    is what the smoother of Rauch, Tung and Striebel (AIAA J. 3, 1965) gives; here it is found at once, as the least squares
+    is the result of the smoother of Rauch, Tung and Striebel (AIAA J. 3, 1965); here it is a single least squares problem
     of all deviations over their standard deviations, a banded system, the same for all axes. Its unknowns are the states at
-    the rows of `nodes_of`; what is measured after a node, and before the next one, is compared with x + v d + a d^2/2 and
-    v + a d. WrongUse if the noises are too far apart to be computed with.
+    the rows of `nodes_of`; measurements after a node, and before the next one, are compared with x + v d + a d^2/2 and
+    v + a d. WrongUse if the noise levels are too far apart for the arithmetic.
     """
     nodes = nodes_of(time, noise)
     bands, right = _transitions(np.diff(time[nodes]), noise.acceleration), np.zeros((STATES * len(nodes), 3))
@@ -69,10 +69,10 @@ def smooth(time, positions, velocities, noise):
 
 
 def nodes_of(time, noise):
-    """Rows at which the state is an unknown, array (nodes,): the first, the last, and all that are not too close together.
+    """Rows with the state as an unknown, array (nodes,): the first, the last, and all that are not too close together.
 
-    The weight of a transition over h is 720 / (q^2 h^5) for shaking q, that of a position 1 / r^2; what is closer than a few
-    hundredths of (r/q)^(2/5), in which shaking moves the kite by r, would make the other disappear in rounding.
+    The weight of a transition over h is 720 / (q^2 h^5) for shaking q, the weight of a position 1 / r^2; within a few
+    hundredths of (r/q)^(2/5), in which shaking moves the kite by r, rounding would cancel the second.
     """
     of_position = (noise.position / noise.acceleration) ** 0.4
     of_velocity = (noise.velocity / noise.acceleration) ** (2.0 / 3.0)

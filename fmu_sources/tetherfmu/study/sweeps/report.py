@@ -24,7 +24,7 @@ from .statistics import BINS_PER_DECADE
 from .sweep import config_of, sweep
 
 MOST_STEPS = 20  # different values that are joined by their medians
-# what people ask first, where it is not the same in all flights, and whether it is the worse the larger it is
+# main questions, if the answer varies, and whether larger is worse
 SHOWN = {"peak_tension": True, "power_mean": False, "largest_cycle": True, "time_slack": True}
 MOST_VARIED = 4  # columns of the figure
 
@@ -59,7 +59,7 @@ def with_unit(name, units):
 
 
 def places(values):
-    """Numbers of a varied value, and names at them where it has none."""
+    """Numbers of a varied value, and labels for values without numbers."""
     if pd.api.types.is_numeric_dtype(values):
         return values.to_numpy(dtype=float), None
     return pd.factorize(values)
@@ -113,7 +113,7 @@ def draw_surface(table, first, second, statistic, path):
 
 
 def draw_all(table, varied, folder):
-    """Draw what is asked first; paths in the folder of the page, dict by title."""
+    """Draw the main figures; paths in the folder of the page, dict by title."""
     folder.mkdir(exist_ok=True)
     for name in ("response", "surface"):  # of a sweep that was continued with other values
         (folder / f"{name}.png").unlink(missing_ok=True)
@@ -131,7 +131,7 @@ def draw_all(table, varied, folder):
 
 
 def worst_flights(table, varied, scene, config, settings):
-    """The worst flight of each of what people ask first, and how to fly it again: a DataFrame.
+    """The worst flight for each main question, and how to repeat it: a DataFrame.
 
     scene : file or name.  config : `Config`, settings : pairs, of all flights.
     """
@@ -149,7 +149,7 @@ def worst_flights(table, varied, scene, config, settings):
 
 
 def in_toml(value):
-    """A value as --set takes it."""
+    """A value in the form of --set."""
     return repr(value.item() if isinstance(value, np.generic) else value) if not isinstance(value, str) else value
 
 
@@ -181,7 +181,7 @@ def values_in_words(table, name):
 def reasons_of(table):
     """How often flights were refused, by reason, and one of them: a DataFrame."""
     refused = table[table.refused != ""].refused
-    reasons = refused.str.replace(r"\d[\d.e+-]*", "#", regex=True)  # the same but for numbers
+    reasons = refused.str.replace(r"\d[\d.e+-]*", "#", regex=True)  # the same except for numbers
     rows = [(len(each), int(each.index[0]), refused[each.index[0]]) for _, each in refused.groupby(reasons, sort=False)]
     return pd.DataFrame(sorted(rows, reverse=True), columns=["flights", "such as flight", "reason"])
 
@@ -205,8 +205,8 @@ def write(table, scene, config, folder, asked=None, settings=()):
 
 
 def run(options):
-    """Sweep, write and print what came out."""
-    scene = load(options.scene, options.settings, quiet=True)  # `sweep` says what is in doubt
+    """Sweep, write and print the results."""
+    scene = load(options.scene, options.settings, quiet=True)  # `sweep` prints doubts
     if options.method == "sobol" and options.samples & (options.samples - 1):
         print(f"--samples is {options.samples}: the points of Sobol are balanced for powers of 2 only", file=sys.stderr)
     folder = options.out or Path("study") / f"{scene.name}_sweep"

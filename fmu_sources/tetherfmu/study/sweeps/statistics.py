@@ -16,7 +16,7 @@ from tetherfmu.runtime.naming import meant_or_all
 from tetherfmu.study.measuring import results
 from tetherfmu.study.measuring.runs import Config, run
 
-FORCES = ("kite_force", "ground_force")  # vectors, of which the magnitude is taken
+FORCES = ("kite_force", "ground_force")  # vectors, reduced to their magnitude
 OUTPUTS = (*FORCES, *SCALARS, *results.DERIVED)
 BINS_PER_DECADE = 20  # of the ranges of cycles
 SMALLEST_RANGE = 1e-3  # of a cycle that is counted [N]
@@ -27,11 +27,11 @@ class Statistics(NamedTuple):
 
     outputs: tuple = ("kite_tension", "ground_tension", "power", "payout")  # of `OUTPUTS`
     percentiles: tuple = (5.0, 50.0, 95.0)
-    cycles_of: str = "ground_tension"  # whose cycles are counted
-    start: float = 0.0  # time that is left out before [s]
+    cycles_of: str = "ground_tension"  # output for cycle counting
+    start: float = 0.0  # start of the evaluation [s]
 
     def checked(self):
-        """The same; ValueError names what is not possible."""
+        """The checked statistics; ValueError names a problem."""
         for name in (*self.outputs, self.cycles_of):
             if name not in OUTPUTS:
                 raise ValueError(f"there is no output {name!r}{meant_or_all(str(name), OUTPUTS)}")
@@ -93,7 +93,7 @@ def counted(series):
 def statistics_of(flown, wanted, step, length=0.0):
     """Statistics of a `Flown` with a row for each communication step [s], a dict of numbers by `Statistics.columns`.
 
-    And as `bins` those of `counted`.  wanted : `Statistics`.  length : of the tether at the start [m].
+    And as `bins` the result of `counted`.  wanted : `Statistics`.  length : of the tether at the start [m].
     """
     rows = slice(round(wanted.start / step), None)
     found: dict[str, Any] = {}

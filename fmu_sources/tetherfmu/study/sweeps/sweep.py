@@ -24,13 +24,13 @@ from .statistics import USUAL, Statistics, Task, fly_all
 from .varied import all_varied, points
 
 FLIGHTS = "flights.jsonl"  # file of finished flights
-STEP = 0.02  # communication step, where the scene does not say it [s]
+STEP = 0.02  # default communication step [s]
 TASK, MOST_PER_TASK = 0.5, 200  # work of a task, about [s]; flights in it
 FEWEST_TASKS = 32
 
 
 class Memory:
-    """In the place of a `Store`: what is finished is not kept on disk."""
+    """Replaces a `Store`: finished results are not stored on disk."""
 
     def __init__(self):
         self.points = {}
@@ -47,7 +47,7 @@ def config_of(scene, tether, segments, step):
 
 
 def tasks_of(task, scene, missing):
-    """Tasks of the missing flights, so large that what is around them does not count: a list of `Task`.
+    """Tasks of the missing flights, so large that the overhead is small: a list of `Task`.
 
     task : `Task` without flights.  missing : pairs (key, values).
     """
@@ -57,7 +57,7 @@ def tasks_of(task, scene, missing):
 
 
 def collect(tasks, executor, store, name):
-    """Do tasks on an executor (None: here), and keep what they give in a `Store` (modified), with a progress bar."""
+    """Run tasks on an executor (None: here), and keep their results in a `Store` (modified), with a progress bar."""
     if executor is None:
         done = map(fly_all, tasks)
     else:
@@ -70,9 +70,9 @@ def collect(tasks, executor, store, name):
 
 
 def fly_missing(task, scene, flights, store, executor, processes, dask):
-    """Fly all flights (dict key -> values) that a `Store` (modified) does not have.
+    """Run all flights (dict key -> values) that a `Store` (modified) lacks.
 
-    Where a process of this machine is killed, others go on with what it has left; `WorkersLost` if they are killed, too,
+    If a process of this machine is killed, others continue its work; `WorkersLost` if they are also killed
     before they finish anything.
     """
     while missing := [(name, values) for name, values in flights.items() if name not in store.points]:
@@ -89,14 +89,14 @@ def fly_missing(task, scene, flights, store, executor, processes, dask):
 
 
 def doubts_of_extremes(task, quantities, values):
-    """Sentences on what is hardly meant in the flights with the least and the largest value of each quantity, no doubles.
+    """Sentences on implausible flights with the least and the largest value of each quantity, without duplicates.
 
-    task : `Task`.  quantities, values : of all flights, as of `varied.points`.
+    task : `Task`.  quantities, values : of all flights, as in `varied.points`.
     """
     found = {}
     for k in (k for k, each in enumerate(quantities) if each.unit is not None):
         for extreme in (least(values, key=lambda flight, k=k: flight[k][1]) for least in (min, max)):
-            with suppress(ValueError):  # said in the row of that flight
+            with suppress(ValueError):  # reported in the row of that flight
                 found |= dict.fromkeys(read(with_settings(task.table, extreme), task.folder, task.name).doubts())
     return list(found)
 
@@ -197,7 +197,7 @@ def sweep(
     task = Task(table, path.parent, base.name, config, statistics, ())
     values = points(quantities, int(samples), method, seed)
     for doubt in doubts_of_extremes(task, quantities, values):
-        if doubt not in base.doubts():  # which `load` has said
+        if doubt not in base.doubts():  # printed by `load`
             print(f"{path}: {doubt}", file=sys.stderr)
     keys = [key(base.digest, *config, *statistics, *statistics.columns(), each) for each in values]
     store = Store(Path(out) / FLIGHTS) if out is not None else Memory()
@@ -208,7 +208,7 @@ def sweep(
 
 
 def frame_of(quantities, values, statistics, found):
-    """The table of a sweep, see `sweep`; found : of each flight what `flights.fly` gave."""
+    """The table of a sweep, see `sweep`; found : results of `flights.fly` for each flight."""
     table = pd.DataFrame([dict(each) for each in values], columns=[each.name for each in quantities])
     numbers = pd.DataFrame(found).reindex(columns=[*statistics.columns(), "refused"])
     numbers["refused"] = [each.get("refused", "") for each in found]

@@ -30,7 +30,7 @@ WRITTEN = re.compile(r"\s*([\w.\[\]]+)\s*([=~])\s*(.+?)\s*")
 RANGE = re.compile(r"(.+?)\.\.(.+?)(?::\s*(\d+))?")
 DISTRIBUTION = re.compile(r"(\w+)\s*\(([^()]*)\)")
 MOST_VALUES = 1_000_000  # of one quantity
-UNIT, NONE = True, False  # whether a parameter of a distribution has the unit of the quantity, or none
+UNIT, NONE = True, False  # whether a parameter of a distribution has the unit of the quantity
 DISTRIBUTIONS = {  # parameters by name, and whether they have the unit
     "uniform": {"least": UNIT, "largest": UNIT},
     "normal": {"mean": UNIT, "deviation": UNIT},
@@ -46,13 +46,13 @@ class Varied:
     """A value of a scene that a sweep varies: by a grid or a list of values, or by a distribution."""
 
     name: str  # as for `settings.with_settings`
-    unit: str | None  # None of what is no number
+    unit: str | None  # None for a value that is not a number
     values: tuple = ()  # in SI units; () with a distribution
     distribution: Any = None  # a frozen one of scipy.stats
 
 
 def unit_of(name, flight):
-    """Unit of a value of a scene, "" of a number without, None of what is no number; ValueError if there is none.
+    """Unit of a value of a scene, "" for a dimensionless number, None for other values; ValueError if there is none.
 
     flight : kind of the flight of the scene.
     """
@@ -123,7 +123,7 @@ def distribution(name, texts, unit):
 
 
 def listed(text, unit, folder):
-    """Values of a list, a tuple; names of files with * are those of files in a folder."""
+    """Values of a list, a tuple; names of files with * are expanded to files in a folder."""
     parts = [each.strip() for each in text.split(",")]
     if unit is not None:
         return tuple(number_of(each, unit) for each in parts)
@@ -137,7 +137,7 @@ def listed(text, unit, folder):
 
 
 def varied(text, flight="circle", folder=Path()):
-    """`Varied` of a text such as ``wind.speed~weibull(2, 9 m/s)``; ValueError says in one line what is wrong with it.
+    """`Varied` of a text such as ``wind.speed~weibull(2, 9 m/s)``; ValueError describes a problem in one line.
 
     flight : kind of the flight of the scene.  folder : of the scene, where files are.
 
@@ -164,10 +164,10 @@ def varied(text, flight="circle", folder=Path()):
 
 
 def all_varied(given, flight, folder, settings=()):
-    """List of `Varied` of what `sweep` was given; ValueError says in one line what is wrong.
+    """List of `Varied` from the arguments of `sweep`; ValueError describes a problem in one line.
 
     given : texts, or a dict of values (a sequence), or a distribution of scipy.stats, by name.
-    settings : pairs (name, value) of what is the same in all flights, and not varied.
+    settings : pairs (name, value), equal in all flights, and not varied.
     """
     if isinstance(given, dict):
         found = []
