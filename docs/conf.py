@@ -1,5 +1,6 @@
 """How Sphinx makes the documentation site: `python -m sphinx -W --keep-going -b html docs site`."""
 
+import re
 import shutil
 import sys
 import tempfile
@@ -72,6 +73,7 @@ else:
 course_pages.write_notebooks(DOCS, FLOWN / "course")
 html_copy_source = False
 html_domain_indices = False
+WIDE = 700  # pixels
 pygments_style, pygments_dark_style = "default", "monokai"
 
 
@@ -80,8 +82,16 @@ def without_fields(app, what, name, obj, skip, options):
     return True if type(obj).__name__ == "_tuplegetter" else skip
 
 
+def width_of(file):
+    """Width of an SVG figure in CSS pixels, 0 for other files."""
+    if file.suffix != ".svg":
+        return 0.0
+    found = re.search(r'<svg[^>]*? width="([\d.]+)(pt|px)?"', file.read_text(encoding="utf-8")[:2000])
+    return float(found[1]) * (4.0 / 3.0 if found[2] == "pt" else 1.0) if found else 0.0
+
+
 def figures_as_links(app, doctree, docname):
-    """Make each figure a link to its file, which a small screen can show as large as the reader likes."""
+    """Make each figure a link to its file; mark the wide ones, whose letters a phone would shrink too far to read."""
     if app.builder.format != "html":
         return
     folder = relative_uri(app.builder.get_target_uri(docname), app.builder.imagedir)
@@ -89,13 +99,36 @@ def figures_as_links(app, doctree, docname):
         link = nodes.reference(internal=True, refuri=f"{folder}/{app.env.images[image['uri']][1]}")
         image.replace_self(link)
         link += image
+        if width_of(DOCS / image["uri"]) > WIDE:
+            image["classes"].append("wide")
 
 
 def tables_of_variables(app, doctree, docname):
     """Mark the tables that say in their last column what a variable means; `site_files/wide.css` fits them to a phone."""
     for head in doctree.findall(nodes.thead):
         if head[0][-1].astext() in ("meaning", "why"):
-            head.parent.parent["classes"].append("variables")
+            head.parent.parent["classes"] += ["variables", "pair"] if len(head[0]) == 2 else ["variables"]
+
+
+def lines_to_wrap(app, doctree, docname):
+    """Mark commands and printed sentences, which wrap on a phone; printed tables and code do not."""
+    for block in doctree.findall(nodes.literal_block):
+        lines = block.astext().splitlines()
+        command = re.compile(r"\.venv/bin/|python3? |tetherfmu |pip |fmpy ")
+        if block.get("language") == "text" and (len(lines) < 3 or all(map(command.match, lines))):
+            block["classes"].append("wrapped")
+
+
+def breaks_in_names(app, pagename, templatename, context, doctree):
+    """Let the names in tables break between their words."""
+    in_name = re.compile(r"(?<=[_./])(?=\w)|(?<=[a-z])(?=[A-Z])")
+    within = re.compile(r'(?<=<span class="pre">)[^<]+')
+    context["body"] = re.sub(
+        r"<table.*?</table>",
+        lambda table: within.sub(lambda name: in_name.sub("<wbr>", name[0]), table[0]),
+        context.get("body", ""),
+        flags=re.DOTALL,
+    )
 
 
 def without_page(app, exception):
@@ -109,3 +142,5 @@ def setup(app):
     app.connect("autodoc-skip-member", without_fields)
     app.connect("doctree-resolved", figures_as_links)
     app.connect("doctree-resolved", tables_of_variables)
+    app.connect("doctree-resolved", lines_to_wrap)
+    app.connect("html-page-context", breaks_in_names)
