@@ -33,6 +33,7 @@ extensions = [
     "sphinx.ext.mathjax",
     "sphinx.ext.viewcode",
     "sphinx_design",
+    "line_breaks",
     "links_to_functions",
     "real_signatures",
     "rows_of_search",
@@ -73,7 +74,7 @@ else:
 course_pages.write_notebooks(DOCS, FLOWN / "course")
 html_copy_source = False
 html_domain_indices = False
-WIDE = 700  # pixels
+WIDE = 800  # pixels
 pygments_style, pygments_dark_style = "default", "monokai"
 
 
@@ -99,7 +100,7 @@ def figures_as_links(app, doctree, docname):
         link = nodes.reference(internal=True, refuri=f"{folder}/{app.env.images[image['uri']][1]}")
         image.replace_self(link)
         link += image
-        if width_of(DOCS / image["uri"]) > WIDE:
+        if docname != "use/gallery" and width_of(DOCS / image["uri"]) > WIDE:
             image["classes"].append("wide")
 
 
@@ -115,20 +116,9 @@ def lines_to_wrap(app, doctree, docname):
     for block in doctree.findall(nodes.literal_block):
         lines = block.astext().splitlines()
         command = re.compile(r"\.venv/bin/|python3? |tetherfmu |pip |fmpy ")
-        if block.get("language") == "text" and (len(lines) < 3 or all(map(command.match, lines))):
+        prose = docname == "reference/variables_of_examples"
+        if block.get("language") == "text" and (len(lines) < 3 or prose or all(map(command.match, lines))):
             block["classes"].append("wrapped")
-
-
-def breaks_in_names(app, pagename, templatename, context, doctree):
-    """Let the names in tables break between their words."""
-    in_name = re.compile(r"(?<=[_./])(?=\w)|(?<=[a-z])(?=[A-Z])")
-    within = re.compile(r'(?<=<span class="pre">)[^<]+')
-    context["body"] = re.sub(
-        r"<table.*?</table>",
-        lambda table: within.sub(lambda name: in_name.sub("<wbr>", name[0]), table[0]),
-        context.get("body", ""),
-        flags=re.DOTALL,
-    )
 
 
 def without_page(app, exception):
@@ -143,4 +133,3 @@ def setup(app):
     app.connect("doctree-resolved", figures_as_links)
     app.connect("doctree-resolved", tables_of_variables)
     app.connect("doctree-resolved", lines_to_wrap)
-    app.connect("html-page-context", breaks_in_names)
