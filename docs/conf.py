@@ -117,7 +117,9 @@ def lines_to_wrap(app, doctree, docname):
         lines = block.astext().splitlines()
         command = re.compile(r"\.venv/bin/|python3? |tetherfmu |pip |fmpy ")
         prose = docname == "reference/variables_of_examples"
-        if block.get("language") == "text" and (len(lines) < 3 or prose or all(map(command.match, lines))):
+        if block.get("language") in (None, "default", "none", "text") and (
+            len(lines) < 3 or prose or all(map(command.match, lines))
+        ):
             block["classes"].append("wrapped")
 
 

@@ -1,7 +1,7 @@
 """Sphinx extension: where lines of a page may break.
 
 Names in tables break between their words, on a phone only (`site_files/wide.css`). An option such as `--out` and a number
-with its unit do not break. The search has the text as written.
+with its unit do not break, nor a formula and the full stop after it. The search has the text as written.
 """
 
 import re
@@ -10,6 +10,7 @@ TABLE = re.compile(r"<table.*?</table>", re.DOTALL)
 NAME = re.compile(r'(?<=<span class="pre">)[^<]+')
 IN_NAME = re.compile(r"(?<=[_./])(?=\w)|(?<=[a-z])(?=[A-Z])")
 INLINE_OPTION = re.compile(r'<span class="pre">(?=-)')
+FORMULA_AND_STOP = re.compile(r'<span class="math notranslate nohighlight">[^<]*</span>[.,;:)]+')
 TAG = re.compile(r"(<[^>]*>)")
 CLOSED = re.compile(r"<(/?)(pre|code|script|style|svg)\b")
 OPTION = re.compile(r"(?<![\w-])--?[a-zA-Z][\w-]*")
@@ -25,6 +26,7 @@ def breaks_in_names(body):
 
 def whole_numbers_and_options(body):
     """Keep numbers with their units, and options of commands, on one line."""
+    body = FORMULA_AND_STOP.sub(r'<span class="whole">\g<0></span>', body)
     parts, within = TAG.split(INLINE_OPTION.sub('<span class="pre option">', body)), []
     for k, part in enumerate(parts):
         if part.startswith("<"):
