@@ -1,5 +1,6 @@
 """How Sphinx makes the documentation site: `python -m sphinx -W --keep-going -b html docs site`."""
 
+import re
 import shutil
 import sys
 import tempfile
@@ -32,6 +33,7 @@ extensions = [
     "sphinx.ext.mathjax",
     "sphinx.ext.viewcode",
     "sphinx_design",
+    "line_breaks",
     "links_to_functions",
     "real_signatures",
     "rows_of_search",
@@ -72,6 +74,7 @@ else:
 course_pages.write_notebooks(DOCS, FLOWN / "course")
 html_copy_source = False
 html_domain_indices = False
+WIDE = 800  # pixels
 pygments_style, pygments_dark_style = "default", "monokai"
 
 
@@ -80,8 +83,16 @@ def without_fields(app, what, name, obj, skip, options):
     return True if type(obj).__name__ == "_tuplegetter" else skip
 
 
+def width_of(file):
+    """Width of an SVG figure in CSS pixels, 0 for other files."""
+    if file.suffix != ".svg":
+        return 0.0
+    found = re.search(r'<svg[^>]*? width="([\d.]+)(pt|px)?"', file.read_text(encoding="utf-8")[:2000])
+    return float(found[1]) * (4.0 / 3.0 if found[2] == "pt" else 1.0) if found else 0.0
+
+
 def figures_as_links(app, doctree, docname):
-    """Make each figure a link to its file, which a small screen can show as large as the reader likes."""
+    """Make each figure a link to its file; mark the wide ones, whose letters a phone would shrink too far to read."""
     if app.builder.format != "html":
         return
     folder = relative_uri(app.builder.get_target_uri(docname), app.builder.imagedir)
@@ -89,13 +100,27 @@ def figures_as_links(app, doctree, docname):
         link = nodes.reference(internal=True, refuri=f"{folder}/{app.env.images[image['uri']][1]}")
         image.replace_self(link)
         link += image
+        if docname != "use/gallery" and width_of(DOCS / image["uri"]) > WIDE:
+            image["classes"].append("wide")
 
 
 def tables_of_variables(app, doctree, docname):
     """Mark the tables that say in their last column what a variable means; `site_files/wide.css` fits them to a phone."""
     for head in doctree.findall(nodes.thead):
         if head[0][-1].astext() in ("meaning", "why"):
-            head.parent.parent["classes"].append("variables")
+            head.parent.parent["classes"] += ["variables", "pair"] if len(head[0]) == 2 else ["variables"]
+
+
+def lines_to_wrap(app, doctree, docname):
+    """Mark commands and printed sentences, which wrap on a phone; printed tables and code do not."""
+    for block in doctree.findall(nodes.literal_block):
+        lines = block.astext().splitlines()
+        command = re.compile(r"\.venv/bin/|python3? |tetherfmu |pip |fmpy ")
+        prose = docname == "reference/variables_of_examples"
+        if block.get("language") in (None, "default", "none", "text") and (
+            len(lines) < 3 or prose or all(map(command.match, lines))
+        ):
+            block["classes"].append("wrapped")
 
 
 def without_page(app, exception):
@@ -109,3 +134,4 @@ def setup(app):
     app.connect("autodoc-skip-member", without_fields)
     app.connect("doctree-resolved", figures_as_links)
     app.connect("doctree-resolved", tables_of_variables)
+    app.connect("doctree-resolved", lines_to_wrap)

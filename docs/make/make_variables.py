@@ -90,7 +90,7 @@ The table counts the FMI 2 variables of full FMUs and with each `--preset`:
 ## Names in C
 
 `tetherfmu build --native --header` writes [a C header](../use/importing.md#hosts-in-c-and-c-tested) with the value
-references. A name is `TETHER_` plus the variable in capitals, for FMI 2 with the index: `TETHER_KITE_POSITION_1`.
+references. Each name is `TETHER_` followed by the variable in capitals. FMI 2 appends the index: `TETHER_KITE_POSITION_1`.
 To include the headers of several FMUs in one C file, give each its own prefix with `--header-prefix`, such as `LEAN_`.
 """
 

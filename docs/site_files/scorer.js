@@ -5,8 +5,9 @@ var Scorer = {
   score: ([page, title, , description, score, , kind]) => {
     if (kind !== "object" || description.startsWith("Python ")) return score;
     const typed = new URLSearchParams(location.search).get("q").trim().toLowerCase().replace(/\[.*/, "");
+    const words = typed.replace(/\s+/g, "_");  // "drag coefficient" is drag_coefficient
     const name = title.toLowerCase().replace(/\[.*/, "");
-    if (name === typed) return page === "reference/variables" ? 310 : 300;
+    if (name === typed || name === words) return page === "reference/variables" ? 310 : 300;
     return (typed.includes("_") && name.endsWith(`.${typed}`)) || name.endsWith(` ${typed}`) ? 200 : score;
   },
 };

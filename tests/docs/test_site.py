@@ -178,6 +178,13 @@ SEARCHED = {  # what a reader types: where it leads
     "turbulence": "reference/api.html#turbulence",
     "breaking": "use/interface.html#breaking-and-letting-go",
     "TetherDynamic": "reference/api.html#tetherfmu.TetherDynamic",
+    "drag coefficient": "reference/variables.html#drag_coefficient",
+    "wind profile": "reference/variables.html#wind_profile",
+    "tension": "reference/variables.html#outputs",
+    "damping": "use/your_rope.html#your-rope",
+    "time step": "use/how_much_tether.html#which-fmu-for-me",
+    "error message": "use/troubleshooting.html#troubleshooting",
+    "snap load": "measurements/stability.html#extreme-scenarios-with-a-known-answer",
 }
 
 
@@ -240,7 +247,10 @@ def test_the_menu_opens(site, browser):
     assert browser.title.startswith("Course")
 
 
-def test_the_meaning_of_a_variable_is_not_cut(site, browser):
+@pytest.mark.parametrize("width", [PHONE, NARROW, DESK])
+def test_the_meaning_of_a_variable_is_not_cut(site, chromium_of_module, width):
+    browser = chromium_of_module
+    chromium.show_in(browser, width)
     opened(browser, f"{site}/manual/reference/variables.html")
     cut = (
         "return [...document.querySelectorAll('table.variables')].map("
