@@ -18,7 +18,7 @@ static int ask(void)
     return (saved & REGISTERS_OF_SSE_AND_AVX) == REGISTERS_OF_SSE_AND_AVX ? YES : NO;
 }
 
-/* Asks once, because asking is slower than a step of a straight tether; concurrent threads get the same result. */
+/* Asks once, since asking takes longer than a step of a straight tether; threads that ask at once find the same. */
 int has_avx(void)
 {
     static int known = NOT_ASKED;
