@@ -1,8 +1,11 @@
-"""FMUs in all flavours: by PythonFMU, and native ones for FMI 2 and 3."""
+"""FMUs in all flavours: by PythonFMU, and native ones for FMI 2 and 3; what the states of each of them have to do."""
+
+import math
 
 import pytest
+from fmpy.fmi1 import FMICallException
 
-from runtime.host import extract_all
+from runtime.host import STEP, Host, blob_of, extract_all, restore
 from tetherfmu.commands.build import main
 from tetherfmu.export import systems
 from tetherfmu.export.build_options import BuildOptions
@@ -38,3 +41,58 @@ def build_system(folder, flavour, text, wind_points, with_evidence):
             changed.setattr(systems, "_evidence_of", lambda *given: {})
         systems.build(file, folder, options, native=FLAVOURS[flavour])
     extract_all(folder)
+
+
+def assert_said(messages, sentences):
+    """The same is said, behind the name of the instance or of the call; a message is a printf format."""
+    said = [message.replace("%%", "%") for message in messages]
+    assert len(said) == len(sentences), (said, sentences)
+    assert all(any(each.endswith(f": {sentence}") for each in said) for sentence in sentences), (said, sentences)
+
+
+def check_flight(host, other, rows, sentences, half, *, start, step, assert_same):
+    """Flown once; again from its half after what was refused and what is taken back, elsewhere, after a reset; anew.
+
+    host : a `Host` before its start.  other : folder of the FMU that takes its states over.  rows : what is expected at the
+    start and after each step.  sentences : what is said in all of them.  half : number of steps of the first half.
+    start(host), step(host, k), assert_same(host, row) : start it, do step k with its inputs, compare its outputs.
+    """
+
+    def fly(host, begin, expected):
+        for k, row in enumerate(expected, start=begin):
+            host.time = k * STEP
+            step(host, k)
+            assert_same(host, row)
+
+    start(host)
+    assert_same(host, rows[0])
+    fly(host, 0, rows[1 : half + 1])
+    blob, rest = blob_of(host), rows[half + 1 :]
+    fly(host, half, rest)
+    assert_said(host.messages, sentences)
+    restore(host, blob)
+    with pytest.raises(FMICallException):
+        host.step(math.nan)
+    assert blob_of(host) == blob
+    step(host, half + 7)
+    restore(host, blob)
+    assert blob_of(host) == blob
+    fly(host, half, rest)
+    late = blob_of(host)
+    restore(host, late)
+    assert blob_of(host) == late
+    taker = Host(other, "taker")
+    restore(taker, blob)
+    assert_same(taker, rows[half])
+    assert blob_of(taker) == blob
+    fly(taker, half, rest)
+    host.fmu.reset()
+    restore(host, blob)
+    fly(host, half, rest)
+    host.fmu.terminate()
+    restore(host, blob)
+    fly(host, half, rest)
+    host.fmu.reset()
+    start(host)
+    assert_same(host, rows[0])
+    fly(host, 0, rows[1:3])

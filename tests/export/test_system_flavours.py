@@ -7,12 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from fmpy.fmi1 import FMICallException
 
-from flavours import NEXT, every_flavour
+from flavours import NEXT, check_flight, every_flavour
 from isolation import in_shared_process
-from runtime.host import STEP, Host, blob_of, restore
-from runtime.test_flavours import assert_said
+from runtime.host import STEP, Host
 from shared_drums import TEXT
 from tetherfmu import TetherSystem
 from tetherfmu.files import system_files as files
@@ -347,18 +345,6 @@ def assert_same(found, expected):
     assert not wrong.keys() - turns, wrong
 
 
-def fly(host, flight, begin, expected):
-    """Fly on from step `begin`, as was expected of each of the steps."""
-    for k, row in enumerate(expected, start=begin):
-        host.time = k * STEP
-        host.step(STEP, **flight.given(k))
-        assert_same(outputs_of(host), row)
-
-
-def started(path, flight):
-    return Host(path).start(**flight.start, **flight.parameters)
-
-
 @every_flavour
 @pytest.mark.parametrize("name", FLIGHTS)
 def test_flight_of_the_python_api(built, tmp_path, name, flavour):
@@ -370,42 +356,19 @@ def test_flight_of_the_python_api(built, tmp_path, name, flavour):
 
 @in_shared_process
 def check(path, other, twin, name):
-    """Flown once; again from its half after what was refused and what is taken back, elsewhere, after a reset; anew."""
     flight, found = FLIGHTS[name], files.load(twin)
     records = (found.points, found.lines, found.environment, found.solver, found.ground)
     system = TetherSystem(*records, winches=found.winches, wind_points=flight.wind_points)
     rows = [named(system, system.initialize(**of_python(flight.start)))]
     rows += [named(system, system.step(STEP, **of_python(flight.given(k)))) for k in range(STEPS)]
     flight.seen(rows)
-    host = started(path, flight)
-    assert_same(outputs_of(host), rows[0])
-    fly(host, flight, 0, rows[1 : HALF + 1])
-    blob, rest = blob_of(host), rows[HALF + 1 :]
-    fly(host, flight, HALF, rest)
-    assert_said(host.messages, system.implausible)
-    restore(host, blob)
-    with pytest.raises(FMICallException):
-        host.step(math.nan)
-    assert blob_of(host) == blob
-    host.step(STEP, **flight.given(HALF + 7))
-    restore(host, blob)
-    assert blob_of(host) == blob
-    fly(host, flight, HALF, rest)
-    late = blob_of(host)
-    restore(host, late)
-    assert blob_of(host) == late
-    taker = Host(other, "taker")
-    restore(taker, blob)
-    assert_same(outputs_of(taker), rows[HALF])
-    assert blob_of(taker) == blob
-    fly(taker, flight, HALF, rest)
-    host.fmu.reset()
-    restore(host, blob)
-    fly(host, flight, HALF, rest)
-    host.fmu.terminate()
-    restore(host, blob)
-    fly(host, flight, HALF, rest)
-    host.fmu.reset()
-    host.start(**flight.start, **flight.parameters)
-    assert_same(outputs_of(host), rows[0])
-    fly(host, flight, 0, rows[1:3])
+    check_flight(
+        Host(path),
+        other,
+        rows,
+        system.implausible,
+        HALF,
+        start=lambda host: host.start(**flight.start, **flight.parameters),
+        step=lambda host, k: host.step(STEP, **flight.given(k)),
+        assert_same=lambda host, row: assert_same(outputs_of(host), row),
+    )

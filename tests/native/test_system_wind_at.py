@@ -11,6 +11,7 @@ from fmpy.fmi1 import FMICallException
 from fmpy.validation import validate_fmu
 
 from export.test_host_header import c_name, numbers_of
+from export.test_system_flavours import SWING as FILE
 from flavours import FLAVOURS, build_by_command, every_flavour
 from isolation import in_shared_process
 from native.steps_again import differences
@@ -18,16 +19,6 @@ from runtime.host import Host, blob_of
 
 POINTS, STEP = 3, 0.02
 WIND = np.array([[4.0, 1.0, 0.0], [9.0, -2.0, 0.5], [12.0, 1.5, 0.0]])
-FILE = """
-name = "Swing"
-[points]
-left = {position = [0, 0, 30]}
-right = {position = [8, 0, 30]}
-load = {position = [4, 0, 10], mass = 20}
-[lines]
-a = {from = "left", to = "load", initial_length = 20.3, segments = 4, diameter = "10 mm"}
-b = {from = "right", to = "load", initial_length = 20.4, segments = 3, diameter = "10 mm"}
-"""
 
 
 @pytest.fixture(scope="session")

@@ -6,12 +6,11 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from fmpy.fmi1 import FMICallException
 
 import tetherfmu
-from flavours import NEXT, every_flavour, folder_of
+from flavours import NEXT, check_flight, every_flavour, folder_of
 from isolation import in_shared_process
-from runtime.host import STEP, Host, blob_of, restore
+from runtime.host import STEP, Host
 from scenes import circle, kite_at_start, kite_inputs
 from tetherfmu.export.archive import SLAVES
 
@@ -177,31 +176,11 @@ def flown_in_python(name, flight):
     return [flat(row._asdict()) for row in rows], tether.implausible
 
 
-def fly(host, flight, begin, expected):
-    """Fly on from step `begin`, as was expected of each of the steps."""
-    for k, row in enumerate(expected, start=begin):
-        host.time = k * STEP
-        host.step(STEP, **flight.given(host.name, k))
-        assert_same(host, row)
-
-
 def assert_same(host, expected):
     """To the last bit; a tether whose end is driven does not show its motion."""
     found = flat(host.outputs())
     assert found.keys() <= expected.keys() | {"time"}
     assert found == {name: expected[name] for name in found}
-
-
-def assert_said(messages, sentences):
-    """The same is said, behind the name of the instance or of the call; a message is a printf format."""
-    said = [message.replace("%%", "%") for message in messages]
-    assert len(said) == len(sentences), (said, sentences)
-    assert all(any(each.endswith(f": {sentence}") for each in said) for sentence in sentences), (said, sentences)
-
-
-def start(host, flight):
-    host.start(**flight.parameters, **flight.start(host.name))
-    return host
 
 
 @pytest.fixture(scope="session")
@@ -219,39 +198,16 @@ def test_flight_of_the_python_api(built, flight, name, flavour):
 
 @in_shared_process
 def check(path, other, flight):
-    """Flown once; again from its half after what was refused and what is taken back, elsewhere, after a reset; anew."""
     flight, host = FLIGHTS[flight], Host(path)
     rows, sentences = flown_in_python(host.name, flight)
     flight.seen(host.name, rows)
-    start(host, flight)
-    assert_same(host, rows[0])
-    fly(host, flight, 0, rows[1 : HALF + 1])
-    blob, rest = blob_of(host), rows[HALF + 1 :]
-    fly(host, flight, HALF, rest)
-    assert_said(host.messages, sentences)
-    restore(host, blob)
-    with pytest.raises(FMICallException):
-        host.step(math.nan)
-    assert blob_of(host) == blob
-    host.step(STEP, **flight.given(host.name, HALF + 7))
-    restore(host, blob)
-    assert blob_of(host) == blob
-    fly(host, flight, HALF, rest)
-    late = blob_of(host)
-    restore(host, late)
-    assert blob_of(host) == late
-    taker = Host(other, "taker")
-    restore(taker, blob)
-    assert_same(taker, rows[HALF])
-    assert blob_of(taker) == blob
-    fly(taker, flight, HALF, rest)
-    host.fmu.reset()
-    restore(host, blob)
-    fly(host, flight, HALF, rest)
-    host.fmu.terminate()
-    restore(host, blob)
-    fly(host, flight, HALF, rest)
-    host.fmu.reset()
-    start(host, flight)
-    assert_same(host, rows[0])
-    fly(host, flight, 0, rows[1:3])
+    check_flight(
+        host,
+        other,
+        rows,
+        sentences,
+        HALF,
+        start=lambda host: host.start(**flight.parameters, **flight.start(host.name)),
+        step=lambda host, k: host.step(STEP, **flight.given(host.name, k)),
+        assert_same=assert_same,
+    )

@@ -98,7 +98,7 @@ def numbers_in(unit):
 
 
 def list_in(unit):
-    """`vector_in` for a list only."""
+    """`numbers_in` for a list only."""
 
     def read_list(value):
         if not isinstance(value, list):
