@@ -29,6 +29,7 @@ from tetherfmu.runtime import layout as at
 
 from ..arrays import positions_and_velocities
 from ..compilation import kernel, view
+from ..linear_algebra.pairs import select
 from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, dot, get, norm, scale, sub, vector_at
 from . import segment
 from .boundary import spring_at_ground
@@ -95,6 +96,25 @@ def pulls(piece, flow, own, other, r, u, heights, z_p, z_q):
         own.share * (stored - weight * heights[0]) - (own.at_p * at_p + own.at_q * at_q),
         other.share * (stored - weight * heights[1]) - (other.at_p * at_p + other.at_q * at_q),
     )
+
+
+# --- rope that runs into a slack segment piles up
+
+
+@kernel
+def straightness(piece, square):
+    """(l/l0)^2 [-] of a slack segment, 1 of a taut one; square : l^2 [m2]."""
+    part = square * piece.per * piece.per
+    return select(1.0 - part, part, 1.0)
+
+
+@kernel
+def resistance(piece, c, outside, inside):
+    """Loss over c^2 [kg/s] where rope runs past a node at c [m/s], inwards positive.
+
+    outside, inside : `straightness` of the segments on both sides of the node.
+    """
+    return piece.half * select(c, c * max(outside - inside, 0.0), -1.0 * (c * max(inside - outside, 0.0)))
 
 
 # --- slopes

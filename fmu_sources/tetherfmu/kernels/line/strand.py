@@ -121,7 +121,8 @@ def sum_forces(strand, chain):
     x_p, v_p, z_p = get_interleaved(w.stage_x, 0), get_interleaved(w.stage_v, 0), get_interleaved(strand.stage_z, 0)
     rate, gain, own_height = load_pair(numbers, RATE), load_pair(numbers, GAIN), x_p[2]
     rates, gains, other_height = (rate, swapped(rate)), (gain, swapped(gain)), swapped(own_height)
-    of_own = of_other = pair(0.0, 0.0)
+    of_own = of_other = resisted = at_own = at_other = pair(0.0, 0.0)
+    outside = pair(1.0, 1.0)
     for s in range((n + 1) // 2):
         x_q, v_q = next_interleaved(n, s, w.stage_x), next_interleaved(n, s, w.stage_v)
         z_q, both = next_interleaved(n, s, strand.stage_z), (s, n - 1 - s)
@@ -135,6 +136,11 @@ def sum_forces(strand, chain):
         of_p, of_q = rope.forces(piece, flow, r, u)
         height = segment.mean_height(x_p, x_q)
         a, b = rope.pulls(piece, flow, own, other, r, u, (height - own_height, height - other_height), z_p, z_q)
+        inside = rope.straightness(piece, dot(r, r))
+        resisted = rope.resistance(piece, flow.c_p, outside, inside) * flow.c_p
+        of_own, of_other, outside = of_own - own.at_p * resisted, of_other - other.at_p * resisted, inside
+        resisted = rope.resistance(piece, flow.c_q, inside, swapped(inside)) * flow.c_q
+        at_own, at_other = own.at_q * resisted, other.at_q * resisted
         count = 0.5 if 2 * s + 1 == n else 1.0  # the loop visits a middle segment twice
         of_own, of_other = of_own + count * a, of_other + count * b
         load = node_loads.load(chain, number_at(w.stage_mass, 0, (s, n - s)), x_p, v_p, None)
@@ -142,6 +148,7 @@ def sum_forces(strand, chain):
         from_outside = add(sub(drag, pull), of_q)
         x_p, v_p, z_p = x_q, v_q, z_q
     if n % 2 == 0:
+        of_own, of_other = of_own - pair(first(at_own), 0.0), of_other - pair(first(at_other), 0.0)
         load = node_loads.load(chain, w.stage_mass[n // 2], first(x_p), first(v_p), None)
         total = add(add(first(from_outside), second(from_outside)), load)
         put_interleaved(w.force, n // 2, pair(total, total))
@@ -352,6 +359,7 @@ def loop_of_end(strand, chain, end, d, own):
     n, numbers, other_end, nothing = chain.n, strand.numbers, 1 - end, pair(0.0, 0.0)
     by_own, by_other, of_own, of_other, heights = nothing, nothing, nothing, nothing, nothing
     length_p = rate_p = x_row = v_row = pair(ZERO_VECTOR, ZERO_VECTOR)
+    outside, at_own, at_other = pair(1.0, 1.0), nothing, nothing
     for s in range((n + 1) // 2):
         piece, flow, (near, far), slope, e, r, u, (z_p, z_q) = two_segments(strand, chain, s)
         side, other = of_end(end, near, far), of_end(other_end, near, far)
@@ -375,7 +383,13 @@ def loop_of_end(strand, chain, end, d, own):
         by_own, by_other = by_own + count * (of_rest * side.share), by_other + count * (of_rest * other.share)
         of_own = of_own + count * rope.corner(piece, flow, side, side, r, u)
         of_other = of_other + count * rope.corner(piece, flow, side, other, r, u)
+        inside = rope.straightness(piece, dot(r, r))
+        resisted = 2.0 * side.at_p * rope.resistance(piece, flow.c_p, outside, inside)
+        of_own, of_other, outside = of_own - side.at_p * resisted, of_other - other.at_p * resisted, inside
+        resisted = 2.0 * side.at_q * rope.resistance(piece, flow.c_q, inside, swapped(inside))
+        at_own, at_other = side.at_q * resisted, other.at_q * resisted
     if n % 2 == 0:
+        of_own, of_other = of_own - pair(first(at_own), 0.0), of_other - pair(first(at_other), 0.0)
         m = n // 2
         rate, velocity = add(first(rate_p), second(rate_p)), add(first(v_row), second(v_row))
         put(own.by_rate, m, rate)

@@ -5,12 +5,13 @@ or taut, a node touches down or lifts off, or the iteration is long, and the tot
 wind and loads can have supplied. Steps that are too long for a stiff line skip the stages.
 """
 
-from math import inf, pi
+from math import inf, pi, sqrt
 
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import plausibility as limits
 from tetherfmu.runtime.limits import STIFF
 
+from ..arrays import copy
 from ..compilation import kernel, view
 from ..equations import segment
 from ..equations.boundary import chain_during
@@ -21,17 +22,19 @@ from ..equations.properties import rest_length, stiffest
 from ..line import second_order
 from ..line.backward_euler import WHOLE
 from ..line.second_order import ROUNDING
-from ..linear_algebra.vectors import get, norm, sub
+from ..linear_algebra.vectors import dot, get, norm, put, scale, sub
 from ..notes import note
 from ..points.coordinates import has_own_drum
 from ..points.guess import start
 from ..points.net import mass_at
 from ..points.room import (
     PASSED_NOW,
+    SPEED_NOW,
     START_PASSED,
     Step,
     any_line,
     chain_reached,
+    coordinate_at,
     count_of,
     has_rope,
     holder,
@@ -212,15 +215,49 @@ def energy_and_power(system, time, is_new):
 
 
 @kernel
-def is_explained(system, time, h):
-    """Whether the energy after a step of h [s] at a time [s] is at most the earlier energy plus the supplied energy."""
+def unexplained(system, time, h):
+    """Energy [J] after a step of h [s] at a time [s] beyond the earlier energy plus the supplied energy; 0 if below."""
     turning.go_to_start(system, time)
     before, power = energy_and_power(system, time, False)
     turning.come_back(system, time + h)
     after, later = energy_and_power(system, time + h, True)
     motors = turning.work_of_motors(system, time, h)
     rounding = ROUNDING * (abs(before) + abs(after) + abs(motors))
-    return after - before - motors <= h * (power + later) + rounding
+    return max(after - before - motors - h * (power + later) - rounding, 0.0)
+
+
+@kernel
+def save_start(system):
+    """Save the motion of all lines as the start of a step (modified)."""
+    for k in range(lines_of(system)):
+        w, (x, v) = stages_of(system, k), motion_of(system, k)
+        copy(x, w.x)
+        copy(v, w.v)
+
+
+@kernel
+def moving_energy(system):
+    """Kinetic energy [J] of free nodes and drums."""
+    energy = turning.energy_of_drums(system)
+    for k in range(lines_of(system)):
+        conditions, (_, v), mass = conditions_of(system, k), motion_of(system, k), stages_of(system, k).chain.mass
+        for i in range(conditions.first, conditions.last + 1):
+            energy += 0.5 * mass[i] * dot(get(v, i), get(v, i))
+    return energy
+
+
+@kernel
+def give_back(system, time, h):
+    """Slow down all nodes and coordinates (modified) by the energy that an unconverged step of h [s] made from nothing."""
+    gained = unexplained(system, time, h)
+    if gained > 0.0:
+        part = sqrt(max(1.0 - gained / moving_energy(system), 0.0))
+        for k in range(lines_of(system)):
+            conditions, (_, v) = conditions_of(system, k), motion_of(system, k)
+            for i in range(conditions.first, conditions.last + 1):
+                put(v, i, scale(part, get(v, i)))
+        for j in range(count_of(system)):
+            coordinate_at(system, j)[SPEED_NOW] *= part
 
 
 # --- counts

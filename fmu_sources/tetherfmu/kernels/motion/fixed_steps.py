@@ -58,9 +58,11 @@ from .fallback import (
     bounces,
     count_fallback,
     crosses,
+    give_back,
     hard_at,
-    is_explained,
+    save_start,
     stiff_swing,
+    unexplained,
 )
 
 HELD_FROM = LAST_ITERATIONS - MOST_ITERATIONS  # of the iterations of the finest parts: lets them converge
@@ -132,7 +134,7 @@ def take_in_any_case(system, time, h):
     """A backward Euler step of h [s] of all lines (modified) at a time [s] with bounded iterations; returns their number.
 
     If it does not converge with coordinates, the lines step alone, with speeds limited to the earlier ones, in as many
-    iterations again.
+    iterations again. Energy made from nothing is then taken from all speeds.
     """
     iterations = 0
     if count_of(system) > 0:
@@ -141,7 +143,9 @@ def take_in_any_case(system, time, h):
             return iterations
         note_unconverged(system, True, 0.0)
         fixed.keep_lengths(system, Step(time, h, WHOLE, False))
+    save_start(system)
     _, more = take_step(system, Step(time, h, WHOLE, False), LAST_ITERATIONS, True)
+    give_back(system, time, h)
     return more if more < 0 else iterations + more
 
 
@@ -179,12 +183,11 @@ def begin_stage(system, i, known):
 
     known : as for `second_order.expect`.  Before the first stage their motion is saved.
     """
+    if i == 0:
+        save_start(system)
     for k in range(lines_of(system)):
         w, (x, v) = stages_of(system, k), motion_of(system, k)
-        if i == 0:
-            copy(x, w.x)
-            copy(v, w.v)
-        elif moves(system, k):
+        if i > 0 and moves(system, k):
             second_order.go_on(i, x, v, w)
         if moves(system, k) and known > 0:
             second_order.expect(TO_NEXT[i], known, w)
@@ -226,7 +229,7 @@ def stages(system, time, h, known):
     place_all_ends(system, time + h)
     does_cross = does_cross or crosses(system, time, time + h)
     is_smooth = not does_cross and iterations <= 2 * STAGES
-    return 0 if is_smooth or is_explained(system, time, h) else hard_at(system), iterations
+    return 0 if is_smooth or unexplained(system, time, h) == 0.0 else hard_at(system), iterations
 
 
 @kernel
