@@ -20,7 +20,7 @@ from tetherfmu.runtime import layout as at
 from ..compilation import kernel
 from ..linear_algebra.both_ends import add_to_node, get_interleaved, get_two, lower_and_upper, put_interleaved, put_two
 from ..linear_algebra.pairs import first, number_at, pair, second
-from ..linear_algebra.vectors import NEUTRAL_VECTOR, add, add_scaled, dot, get, norm, put, scale, sub
+from ..linear_algebra.vectors import NEUTRAL_VECTOR, ZERO_VECTOR, add, add_scaled, dot, get, norm, put, scale, sub
 from .properties import property_of, rest_length
 
 
@@ -28,6 +28,42 @@ from .properties import property_of, rest_length
 def flows(chain):
     """Whether rope flows past the nodes, or begins to."""
     return chain.flows
+
+
+@kernel
+def passing_at(chain, i):
+    """c_i [m/s] of an inner node, 0 at the ends, where rope leaves the ground."""
+    if not 0 < i < chain.n or (chain.reeling == 0.0 and chain.leaving == 0.0):
+        return 0.0
+    part = 1.0
+    for s in range(i):
+        part -= property_of(chain, s, at.SHARE)
+    return part * chain.reeling + chain.leaving
+
+
+@kernel
+def per_node(chain, i):
+    """1/(l0 of the segment before inner node i + l0 of the one after it) [1/m]."""
+    return 1.0 / (rest_length(chain, i - 1) + rest_length(chain, i))
+
+
+@kernel
+def along_ground(chain, i, below, above):
+    """Horizontal part of r/l0 [-] around inner node i, from the nodes before and after it [m]."""
+    per = per_node(chain, i)
+    return per * (above[0] - below[0]), per * (above[1] - below[1]), 0.0
+
+
+@kernel
+def slide(chain, i, c, x):
+    """Horizontal velocity [m/s] of the rope relative to node i, which it passes at c [m/s]; x : flat positions [m]."""
+    return scale(c, along_ground(chain, i, get(x, i - 1), get(x, i + 1))) if c != 0.0 else ZERO_VECTOR
+
+
+@kernel
+def velocity_of_rope(chain, i, x, v):
+    """Velocity (u_x, u_y, v_z) [m/s] with which the rope at node i meets the ground; x, v : flat positions, velocities."""
+    return add(get(v, i), slide(chain, i, passing_at(chain, i), x))
 
 
 @kernel

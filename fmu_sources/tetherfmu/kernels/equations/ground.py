@@ -3,12 +3,13 @@
 All forces are proportional to the node mass, so they are written as accelerations:
 
     a_n = w2 d (1 - a v_z) >= 0,   d = ground_height - z > 0,   w2 = g/ground_sink,   a = 2/sqrt(g ground_sink)
-    a_t = -mu a_n v_t/sqrt(|v_t|^2 + v_r^2)
+    a_t = -mu a_n u/sqrt(|u|^2 + v_r^2),   u = v_t + c r/l0
 
 At rest a node lies `ground_sink` deep; motion about this depth is critically damped. The damping grows with the depth, so
 the force is continuous at touchdown, and a node that hits the ground at any speed leaves it with less than 1/a: it rises by
-no more than ground_sink/8. A lying node creeps with v_r T/sqrt(F^2 - T^2) under a pull T below its friction F. The ground
-does not act on driven ends.
+no more than ground_sink/8. Friction opposes the horizontal velocity u of the rope, which passes the
+node at c while the winch reels (`flow.slide`). A lying node creeps with v_r T/sqrt(F^2 - T^2) under a pull T below its
+friction F. The ground does not act on driven ends. In `acceleration` and its derivatives v is (u_x, u_y, v_z).
 
 Source: Hunt and Crossley, Coefficient of restitution interpreted as damping in vibroimpact, J. Appl. Mech. 42 (1975) 440;
 docs/models/theory.md, "Ground".
@@ -21,7 +22,7 @@ from tetherfmu.runtime import layout as at
 
 from ..compilation import kernel, view
 from ..linear_algebra.matrices import multiply
-from ..linear_algebra.vectors import ZERO_VECTOR, scale, sub
+from ..linear_algebra.vectors import ZERO_VECTOR, add_scaled, sub
 
 CREEP = 2e-4  # v_r [m/s]: under 98 % of its friction a lying tether creeps by less than 1 mm/s
 SLIDING = 0.1  # v_r [m/s] in equilibrium, where friction has no memory: velocity noise is not sliding
@@ -173,9 +174,12 @@ def depths(ground, old, new):
 
 
 @kernel
-def slide_of_step(old, new, h):
-    """Horizontal displacement [m] of a node in a step of h [s] as `slip`, and its size [m]."""
-    u, speed = slip(scale(1.0 / h, sub(new, old)), CREEP)
+def slide_of_step(old, new, h, slide):
+    """Horizontal displacement [m] of the rope at a node in a step of h [s] as `slip`, and its size [m].
+
+    slide : velocity of the rope relative to the node [m/s].
+    """
+    u, speed = slip(add_scaled(slide, 1.0 / h, sub(new, old)), CREEP)
     return u, h * speed
 
 
@@ -191,14 +195,14 @@ def normal_of_step(ground, old, new, h):
 
 
 @kernel
-def potential_of_step(ground, old, new, h, held):
+def potential_of_step(ground, old, new, h, held, slide):
     """Incremental potential of the ground over the mass of a node that moves from `old` to `new` [m] in h [s]: [J/kg].
 
-    held : frozen a_n in the friction [m/s2].
+    held, slide : a_n [m/s2] and velocity of the rope relative to the node [m/s], both frozen in the friction.
     """
     before, depth = depths(ground, old, new)
     least = least_depth(ground, before, h)
-    _, way = slide_of_step(old, new, h)
+    _, way = slide_of_step(old, new, h, slide)
     total = ground.friction * held * way
     if depth > least:
         faster, deeper = ground.damping / h, depth - least
@@ -208,9 +212,9 @@ def potential_of_step(ground, old, new, h, held):
 
 
 @kernel
-def force_of_step(ground, old, new, h, held):
+def force_of_step(ground, old, new, h, held, slide):
     """Minus the derivative of `potential_of_step` by `new` [m/s2], and its own derivative, a matrix [1/s2]."""
-    u, way = slide_of_step(old, new, h)
+    u, way = slide_of_step(old, new, h, slide)
     grip = ground.friction * held
     pressed, by_z = normal_of_step(ground, old, new, h)
     xx, xy, yx, yy = slip_slope(-grip / way, u)

@@ -47,14 +47,14 @@ def accelerations(chain, x, v, load, mass, a):
             put(force, q, add(get(force, q), of_q))
         part -= property_of(chain, s, at.SHARE)
     for i in range(n + 1):
-        put(a, i, add_scaled(of_ground(chain, get(x, i), get(v, i)), 1.0 / mass[i], get(force, i)))
+        put(a, i, add_scaled(of_ground(chain, i, x, v), 1.0 / mass[i], get(force, i)))
 
 
 @kernel
-def of_ground(chain, x, v):
-    """Acceleration by the ground [m/s2] of a node at x [m] with velocity v [m/s]."""
+def of_ground(chain, i, x, v):
+    """Acceleration by the ground [m/s2] of node i of a chain at x [m] with velocities v [m/s]."""
     if has_ground(chain.parameters):
         below = ground_of(chain.parameters)
-        if ground.touches(below, x, v):
-            return ground.acceleration(below, x, v)
+        if ground.touches(below, get(x, i), get(v, i)):
+            return ground.acceleration(below, get(x, i), flow.velocity_of_rope(chain, i, x, v))
     return ZERO_VECTOR

@@ -57,10 +57,21 @@ def specific_potential(chain, x, is_free):
 
 @kernel
 def specific_losses(chain, x, v, is_free):
-    """Heat from the loads on a node at x [m] with velocity v [m/s] over its mass, in contact and by sliding [W/kg]."""
+    """Heat from the loads on a node at x [m] over its mass, in contact and by sliding [W/kg].
+
+    v : (u_x, u_y, v_z) of `flow.velocity_of_rope` [m/s].
+    """
     if is_free and has_ground(chain.parameters):
         return ground.specific_losses(ground_of(chain.parameters), x, v)
     return 0.0, 0.0
+
+
+@kernel
+def specific_friction(chain, x, v, slide):
+    """Power of friction on rope that passes a node with this velocity [m/s] over its mass [W/kg]; v : as above."""
+    if has_ground(chain.parameters) and ground.touches(ground_of(chain.parameters), x, v):
+        return dot(slide, ground.acceleration(ground_of(chain.parameters), x, v))
+    return 0.0
 
 
 @kernel

@@ -2,67 +2,198 @@
 
 All stages treat the nodes that touch the ground at the start of the step as in contact, and no others, so the step sees
 smooth equations. A step in which a node goes too far beyond the transition is rejected (`transition_error`), as for a
-segment that goes slack (`taut_slack.py`). The law: `equations/ground.py`.
+segment that goes slack (`taut_slack.py`). The law: `equations/ground.py`. Friction F acts on the rope, which passes a node
+at c t, t = r/l0 (`flow.along_ground`): it also pulls on the rope coordinates of the line ends, with W t . F (`add_to_end`).
 """
 
+from tetherfmu.runtime import layout as at
+
 from ..compilation import kernel
+from ..equations import flow
 from ..equations import ground as earth
-from ..equations.properties import point_mass
+from ..equations.end_motion import velocity_at
+from ..equations.properties import half_density, point_mass, property_of
 from ..linear_algebra.both_ends import add_to_node, get_node
-from ..linear_algebra.matrices import apply, get_matrix, put_matrix, scale_matrix
-from ..linear_algebra.vectors import add_scaled, get, put, scale, sub
+from ..linear_algebra.matrices import apply, get_matrix, put_matrix, scale_matrix, transposed_apply
+from ..linear_algebra.vectors import ZERO_VECTOR, add, add_at, add_scaled, dot, get, put, scale, sub
 from .taut_slack import TRANSITION
+
+
+@kernel
+def pass_rope(chain, w):
+    """c of all nodes [m/s] into w.passing (modified)."""
+    for i in range(chain.n + 1):
+        w.passing[i] = flow.passing_at(chain, i)
+
+
+@kernel
+def direction(chain, i, x):
+    """t [-] of inner node i from interleaved positions [m]."""
+    return flow.along_ground(chain, i, get_node(chain.n, i - 1, x), get_node(chain.n, i + 1, x))
+
+
+@kernel
+def state_at(chain, i, x, v, w):
+    """Position [m] of node i and the velocity (u_x, u_y, v_z) of its rope [m/s], from interleaved arrays."""
+    u = get_node(chain.n, i, v)
+    if w.passing[i] != 0.0:
+        u = add_scaled(u, w.passing[i], direction(chain, i, x))
+    return get_node(chain.n, i, x), u
 
 
 @kernel
 def find(conditions, chain, x, v, w):
     """Free nodes in ground contact at x [m] with velocities v [m/s] into w.touching, and m da/dv into w.grip.
 
-    Both are modified.
+    x, v : interleaved.  w.passing is known; both results are modified.
     """
     ground = earth.ground_of(chain.parameters)
     for i in range(chain.n + 1):
+        here, u = state_at(chain, i, x, v, w)
         w.touching[i] = 0.0
-        if conditions.first <= i <= conditions.last and earth.touches(ground, get(x, i), get(v, i)):
+        if conditions.first <= i <= conditions.last and earth.touches(ground, here, u):
             w.touching[i] = 1.0
-            _, by_velocity = earth.derivatives(ground, get(x, i), get(v, i))
+            _, by_velocity = earth.derivatives(ground, here, u)
             put_matrix(w.grip, 9 * i, scale_matrix(w.mass[i], by_velocity))
 
 
 @kernel
-def add_rate(chain, x, v, w, force_rate):
-    """Add the force rate from reeling [N/s], through the masses in ground contact, to `force_rate` (modified)."""
-    ground = earth.ground_of(chain.parameters)
+def add_rate(chain, acceleration, w, force_rate):
+    """Add the force rate from reeling [N/s], through masses and c t of nodes in ground contact, to `force_rate` (modified).
+
+    acceleration : L'' [m/s2].
+    """
+    if chain.reeling == 0.0 and acceleration == 0.0:
+        return
+    ground, part = earth.ground_of(chain.parameters), 1.0
     for i in range(chain.n + 1):
         if w.touching[i] > 0.0:
             mass_rate = (w.mass[i] - point_mass(chain, i)) * chain.growth
-            put(force_rate, i, add_scaled(get(force_rate, i), mass_rate, earth.acceleration(ground, get(x, i), get(v, i))))
+            rate = scale(mass_rate, earth.acceleration(ground, *state_at(chain, i, w.start_x, w.start_v, w)))
+            if 0 < i < chain.n:
+                gained = part * acceleration - w.passing[i] * chain.growth
+                rate = add(rate, apply(get_matrix(w.grip, 9 * i), scale(gained, direction(chain, i, w.start_x))))
+            put(force_rate, i, add(get(force_rate, i), rate))
+        if i < chain.n:
+            part -= property_of(chain, i, at.SHARE)
 
 
 @kernel
-def subtract_slopes(chain, d, x, v, w):
+def add_end_motion(conditions, chain, time, w, force_rate):
+    """Add to `force_rate` [N/s] (modified) how the motion of driven ends at a time [s] turns t of their neighbours."""
+    for end in range(2):
+        i, curve = (1, conditions.ground) if end == 0 else (chain.n - 1, conditions.kite)
+        is_driven = conditions.first == 1 if end == 0 else conditions.last == chain.n - 1
+        if is_driven and w.touching[i] > 0.0 and w.passing[i] != 0.0:
+            turned = scale((2.0 * end - 1.0) * w.passing[i] * flow.per_node(chain, i), velocity_at(curve, time))
+            turned = turned[0], turned[1], 0.0
+            put(force_rate, i, add(get(force_rate, i), apply(get_matrix(w.grip, 9 * i), turned)))
+
+
+@kernel
+def subtract_slopes(chain, d, w):
     """Subtract dF/dv + d dF/dx from the blocks of w.matrix (modified)."""
-    ground = earth.ground_of(chain.parameters)
+    ground, matrix = earth.ground_of(chain.parameters), w.matrix
     for i in range(chain.n + 1):
         if w.touching[i] > 0.0:
-            by_z, _ = earth.derivatives(ground, get(x, i), get(v, i))
-            block = w.matrix.diagonal
+            by_z, _ = earth.derivatives(ground, *state_at(chain, i, w.start_x, w.start_v, w))
             for j in range(3):
                 for k in range(3):
-                    block[9 * i + 3 * j + k] -= w.grip[9 * i + 3 * j + k]
-            for j in range(3):
-                block[9 * i + 3 * j + 2] -= d * w.mass[i] * by_z[j]
+                    matrix.diagonal[9 * i + 3 * j + k] -= w.grip[9 * i + 3 * j + k]
+                matrix.diagonal[9 * i + 3 * j + 2] -= d * w.mass[i] * by_z[j]
+            if w.passing[i] != 0.0:
+                factor = d * w.passing[i] * flow.per_node(chain, i)
+                for j in range(3):
+                    for k in range(2):
+                        matrix.upper[9 * i + 3 * j + k] -= factor * w.grip[9 * i + 3 * j + k]
+                        matrix.lower[9 * i + 3 * j + k] += factor * w.grip[9 * i + 3 * j + k]
+
+
+@kernel
+def force_at(chain, i, w):
+    """Ground force [N] on node i in contact at a stage."""
+    ground = earth.ground_of(chain.parameters)
+    return scale(w.stage_mass[i], earth.acceleration(ground, *state_at(chain, i, w.stage_x, w.stage_v, w)))
 
 
 @kernel
 def add_forces(chain, w):
     """Add the ground forces [N] at a stage to w.force (modified)."""
-    n = chain.n
-    ground = earth.ground_of(chain.parameters)
-    for i in range(n + 1):
+    for i in range(chain.n + 1):
         if w.touching[i] > 0.0:
-            a = earth.acceleration(ground, get_node(n, i, w.stage_x), get_node(n, i, w.stage_v))
-            add_to_node(n, i, scale(w.stage_mass[i], a), w.force)
+            add_to_node(chain.n, i, force_at(chain, i, w), w.force)
+
+
+@kernel
+def pull_of_friction(chain, weights, w):
+    """Contribution of friction to R of a line end [N] at a stage; weights : W of its nodes."""
+    total = 0.0
+    for i in range(1, chain.n):
+        if w.touching[i] > 0.0:
+            total += weights[i] * dot(direction(chain, i, w.stage_x), force_at(chain, i, w))
+    return total
+
+
+@kernel
+def add_to_column(chain, d, weights, growth, w, own):
+    """Add the slopes of ground forces by rope that enters over an end to its `Rope` (modified); weights, growth : W, g."""
+    ground = earth.ground_of(chain.parameters)
+    for i in range(chain.n + 1):
+        if w.touching[i] > 0.0:
+            mass = half_density(chain, i - 1) * growth[i - 1] if i > 0 else 0.0
+            mass += half_density(chain, i) * growth[i] if i < chain.n else 0.0
+            by_length, by_rate = (
+                scale(mass, earth.acceleration(ground, *state_at(chain, i, w.start_x, w.start_v, w))),
+                ZERO_VECTOR,
+            )
+            if 0 < i < chain.n:
+                along = apply(get_matrix(w.grip, 9 * i), direction(chain, i, w.start_x))
+                by_length = add_scaled(
+                    by_length, -w.passing[i] * (growth[i - 1] + growth[i]) * flow.per_node(chain, i), along
+                )
+                by_rate = scale(weights[i], along)
+            add_at(own.by_rate, i, by_rate)
+            add_at(own.solved, i, add_scaled(by_rate, d, by_length))
+
+
+@kernel
+def add_to_row(chain, d, weights, w, own):
+    """Add the slopes of `pull_of_friction` by velocities and positions to the `Rope` of the end (modified)."""
+    ground = earth.ground_of(chain.parameters)
+    for i in range(1, chain.n):
+        if w.touching[i] > 0.0:
+            t, part = direction(chain, i, w.start_x), weights[i]
+            here, u = state_at(chain, i, w.start_x, w.start_v, w)
+            by_z, _ = earth.derivatives(ground, here, u)
+            by_velocity = scale(part, transposed_apply(t, get_matrix(w.grip, 9 * i)))
+            add_at(own.by_velocity, i, by_velocity)
+            add_at(own.row, i, add(by_velocity, (0.0, 0.0, d * part * w.mass[i] * dot(t, by_z))))
+            force = scale(part * w.mass[i], earth.acceleration(ground, here, u))
+            turned = scale(d * flow.per_node(chain, i), add_scaled(force, w.passing[i], by_velocity))
+            turned = turned[0], turned[1], 0.0
+            add_at(own.row, i + 1, turned)
+            add_at(own.row, i - 1, scale(-1.0, turned))
+
+
+@kernel
+def corner(chain, weights, others, growth, w):
+    """Slopes of `pull_of_friction` by rope that enters over an end: by its length [N/m] and rate [N s/m].
+
+    others, growth : W and g of that end.
+    """
+    ground, by_length, by_rate = earth.ground_of(chain.parameters), 0.0, 0.0
+    for i in range(1, chain.n):
+        if w.touching[i] > 0.0:
+            t = direction(chain, i, w.start_x)
+            a = earth.acceleration(ground, *state_at(chain, i, w.start_x, w.start_v, w))
+            along, turned = (
+                dot(t, apply(get_matrix(w.grip, 9 * i), t)),
+                (growth[i - 1] + growth[i]) * flow.per_node(chain, i),
+            )
+            mass = half_density(chain, i - 1) * growth[i - 1] + half_density(chain, i) * growth[i]
+            by_length += weights[i] * ((mass - turned * w.mass[i]) * dot(t, a) - turned * w.passing[i] * along)
+            by_rate += weights[i] * others[i] * along
+    return by_length, by_rate
 
 
 @kernel

@@ -106,21 +106,32 @@ def ground_potential(attempt, x, w):
     of_ground = ground.ground_of(attempt.chain.parameters)
     total = 0.0
     for i in range(attempt.conditions.first, attempt.conditions.last + 1):
-        total += w.mass[i] * ground.potential_of_step(of_ground, get(w.old, i), get(x, i), attempt.h, w.pressed[i])
+        frozen = w.pressed[i], get(w.slide, i)
+        total += w.mass[i] * ground.potential_of_step(of_ground, get(w.old, i), get(x, i), attempt.h, *frozen)
     return total
+
+
+@kernel
+def slide_at(chain, i, x):
+    """Velocity [m/s] of the rope relative to node i."""
+    return flow.slide(chain, i, flow.passing_at(chain, i), x)
 
 
 @kernel
 def add_ground(attempt, x, is_held, w):
     """Add the ground to the iteration matrix, and minus its gradient to w.move (both modified).
 
-    is_held : whether the a_n of the friction is frozen.
+    is_held : whether a_n of the friction and the velocity of the rope past the nodes are frozen.
     """
+    if not is_held:
+        for i in range(attempt.chain.n + 1):
+            put(w.slide, i, slide_at(attempt.chain, i, x))
     of_ground, h, diagonal = ground.ground_of(attempt.chain.parameters), attempt.h, w.matrix.diagonal
     for i in range(attempt.conditions.first, attempt.conditions.last + 1):
         if not is_held:
             w.pressed[i], _ = ground.normal_of_step(of_ground, get(w.old, i), get(x, i), h)
-        force, by_position = ground.force_of_step(of_ground, get(w.old, i), get(x, i), h, w.pressed[i])
+        frozen = w.pressed[i], get(w.slide, i)
+        force, by_position = ground.force_of_step(of_ground, get(w.old, i), get(x, i), h, *frozen)
         put(w.move, i, add_scaled(get(w.move, i), w.mass[i], force))
         block = get_matrix(diagonal, 9 * i)
         put_matrix(diagonal, 9 * i, subtract(block, scale_matrix(w.mass[i], by_position)))
@@ -151,8 +162,8 @@ def add_flow(attempt, x, w):
 def rests_on_ground(attempt, x, w):
     """Whether ground contact and friction of the nodes at x [m] agree with the last iteration.
 
-    The pressure of each node equals the frozen value within PRESSED, and its last slide is at most a part SLID of its
-    total slide.
+    The pressure of each node equals the frozen value within PRESSED; its last slide, and the change of that of the rope
+    past it, are at most a part SLID of its total slide.
     """
     of_ground = ground.ground_of(attempt.chain.parameters)
     for i in range(attempt.conditions.first, attempt.conditions.last + 1):
@@ -161,8 +172,11 @@ def rests_on_ground(attempt, x, w):
         if abs(normal - w.pressed[i]) > PRESSED * (w.pressed[i] + attempt.chain.gravity):
             return False
         if w.pressed[i] > 0.0:
-            _, way = ground.slide_of_step(old, new, attempt.h)
+            frozen = get(w.slide, i)
+            _, way = ground.slide_of_step(old, new, attempt.h, frozen)
             if move[0] ** 2 + move[1] ** 2 > (SLID * way) ** 2:
+                return False
+            if norm(sub(slide_at(attempt.chain, i, x), frozen)) * attempt.h > SLID * way:
                 return False
     return True
 

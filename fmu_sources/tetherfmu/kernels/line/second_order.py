@@ -33,7 +33,7 @@ from ..equations import flow, node_loads, segment
 from ..equations.boundary import load_during
 from ..equations.properties import rest_length
 from ..flat_arrays import part
-from ..linear_algebra.vectors import dot, get, norm, sub
+from ..linear_algebra.vectors import add, dot, get, norm, sub
 from . import backward_euler
 
 GAMMA = 0.182  # g
@@ -83,6 +83,8 @@ def energy_and_power(conditions, chain, time, x, v, mass):
     for i in range(conditions.first, conditions.last + 1):
         speed = norm(get(v, i))
         energy += mass[i] * (0.5 * speed * speed + node_loads.specific_potential(chain, get(x, i), True))
+        slide = flow.slide(chain, i, flow.passing_at(chain, i), x)
+        power += mass[i] * abs(node_loads.specific_friction(chain, get(x, i), add(get(v, i), slide), slide))
     if flow.flows(chain):
         power += flow.most_power(chain, x, v)
     for s in range(n):

@@ -8,7 +8,7 @@ a substructure in `points/net.py`. Under the stretch_rate law rope carries no mo
 from ..arrays import clear, copy
 from ..compilation import kernel, view
 from ..equations import assembly, node_loads, rope, segment, winch
-from ..equations.boundary import chain_with, load_during
+from ..equations.boundary import load_during
 from ..equations.end_motion import acceleration_at, jerk_at, velocity_at
 from ..equations.ground import has_ground
 from ..equations.properties import half_density, rest_length
@@ -87,11 +87,28 @@ def residual(strand, chain, time):
     take_pulls(strand, chain)
     if feels_rope(chain.parameters):
         if has_ground(chain.parameters):
+            pass_rope(strand)
             contact.add_forces(chain, w)
+            add_friction(strand, chain)
         load = pair(NEUTRAL_VECTOR, load_during(strand.conditions, time))
         put_interleaved(w.force, 0, add(get_interleaved(w.force, 0), load))
     else:
         rosenbrock.stage_force(strand.conditions, chain, time, w)
+
+
+@kernel
+def pass_rope(strand):
+    """c of the rope at all inner nodes at the stage [m/s] into w.passing (modified)."""
+    rate, last = strand.numbers[RATE], strand.numbers[RATE + 1]
+    for i in range(1, strand.n):
+        strand.w.passing[i] = strand.weights.first[i] * rate + strand.weights.last[i] * last
+
+
+@kernel
+def add_friction(strand, chain):
+    """Add the pull of friction on the ground to R of both ends at a stage (modified)."""
+    strand.numbers[PULL] += contact.pull_of_friction(chain, strand.weights.first, strand.w)
+    strand.numbers[PULL + 1] += contact.pull_of_friction(chain, strand.weights.last, strand.w)
 
 
 @kernel
@@ -171,21 +188,30 @@ def begin(strand, chain, time, x, v):
     copy(w.mass, w.stage_mass)
     assembly.find_slopes(chain, w.start_x, w.start_v, w.modes, w.segments, w.records)
     if has_ground(chain.parameters):
-        contact.find(conditions, chain, x, v, w)
+        find_contact(strand, chain, w.start_x, w.start_v)
     begin_residual(strand, chain, time)
+
+
+@kernel
+def find_contact(strand, chain, x, v):
+    """Nodes on the ground at interleaved positions [m] and velocities [m/s] (modified); w.mass is known."""
+    w = strand.w
+    w.passing[0] = w.passing[strand.n] = 0.0
+    pass_rope(strand)
+    contact.find(strand.conditions, chain, x, v, w)
 
 
 @kernel
 def evaluate(strand, chain, time, x, v):
     """Forces, pulls and slopes by gains at x [m], v [m/s] and a time [s], outside a step (modified)."""
-    conditions, w, n = strand.conditions, strand.w, strand.n
+    w, n = strand.w, strand.n
     interleave(n, x, w.stage_x)
     interleave(n, v, w.stage_v)
     assembly.node_masses(chain, w.stage_mass)
     clear(w.modes)
     if has_ground(chain.parameters):
         copy(w.stage_mass, w.mass)
-        contact.find(conditions, chain, x, v, w)
+        find_contact(strand, chain, w.stage_x, w.stage_v)
     begin_residual(strand, chain, time)
 
 
@@ -251,12 +277,12 @@ def put_of_ends(n, s, own, other, a, b):
 
 
 @kernel
-def form(strand, chain, time, d, x, v):
+def form(strand, chain, time, d):
     """Matrix M/d - B - d K of a step, columns, rows and slopes of R, time derivatives into w.force_rate (all modified)."""
     conditions, w, n, numbers = strand.conditions, strand.w, strand.n, strand.numbers
     assembly.assemble(n, 1.0 / d, 1.0, d, w.mass, w.records, w.matrix)
     if has_ground(chain.parameters):
-        contact.subtract_slopes(chain, d, x, v, w)
+        contact.subtract_slopes(chain, d, w)
     clear(w.q)
     clear(w.dampings)
     if feels_rope(chain.parameters):
@@ -264,10 +290,8 @@ def form(strand, chain, time, d, x, v):
     for end in range(2):
         if is_held(strand, end) or (end == 0 and winch.is_reeling(conditions.reeling)):
             linearize_end(strand, chain, end, time, d)
-        if is_held(strand, end) and has_ground(chain.parameters):
-            contact.add_rate(chain_with(conditions, chain.length, d), x, v, w, rope_in(n, strand.ropes, end).solved)
     if winch.is_reeling(conditions.reeling):
-        add_rates_of_winch(strand, chain, time, d, x, v)
+        add_rates_of_winch(strand, time, d)
     add_explicit_rates(strand, chain, time)
     interleave(n, w.q, w.force_rate)
     for end in range(2):
@@ -342,6 +366,8 @@ def linearize_end(strand, chain, end, time, d):
         loop_of_end(strand, chain, end, d, own)
     else:
         loop_of_spring(strand, chain, d, own)
+    if has_ground(chain.parameters):
+        slopes_of_ground(strand, chain, end, d, own)
     numbers[OF_TIME + end] = 0.0
     for i in range(2):
         if is_driven(conditions, i):
@@ -351,6 +377,21 @@ def linearize_end(strand, chain, end, time, d):
     if strand.n % 2 == 0:
         for j in range(3 * strand.n + 1, 3 * strand.n + 7, 2):  # count the middle node once
             own.gain_row[j] = own.velocity_row[j] = 0.0
+
+
+@kernel
+def slopes_of_ground(strand, chain, end, d, own):
+    """Add the slopes of ground forces to column, row and slopes of R of an end (modified)."""
+    w, by_end, growths = strand.w, strand.weights, (strand.weights.growth_first, strand.weights.growth_last)
+    weights = by_end.last if end == 1 else by_end.first
+    contact.add_to_column(chain, d, weights, growths[1] if end == 1 else growths[0], w, own)
+    if feels_rope(chain.parameters):
+        contact.add_to_row(chain, d, weights, w, own)
+        for f in range(2):
+            others = by_end.last if f == 1 else by_end.first
+            by_length, by_rate = contact.corner(chain, weights, others, growths[1] if f == 1 else growths[0], w)
+            strand.numbers[BY_LENGTH + 2 * end + f] += by_length
+            strand.numbers[BY_RATE + 2 * end + f] += by_rate
 
 
 @kernel
@@ -451,16 +492,14 @@ def let_go(curve, i, time, d, own):
 
 
 @kernel
-def add_rates_of_winch(strand, chain, time, d, x, v):
+def add_rates_of_winch(strand, time, d):
     """Add the rates of forces and of R [N/s] from time-dependent reeling to w.q and OF_TIME (modified)."""
-    reeling, n, w, numbers = strand.conditions.reeling, chain.n, strand.w, strand.numbers
+    reeling, n, w, numbers = strand.conditions.reeling, strand.n, strand.w, strand.numbers
     speed, gain, jerk = winch.rate_at(reeling, time), winch.acceleration_at(reeling, time), winch.jerk_at(reeling, time)
     own = rope_in(n, strand.ropes, 0)
     for i in range(len(w.q)):
         by_length = (own.solved[i] - own.by_rate[i] - own.by_gain[i] / d) / d
         w.q[i] += speed * by_length + gain * own.by_rate[i] + jerk * own.by_gain[i]
-    if has_ground(chain.parameters) and not is_held(strand, 0):  # otherwise the column contains it
-        contact.add_rate(chain_with(strand.conditions, chain.length, speed), x, v, w, w.q)
     for end in range(2):
         by_winch = numbers[BY_LENGTH + 2 * end] * speed + numbers[BY_RATE + 2 * end] * gain
         numbers[OF_TIME + end] += by_winch + numbers[BY_GAIN + 2 * end] * jerk

@@ -19,6 +19,7 @@ from ..equations import assembly, flow
 from ..equations.boundary import load_during
 from ..equations.end_motion import acceleration_at
 from ..equations.free_points import free_points, is_at_point, load_at, point_at, points_of, rows_of
+from ..equations.ground import has_ground
 from ..equations.lines import conditions_of, lines_of, motion_of, parameters_of, segments_of
 from ..equations.node_loads import free_acceleration
 from ..equations.properties import property_of
@@ -222,8 +223,13 @@ def take_rope(system, k, step):
     copy(own.w.start_v, own.w.stage_v)
     chain = chain_at_stage(system, k)
     copy(w.mass, own.w.stage_mass)
+    if has_ground(chain.parameters):
+        copy(w.mass, own.w.mass)
+        strand.find_contact(own, chain, own.w.start_x, own.w.start_v)
     assembly.find_slopes(chain, own.w.start_x, own.w.start_v, own.w.modes, own.w.segments, own.w.records)
     strand.take_pulls(own, chain)
+    if has_ground(chain.parameters) and feels_rope(chain.parameters):
+        strand.add_friction(own, chain)
     strand.take_gain_columns(own, chain)
     for side in range(2):
         numbers[LEFT + side] = 0.0

@@ -12,7 +12,7 @@ from collections import namedtuple
 from tetherfmu.runtime import layout as at
 
 from ..compilation import kernel
-from ..equations import node_loads, segment
+from ..equations import flow, node_loads, segment
 from ..equations.ground import SLIDING, carries, support, support_slope
 from ..equations.properties import property_of, rest_length
 from ..linear_algebra.matrices import ZERO_MATRIX, add_to_diagonal, scale_matrix, skew
@@ -88,10 +88,10 @@ def motion_of(body):
 
 @kernel
 def sliding(body, i):
-    """Sliding velocity [m/s] of node i on the ground."""
+    """Sliding velocity [m/s] of the rope at node i on the ground."""
     if body.is_piled:
         return scale(SLIDING / GIVE, sub(get(body.x, i), get(body.anchor, i)))
-    return get(body.v, i)
+    return add(get(body.v, i), flow.slide(body.chain, i, flow.passing_at(body.chain, i), body.x))
 
 
 @kernel

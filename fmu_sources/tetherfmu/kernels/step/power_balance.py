@@ -14,7 +14,7 @@ from ..equations.properties import chain_with_flow, point_mass, rest_length, see
 from ..equations.torn import is_torn
 from ..equations.winch import follows_force
 from ..flat_arrays import part
-from ..linear_algebra.vectors import NEUTRAL, dot, get, put, scale, sub, vector_at
+from ..linear_algebra.vectors import NEUTRAL, add, dot, get, put, scale, sub, vector_at
 
 # fields of `python.energy.Energy` in order; then segment tensions [N], then node velocities [m/s]
 KINETIC, ELASTIC, POTENTIAL, GROUND_POWER, KITE_POWER, WINCH, MATERIAL, WIND, DAMPING_LOSS, DRAG_LOSS = range(10)
@@ -107,7 +107,10 @@ def balance_nodes(chain, x, v, mass, energies):
         tether = mass[i] - point_mass(chain, i)
         moving = 0.5 * free * dot(get(v, i), get(v, i))
         specific = node_loads.specific_potential(chain, get(x, i), free > 0.0)
-        contact, sliding = node_loads.specific_losses(chain, get(x, i), get(v, i), free > 0.0)
+        slide = flow.slide(chain, i, flow.passing_at(chain, i), x)
+        of_rope = add(get(v, i), slide)
+        contact, sliding = node_loads.specific_losses(chain, get(x, i), of_rope, free > 0.0)
+        energies[WINCH] -= mass[i] * node_loads.specific_friction(chain, get(x, i), of_rope, slide)
         energies[KINETIC] += mass[i] * moving
         energies[POTENTIAL] += (tether + free * point_mass(chain, i)) * specific
         energies[MATERIAL] += tether * (moving + specific)

@@ -1,0 +1,147 @@
+"""Friction on rope that passes the nodes on the ground: derivatives against central differences."""
+
+import numpy as np
+import pytest
+
+from kernels.chain_problem import ChainProblem
+from kernels.interleaved import interleaved
+from tetherfmu.kernels.equations import assembly
+from tetherfmu.kernels.equations.properties import chain_in_motion
+from tetherfmu.kernels.line import contact
+from tetherfmu.runtime import layout as at
+
+STEP = 1e-6
+TOLERANCE = 1e-6  # central differences: truncation h^2 F''' and rounding eps F/h, of the largest entry
+SPEED, GAIN = 1.5, 0.7  # of the reeling [m/s], [m/s2]
+
+
+def on_ground():
+    problem = ChainProblem(reeling=SPEED)
+    problem.parameters[at.GROUND_CONTACT], problem.parameters[at.GROUND_FRICTION] = at.FLAT, 0.5
+    problem.parameters[at.GROUND_HEIGHT], problem.parameters[at.GROUND_SINK] = 60.0, 5.0
+    problem.v[2::3] *= 0.1  # no node leaves the ground
+    return problem
+
+
+def chain_after(problem, time):
+    length, speed = problem.length + SPEED * time + 0.5 * GAIN * time * time, SPEED + GAIN * time
+    return chain_in_motion(problem.n, problem.parameters, length, speed, GAIN, problem.wind)
+
+
+def contact_found(problem, chain, x, v):
+    w = problem.of_rosenbrock
+    assembly.node_masses(chain, w.mass)
+    w.stage_mass[:] = w.mass
+    for place in (w.start_x, w.stage_x):
+        place[:] = interleaved(x)
+    for place in (w.start_v, w.stage_v):
+        place[:] = interleaved(v)
+    contact.pass_rope(chain, w)
+    contact.find(problem.conditions, chain, w.start_x, w.start_v, w)
+    return w
+
+
+def forces(problem, chain, x, v):
+    w = contact_found(problem, chain, x, v)
+    found = np.zeros(3 * (problem.n + 1))
+    for i in range(1, problem.n):
+        found[3 * i : 3 * i + 3] = contact.force_at(chain, i, w)
+    return found
+
+
+def differences(function, point):
+    shifts = STEP * np.eye(len(point))
+    return np.array([(function(point + d) - function(point - d)) / (2.0 * STEP) for d in shifts]).T
+
+
+def full(n, matrix):
+    found = np.zeros((3 * (n + 1), 3 * (n + 1)))
+    for i in range(n + 1):
+        rows = slice(3 * i, 3 * i + 3)
+        for k, blocks in ((i, matrix.diagonal), (i - 1, matrix.lower), (i + 1, matrix.upper)):
+            if 0 <= k <= n:
+                found[rows, 3 * k : 3 * k + 3] = blocks[9 * i : 9 * i + 9].reshape(3, 3)
+    return found
+
+
+def close(found, expected):
+    np.testing.assert_allclose(found, expected, rtol=0, atol=TOLERANCE * np.abs(expected).max())
+
+
+def test_forces_differentiate_to_the_matrix():
+    problem = on_ground()
+    chain, (x, v) = chain_after(problem, 0.0), (problem.x.copy(), problem.v.copy())
+    by_position = differences(lambda x: forces(problem, chain, x, v), x)
+    by_velocity = differences(lambda v: forces(problem, chain, x, v), v)
+    for d in (0.0, 0.3):
+        w = contact_found(problem, chain, x, v)
+        assert w.touching[1:-1].all()
+        for blocks in w.matrix:
+            blocks[:] = 0.0
+        contact.subtract_slopes(chain, d, w)
+        close(full(problem.n, w.matrix), -(by_velocity + d * by_position))
+
+
+def test_rate_of_the_forces():
+    """While the winch accelerates and both driven ends move."""
+    problem = on_ground()
+    x, v = problem.x.copy(), problem.v.copy()
+
+    def later(time):
+        moved = x.copy()
+        for i in (0, problem.n):
+            moved[3 * i : 3 * i + 3] += time * v[3 * i : 3 * i + 3]
+        return forces(problem, chain_after(problem, time), moved, v)
+
+    chain, found = chain_after(problem, 0.0), np.zeros_like(x)
+    w = contact_found(problem, chain, x, v)
+    contact.add_rate(chain, GAIN, w, found)
+    contact.add_end_motion(problem.conditions, chain, 0.0, w, found)
+    close(found, (later(STEP) - later(-STEP)) / (2.0 * STEP))
+
+
+@pytest.mark.parametrize("end", [0, 1])
+def test_pull_of_friction_differentiates_to_row_and_corner(end):
+    problem, rng = on_ground(), np.random.default_rng(7)
+    n, x, v = problem.n, problem.x.copy(), problem.v.copy()
+    first = np.concatenate(([1.0], 1.0 - np.cumsum(np.full(n, 1.0 / n))))
+    weights, growth = (first, first - 1.0), np.full(n, 1.0 / n)
+    rates = rng.normal(size=2)
+
+    def with_rates(length, rates, x, v):
+        chain = chain_in_motion(n, problem.parameters, length, rates[0] + rates[1], 0.0, problem.wind)
+        w = contact_found(problem, chain, x, v)
+        w.passing[1:-1] = (weights[0] * rates[0] + weights[1] * rates[1])[1:-1]
+        contact.find(problem.conditions, chain, w.start_x, w.start_v, w)
+        return chain, w
+
+    def pull(length, rates, x, v):
+        chain, w = with_rates(length, rates, x, v)
+        return np.array([contact.pull_of_friction(chain, weights[end], w)])
+
+    chain, w = with_rates(problem.length, rates, x, v)
+    d, flat = 0.3, 3 * (n + 1)
+    from tetherfmu.kernels.line.strand_room import Rope
+
+    own = Rope(*(np.zeros(flat) for _ in range(7)))
+    contact.add_to_row(chain, d, weights[end], w, own)
+    by_position = differences(lambda x: pull(problem.length, rates, x, v), x)[0]
+    by_velocity = differences(lambda v: pull(problem.length, rates, x, v), v)[0]
+    close(own.by_velocity, by_velocity)
+    close(own.row, by_velocity + d * by_position)
+    for other in range(2):
+        by_length, by_rate = contact.corner(chain, weights[end], weights[other], growth, w)
+        expected = differences(lambda q: pull(problem.length + q[0], rates + np.eye(2)[other] * q[1], x, v), np.zeros(2))[0]
+        close(np.array((by_length, by_rate)), expected)
+    contact.add_to_column(chain, d, weights[end], growth, w, own)
+
+    def moved(q):
+        chain, w = with_rates(problem.length + q[0], rates + np.eye(2)[end] * q[1], x, v)
+        found = np.zeros(flat)
+        for i in range(1, n):
+            found[3 * i : 3 * i + 3] = contact.force_at(chain, i, w)
+        return found
+
+    by_rope = differences(moved, np.zeros(2))
+    close(own.by_rate, by_rope[:, 1])
+    close(own.solved, by_rope[:, 1] + d * by_rope[:, 0])
