@@ -50,8 +50,8 @@ from the same communication point, to `interpolated` (3) if your tool steps one 
 
 ## A kite power system
 
-`python examples/power_system/pumping_cycle.py` couples `TetherDynamicFree`, `PointMassKite`, `FlightController` and `Winch`
-in FMPy:
+`python examples/power_system/pumping_cycle.py` couples `TetherDynamicFree`, `PointMassKite`, `FlightController` and
+`Winch`:
 
 ![Force, reel-out speed, power and length over three traction phases](../figures/pumping_series.svg)
 
@@ -111,9 +111,9 @@ file there is only the mean wind.
   `wind_points` to 2). Without `shape` the points are on the straight line from the origin to the kite. `wind_velocity` is
   the mean along the tether, for tethers with `wind_profile` = uniform. `kite_wind` is for `wind_velocity` of a kite with a
   uniform profile.
-- **Axes.** x of the box is downwind, y to the left when looking downwind, z up; `wind_direction` is where the wind blows
-  *to*. `box_origin` is the middle of its front at the start. The lowest row is at the height of the TurbSim file,
-  otherwise 0, plus `box_origin[3]`.
+- **Axes.** x of the box is downwind, y to the left when looking downwind; `wind_direction` is where the wind blows *to*.
+  `box_origin` is the middle of its front at the start. The lowest row is at the height of the TurbSim file, otherwise 0,
+  plus `box_origin[3]`.
 - **Order of planes.** In Mann and numpy files the last plane is the front, in TurbSim files the first. A reversed order
   plays the turbulence backwards; spectra do not reveal it. PyConTurb 2.7.4 writes the points of a `.bts` plane upwards
   first, TurbSim and this reader across first.
@@ -137,8 +137,8 @@ Means and standard deviations are from 20 s on.
 
 ## A model of your own
 
-Copy a file of `examples/fmus`: a class that declares inputs, outputs and parameters, with the methods `first` and `next`,
-from numbers to numbers. Add its name to `SLAVES` in `examples/shared/example_fmus.py`, or call `build` there.
+Copy a class of `examples/fmus`, with its inputs, outputs and parameters and the methods `first` and `next`. Add its name to
+`SLAVES` in `examples/shared/example_fmus.py`, or call `build` there.
 
 ## Systems as SSP files
 
@@ -147,11 +147,11 @@ from numbers to numbers. Add its name to `SLAVES` in `examples/shared/example_fm
 `SystemStructure_coarse.ssd`, 30 and 1e-6 in `SystemStructure_fine.ssd`.
 
 - libcosim (`CosimExecution.from_ssp_file`, on the extracted file) and Ecos (`EcosSimulation(ssp_path=...)`) agree with the
-  Jacobi master of the example to ten digits.
-- fmu-manipulation-toolbox makes one FMU of a system (`fmucontainer -container kite_power_system.ssp:0.02`); it starts the
-  kite without its first steering, which moves the path by centimetres.
-- FMPy's `simulate_ssp` sets all connected inputs to 0 in the first step: kites refuse it, circles start with a false
-  tension of over 4e5 N. Use another tool.
+  example's Jacobi master to ten digits.
+- fmu-manipulation-toolbox makes one FMU (`fmucontainer -container kite_power_system.ssp:0.02`), without the kite's first
+  steering, which moves the path by centimetres.
+- Do not use FMPy's `simulate_ssp`: it sets all connected inputs to 0 in the first step. Kites refuse it, circles start with
+  a false tension of over 4e5 N.
 - `extra/com.open-simulation-platform` has the system for `CosimExecution.from_osp_config_file`, where each FMU may have its
   own step.
 """
