@@ -117,7 +117,10 @@ class Network:
         )
         pull += s * mu * (0.25 * (u * u).sum(axis=1) - self.environment.gravity * heights)
         pull += 0.5 * mu * parts * (0.5 * s * speed**2 * square / rest**2 - 2.0 * speed * both / rest)
-        return nodes, force, column, pull.sum() + 0.5 * mu * speed**2, (0.5 * mu * parts * square / rest).sum()
+        after = np.minimum(square / rest**2, 1.0)  # rope that runs into a slack segment loses its speed there
+        change = np.concatenate([[1.0], after[:-1]]) - after
+        lost = 0.5 * mu * speed * abs(speed) * part[:-1, 0] ** 3 * np.maximum(np.sign(speed) * change, 0.0)
+        return nodes, force, column, pull.sum() + 0.5 * mu * speed**2 - lost.sum(), (0.5 * mu * parts * square / rest).sum()
 
     def with_driven(self, time, x, v):
         """Positions and velocities with the driven points where they are driven."""

@@ -26,10 +26,9 @@ TEXT = """# Commands
 
 <!-- Written by docs/make/make_commands.py from the sources: edit those, and run it again. -->
 
-For everyone who works in a terminal: every `tetherfmu` command with all options and an example to copy.
-
-`tetherfmu COMMAND --help` prints the same; `python -m tetherfmu` is the same program. The exit status is 0 for success,
-1 for a failure or a problem found, 2 for wrong usage, 130 for Ctrl-C. In `NAME=VALUE` a value may have a unit: `"5 mm"`.
+For everyone who works in a terminal. `tetherfmu COMMAND --help` prints the same; `python -m tetherfmu` is the same program.
+The exit status is 0 for success, 1 for a failure or a problem found, 2 for wrong usage, 130 for Ctrl-C. In `NAME=VALUE` a
+value may have a unit: `"5 mm"`.
 
 {sections}
 """

@@ -29,14 +29,9 @@ TEXT = """# Example FMUs
 
 <!-- Written by docs/make/make_example_fmus.py from the sources: edit those, and run it again. -->
 
-For those who need partners for a tether: kites, a winch, a flight controller, a prescribed flight, turbulent wind.
-
-```text
-tetherfmu build --examples
-```
-
-builds them and five systems of them as SSP files. They are PythonFMU slaves of 70 to 150 lines (`examples/fmus/`);
-`TurbulentWind` needs numpy. [Equations and variables](../reference/variables_of_examples.md) have a separate page.
+For those who need partners for a tether. `tetherfmu build --examples` builds them and five systems of them as SSP files.
+They are PythonFMU slaves of 70 to 150 lines (`examples/fmus/`), with [equations and
+variables](../reference/variables_of_examples.md) on a separate page; `TurbulentWind` needs numpy.
 
 | FMU | in | out | for |
 |---|---|---|---|
@@ -50,16 +45,13 @@ builds them and five systems of them as SSP files. They are PythonFMU slaves of 
 
 Connect variables with the same name. Set everything else (wind, profile, air density) to the same value in every FMU. The
 ground station is the origin. Prefer `PointMassKite`: `FlyingKite` receives the force one communication step late, which
-limits the step to some milliseconds ([Coupling](coupling.md)).
-
-`input_continuation`: `linear` (1) if all FMUs step from the same communication point, `held` (2), `interpolated` (3) if
-your tool steps one FMU after the other. Invalid inputs are refused (`fmi2Discard`). States are saved and restored bit for
-bit.
+limits the step to some milliseconds ([Coupling](coupling.md)). Set `input_continuation` to `linear` (1) if all FMUs step
+from the same communication point, to `interpolated` (3) if your tool steps one FMU after the other.
 
 ## A kite power system
 
-`python examples/power_system/pumping_cycle.py` couples `TetherDynamicFree`, `PointMassKite`, `FlightController` and `Winch`
-in FMPy:
+`python examples/power_system/pumping_cycle.py` couples `TetherDynamicFree`, `PointMassKite`, `FlightController` and
+`Winch`:
 
 ![Force, reel-out speed, power and length over three traction phases](../figures/pumping_series.svg)
 
@@ -78,12 +70,12 @@ Two cycles (`--cycles 2`) in a wind of 8 m/s at 10 m, by default 20 ms and 10 se
 The kite load is delayed, which limits the step ([Coupling](coupling.md#the-ways)): with the Jacobi exchange to 30 ms at 8
 m/s (35 ms diverge), and to 20 ms at 10 to 14 m/s (30 ms diverge). The example works in 6 to 14 m/s; from 11 m/s on it
 prints for how long the motor is too weak. The work over a cycle balances within 1 %
-(`tests/physics/test_pumping_energy.py`). The flight is plausible, not measured.
+(`tests/physics/test_pumping_energy.py`).
 
 ## The winch inside the tether
 
 `python examples/power_system/winch_inside.py` compares the `Winch` FMU with a drum inside the tether (`winch_control` =
-force), for which `WinchMotor` computes the `winch_force`. Mean power over a cycle in 8 m/s [W]:
+force) and `WinchMotor`. Mean power over a cycle in 8 m/s [W]:
 
 | exchange | winch | 20 ms | 100 ms | 200 ms |
 |---|---|---|---|---|
@@ -95,9 +87,9 @@ force), for which `WinchMotor` computes the `winch_force`. Mean power over a cyc
 
 ![Reel-out speed over a cycle in three steps: the winch FMU swings in 200 ms](../figures/winch_inside.svg)
 
-Two signals are delayed. The kite load makes steps of 100 ms diverge, unless tether and kite iterate. The tension saturates
-the motor of the `Winch` FMU at 200 ms, and the speed oscillates during reel-in; a drum inside the tether avoids this delay.
-Set `shortest_length` and `longest_length` of the tether to 0: `FlightController` has the limits.
+The delayed kite load makes steps of 100 ms diverge, unless tether and kite iterate. The delayed tension saturates the motor
+of the `Winch` FMU at 200 ms, and the speed oscillates during reel-in; a drum inside the tether avoids this delay. Set
+`shortest_length` and `longest_length` of the tether to 0: `FlightController` has the limits.
 
 ## Turbulent wind
 
@@ -111,16 +103,17 @@ Set `shortest_length` and `longest_length` of the tether to 0: `FlightController
 | `u.bin`, `u.turb` | Mann generators, HAWC2, hipersim | 32-bit numbers, v and w in files beside it; set its grid |
 | `.npz` | `numpy.savez` (not `savez_compressed`) | `velocity` (along, across, up, 3) [m/s] and `spacing` (3,) [m] |
 
-`file` is a String parameter: set it before the initialization, or build the FMU with it (`build("TurbulentWind", folder,
+Set the String parameter `file` before the initialization, or build the FMU with it (`build("TurbulentWind", folder,
 [("file", path)])` of `examples/shared/example_fmus.py`). A path that begins with `resources/` refers to the FMU; without a
 file there is only the mean wind.
 
-- **Wiring.** Connect `kite_position`, and `shape` and `wind_at` of a tether built with `--wind-points 21` (set `wind_points`
-  to 2). Without `shape` the points are on the straight line from the origin to the kite. `wind_velocity` is the mean along
-  the tether, for tethers with `wind_profile` = uniform. `kite_wind` is for `wind_velocity` of a kite with a uniform profile.
-- **Axes.** x of the box is downwind, y to the left when looking downwind, z up; `wind_direction` is where the wind blows
-  *to*. `box_origin` is the middle of its front at the start. The lowest row is at the height of the TurbSim file,
-  otherwise 0, plus `box_origin[3]`.
+- **Wiring.** Connect `kite_position`, and `shape` and `wind_at` of a tether built with `--wind-points 21` (set
+  `wind_points` to 2). Without `shape` the points are on the straight line from the origin to the kite. `wind_velocity` is
+  the mean along the tether, for tethers with `wind_profile` = uniform. `kite_wind` is for `wind_velocity` of a kite with a
+  uniform profile.
+- **Axes.** x of the box is downwind, y to the left when looking downwind; `wind_direction` is where the wind blows *to*.
+  `box_origin` is the middle of its front at the start. The lowest row is at the height of the TurbSim file, otherwise 0,
+  plus `box_origin[3]`.
 - **Order of planes.** In Mann and numpy files the last plane is the front, in TurbSim files the first. A reversed order
   plays the turbulence backwards; spectra do not reveal it. PyConTurb 2.7.4 writes the points of a `.bts` plane upwards
   first, TurbSim and this reader across first.
@@ -128,8 +121,8 @@ file there is only the mean wind.
   a TurbSim file that is not periodic (`UsableTime` = "ALL" makes it so). repeated (3) repeats any file, with a warning.
   refused (2) refuses every step outside the box, also below TurbSim's grid.
 
-`python examples/wind/turbulence.py` flies a parked kite and a kite on a circle, in a box that it makes (15 % of 8 m/s at 10
-m; `--box FILE` reads yours):
+`python examples/wind/turbulence.py` simulates a parked kite and a kite on a circle, in a box that it makes (15 % of 8 m/s
+at 10 m; `--box FILE` reads yours):
 
 ![Wind at the kite and along the tether, and tension at the ground, over 120 s](../figures/turbulence.svg)
 
@@ -140,12 +133,12 @@ m; `--box FILE` reads yours):
 | circle | 11.7 ± 1.2 m/s | 10.1 ± 0.6 m/s | 2003 ± 118 N | 2209 N |
 | circle, mean wind alone | 11.6 ± 0.6 m/s | 10.0 ± 0.5 m/s | 2005 ± 120 N | 2186 N |
 
-Means and standard deviations are from 20 s on. On the prescribed circle only the tether drag changes.
+Means and standard deviations are from 20 s on.
 
 ## A model of your own
 
-Copy a file of `examples/fmus`: a class that declares inputs, outputs and parameters, with the methods `first` and `next`,
-from numbers to numbers. Add its name to `SLAVES` in `examples/shared/example_fmus.py`, or call `build` there.
+Copy a class of `examples/fmus`, with its inputs, outputs and parameters and the methods `first` and `next`. Add its name to
+`SLAVES` in `examples/shared/example_fmus.py`, or call `build` there.
 
 ## Systems as SSP files
 
@@ -154,11 +147,11 @@ from numbers to numbers. Add its name to `SLAVES` in `examples/shared/example_fm
 `SystemStructure_coarse.ssd`, 30 and 1e-6 in `SystemStructure_fine.ssd`.
 
 - libcosim (`CosimExecution.from_ssp_file`, on the extracted file) and Ecos (`EcosSimulation(ssp_path=...)`) agree with the
-  Jacobi master of the example to ten digits.
-- fmu-manipulation-toolbox makes one FMU of a system (`fmucontainer -container kite_power_system.ssp:0.02`); it starts the
-  kite without its first steering, which moves the path by centimetres.
-- FMPy's `simulate_ssp` sets all connected inputs to 0 in the first step: kites refuse it, circles start with a false tension
-  of over 4e5 N. Use another tool.
+  example's Jacobi master to ten digits.
+- fmu-manipulation-toolbox makes one FMU (`fmucontainer -container kite_power_system.ssp:0.02`), without the kite's first
+  steering, which moves the path by centimetres.
+- Do not use FMPy's `simulate_ssp`: it sets all connected inputs to 0 in the first step. Kites refuse it, circles start with
+  a false tension of over 4e5 N.
 - `extra/com.open-simulation-platform` has the system for `CosimExecution.from_osp_config_file`, where each FMU may have its
   own step.
 """

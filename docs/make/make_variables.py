@@ -26,8 +26,7 @@ hide-toc: true
 
 <!-- Written by docs/make/make_variables.py from the sources: edit those, and run it again. -->
 
-For everyone who connects a tether FMU: every variable with unit, start value, limits and value reference, and the FMUs
-that have it. [Signals and signs](../use/interface.md) explains the exchange.
+For everyone who connects a tether FMU. [Signals and signs](../use/interface.md) explains the exchange.
 
 ```{{raw}} html
 <p class="filter"><input type="search" placeholder="Filter: winch, force, DF, N/m ..." aria-label="Filter the variables"></p>

@@ -2,8 +2,13 @@
 
 sheave   one load pulls the other one up to the sheave, where the portion is as short as it may be: the energy of all never
          exceeds that of the start, up to 1e-3 of what the heavier load can lose
+stuck    as sheave, where a step does not converge: heavy loads pull a light rope taut while it should stop
 free     a load falls freely once the force of the winch is 0: after 1 s it has 9.81 m/s, and the winch has paid out 4.9 m
+slack    the same without slack stiffness: the rope, which springs back, overruns the load and piles up. The energy is at most
+         that of the start and of the rope that leaves the winch, mu u^3/2 per second
 """
+
+from itertools import product
 
 import numpy as np
 import pytest
@@ -30,6 +35,45 @@ def test_a_load_runs_into_its_sheave(segments, size, method):
         system.step(0.01)
         gained = max(gained, system.energy().total - start)
     assert gained < 1e-3 * 1.0 * G * 10.0
+
+
+@pytest.mark.parametrize("size", [0.001, 0.005])
+def test_a_step_that_does_not_converge(size):
+    light = {
+        "density": 0.009 / (np.pi * 0.002**2),
+        "axial_stiffness": 6.9e5,
+        "axial_damping": 473.0,
+        "slack_stiffness_ratio": 0.0,
+    }
+    rope = Tether(segments=10, initial_length=14.0, diameter=0.004, drag_coefficient=0.0, **light)
+    points = [Point("block", (0.001, 0.0, -10.0), mass=20.0), Point("top", (0.0, 0.0, 0.0))]
+    points += [Point("weight", (-0.001, 0.0, -4.0), mass=30.0)]
+    line = Line("rope", "block", "weight", rope, through=["top"], initial_portions=[10.0, 4.0])
+    system = TetherSystem(points, [line], solver=Solver(fixed_step=size))
+    system.initialize()
+    start, gained = system.energy().total, 0.0
+    for _ in range(500):
+        system.step(0.01)
+        gained = max(gained, system.energy().total - start)
+    assert gained < 1e-3 * 10.0 * G * 10.0
+
+
+@pytest.mark.parametrize("method", ["second_order", "backward_euler"])
+@pytest.mark.parametrize("size", [0.001, 0.005, 0.01])
+def test_rope_that_piles_up(size, method):
+    for diameter, segments, length, mass in product((0.002, 0.004), (4, 20), (10.0, 50.0), (5.0, 30.0)):
+        stiff = {"axial_stiffness": 3.8e10 * diameter**2, "axial_damping": 3e7 * diameter**2, "slack_stiffness_ratio": 0.0}
+        rope = Tether(segments=segments, initial_length=length, diameter=diameter, **stiff)
+        solver, winch = Solver(fixed_step=size, fixed_step_method=method), Winch(winch_control="force")
+        tether = TetherDynamicFree(rope, kite_mass=mass, kite_start="equilibrium", winch=winch, solver=solver)
+        tether.initialize(kite_position=(0.0, 0.0, -length), winch_force=mass * G)
+        allowed, speed, density = tether.energy().total, 0.0, 724.0 * np.pi / 4.0 * diameter**2
+        for _ in range(100):
+            outputs = tether.step(0.01, winch_force=0.0)
+            allowed += 0.01 * 0.5 * density * max(speed, outputs.winch_speed) ** 3
+            speed = outputs.winch_speed
+            assert tether.energy().total < allowed + 0.01 * mass * G * FALL
+        assert np.linalg.norm(outputs.kite_velocity) < 1.01 * G
 
 
 @pytest.mark.parametrize("size", [0.001, 0.005, 0.01])
