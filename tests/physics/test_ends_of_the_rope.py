@@ -4,8 +4,8 @@ sheave   one load pulls the other one up to the sheave, where the portion is as 
          exceeds that of the start, up to 1e-3 of what the heavier load can lose
 stuck    as sheave, where a step does not converge: heavy loads pull a light rope taut while it should stop
 free     a load falls freely once the force of the winch is 0: after 1 s it has 9.81 m/s, and the winch has paid out 4.9 m
-slack    the same without slack stiffness: the rope, which springs back, overruns the load and piles up. The energy is at most
-         that of the start and of the rope that leaves the winch, mu u^3/2 per second
+slack    the same without slack stiffness: the rope, which springs back, overruns the load and piles up. The energy is at
+         most that of the start and of the rope that leaves the winch, mu u^3/2 per second
 """
 
 from itertools import product

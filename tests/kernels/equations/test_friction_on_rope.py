@@ -8,6 +8,7 @@ from kernels.interleaved import interleaved
 from tetherfmu.kernels.equations import assembly
 from tetherfmu.kernels.equations.properties import chain_in_motion
 from tetherfmu.kernels.line import contact
+from tetherfmu.kernels.line.strand_room import Rope
 from tetherfmu.runtime import layout as at
 
 STEP = 1e-6
@@ -121,8 +122,6 @@ def test_pull_of_friction_differentiates_to_row_and_corner(end):
 
     chain, w = with_rates(problem.length, rates, x, v)
     d, flat = 0.3, 3 * (n + 1)
-    from tetherfmu.kernels.line.strand_room import Rope
-
     own = Rope(*(np.zeros(flat) for _ in range(7)))
     contact.add_to_row(chain, d, weights[end], w, own)
     by_position = differences(lambda x: pull(problem.length, rates, x, v), x)[0]
@@ -131,7 +130,8 @@ def test_pull_of_friction_differentiates_to_row_and_corner(end):
     close(own.row, by_velocity + d * by_position)
     for other in range(2):
         by_length, by_rate = contact.corner(chain, weights[end], weights[other], growth, w)
-        expected = differences(lambda q: pull(problem.length + q[0], rates + np.eye(2)[other] * q[1], x, v), np.zeros(2))[0]
+        more = np.eye(2)[other]
+        expected = differences(lambda q, more=more: pull(problem.length + q[0], rates + more * q[1], x, v), np.zeros(2))[0]
         close(np.array((by_length, by_rate)), expected)
     contact.add_to_column(chain, d, weights[end], growth, w, own)
 

@@ -61,20 +61,21 @@ def test_derivatives_of_support(depth, speed):
 
 @pytest.mark.parametrize("before", [-0.02, 0.0, 0.001, 0.05])
 @pytest.mark.parametrize("after", [-0.01, 0.0004, 0.03, 0.2])
-def test_step_of_backward_euler(before, after):
+@pytest.mark.parametrize("slide", [(0.0, 0.0, 0.0), (0.02, 0.05, 0.0)])
+def test_step_of_backward_euler(before, after, slide):
     """The force is minus the gradient of a potential that is convex: its iteration has somewhere to go down to."""
     h, old = 0.004, (0.0, 0.0, GROUND.height - before)
     new = np.array((1e-4, -3e-4, GROUND.height - after))
-    force, slope = earth.force_of_step(GROUND, old, tuple(new), h, 4.0)
+    force, slope = earth.force_of_step(GROUND, old, tuple(new), h, 4.0, slide)
 
     def minus_potential(x):
-        return (-earth.potential_of_step(GROUND, old, x, h, 4.0),)
+        return (-earth.potential_of_step(GROUND, old, x, h, 4.0, slide),)
 
     gradient = differences(minus_potential, new)[0]
     scale = np.abs(force).max() + 1e-12
     np.testing.assert_allclose(force, gradient, rtol=0, atol=1e-5 * scale + 1e-7)
     slope = np.reshape(slope, (3, 3))
-    close_slope = differences(lambda x: earth.force_of_step(GROUND, old, x, h, 4.0)[0], new)
+    close_slope = differences(lambda x: earth.force_of_step(GROUND, old, x, h, 4.0, slide)[0], new)
     np.testing.assert_allclose(slope, close_slope, rtol=0, atol=TOLERANCE * np.abs(slope).max() + 1e-6)
     np.testing.assert_array_equal(slope, slope.T)
     assert np.linalg.eigvalsh(slope).max() <= 0.0
@@ -82,7 +83,7 @@ def test_step_of_backward_euler(before, after):
 
 def test_step_of_backward_euler_presses_with_the_velocity_at_its_end():
     h, before, after = 0.004, 0.01, 0.012
-    force, _ = earth.force_of_step(GROUND, (0.0, 0.0, -1.0 - before), (0.0, 0.0, -1.0 - after), h, 0.0)
+    force, _ = earth.force_of_step(GROUND, (0.0, 0.0, -1.0 - before), (0.0, 0.0, -1.0 - after), h, 0.0, (0.0, 0.0, 0.0))
     assert force[2] == pytest.approx(earth.pressure(GROUND, (0.0, 0.0, -1.0 - after), (0.0, 0.0, (before - after) / h)))
 
 

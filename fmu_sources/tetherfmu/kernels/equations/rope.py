@@ -18,8 +18,9 @@ and determine the inward pull of the rope at end e, where T is the tension, z a 
           - mu/2 (sum over p, q of W_e (c (2 r.u - l^2 l0'/l0)/l0 + c' l^2/l0 + v'.r))
 
 T^2/(2 EA) is the strain energy of the rope at the end, zero where T < 0. Rope that runs into a slack segment piles up and
-loses its speed: R_e - sum of W_e mu/2 c |c| ((l/l0)^2 before - after, if positive) over the nodes (`resistance`). All functions accept numbers, or pairs for the two
-halves of a line (`linear_algebra.pairs`); p is then the outer node, and `own` the line end in the same half.
+loses its speed: R_e - sum of W_e mu/2 c |c| ((l/l0)^2 before - after, if positive) over the nodes (`resistance`).
+
+All functions accept numbers, or pairs for the two halves of a line (`linear_algebra.pairs`); p is then the outer node, and `own` the line end in the same half.
 Theory: docs/models/theory.md, "Rope that flows"; docs/models/numerics.md, "Rope coordinates".
 """
 

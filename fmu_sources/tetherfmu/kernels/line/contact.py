@@ -135,22 +135,29 @@ def pull_of_friction(chain, weights, w):
 
 
 @kernel
+def turn(chain, i, growth):
+    """-1/t dt/dq [1/m] of inner node i, q : rope that enters over an end; growth : its g."""
+    return (growth[i - 1] + growth[i]) * flow.per_node(chain, i)
+
+
+@kernel
+def mass_by_length(chain, i, growth):
+    """dm/dq [kg/m] of node i."""
+    before = half_density(chain, i - 1) * growth[i - 1] if i > 0 else 0.0
+    return before + (half_density(chain, i) * growth[i] if i < chain.n else 0.0)
+
+
+@kernel
 def add_to_column(chain, d, weights, growth, w, own):
     """Add the slopes of ground forces by rope that enters over an end to its `Rope` (modified); weights, growth : W, g."""
     ground = earth.ground_of(chain.parameters)
     for i in range(chain.n + 1):
         if w.touching[i] > 0.0:
-            mass = half_density(chain, i - 1) * growth[i - 1] if i > 0 else 0.0
-            mass += half_density(chain, i) * growth[i] if i < chain.n else 0.0
-            by_length, by_rate = (
-                scale(mass, earth.acceleration(ground, *state_at(chain, i, w.start_x, w.start_v, w))),
-                ZERO_VECTOR,
-            )
+            a, by_rate = earth.acceleration(ground, *state_at(chain, i, w.start_x, w.start_v, w)), ZERO_VECTOR
+            by_length = scale(mass_by_length(chain, i, growth), a)
             if 0 < i < chain.n:
                 along = apply(get_matrix(w.grip, 9 * i), direction(chain, i, w.start_x))
-                by_length = add_scaled(
-                    by_length, -w.passing[i] * (growth[i - 1] + growth[i]) * flow.per_node(chain, i), along
-                )
+                by_length = add_scaled(by_length, -w.passing[i] * turn(chain, i, growth), along)
                 by_rate = scale(weights[i], along)
             add_at(own.by_rate, i, by_rate)
             add_at(own.solved, i, add_scaled(by_rate, d, by_length))
@@ -184,14 +191,11 @@ def corner(chain, weights, others, growth, w):
     ground, by_length, by_rate = earth.ground_of(chain.parameters), 0.0, 0.0
     for i in range(1, chain.n):
         if w.touching[i] > 0.0:
-            t = direction(chain, i, w.start_x)
+            t, turned = direction(chain, i, w.start_x), turn(chain, i, growth)
             a = earth.acceleration(ground, *state_at(chain, i, w.start_x, w.start_v, w))
-            along, turned = (
-                dot(t, apply(get_matrix(w.grip, 9 * i), t)),
-                (growth[i - 1] + growth[i]) * flow.per_node(chain, i),
-            )
-            mass = half_density(chain, i - 1) * growth[i - 1] + half_density(chain, i) * growth[i]
-            by_length += weights[i] * ((mass - turned * w.mass[i]) * dot(t, a) - turned * w.passing[i] * along)
+            along = dot(t, apply(get_matrix(w.grip, 9 * i), t))
+            of_force = mass_by_length(chain, i, growth) - turned * w.mass[i]
+            by_length += weights[i] * (of_force * dot(t, a) - turned * w.passing[i] * along)
             by_rate += weights[i] * others[i] * along
     return by_length, by_rate
 
