@@ -20,7 +20,8 @@ and determine the inward pull of the rope at end e, where T is the tension, z a 
 T^2/(2 EA) is the strain energy of the rope at the end, zero where T < 0. Rope that runs into a slack segment piles up and
 loses its speed: R_e - sum of W_e mu/2 c |c| ((l/l0)^2 before - after, if positive) over the nodes (`resistance`).
 
-All functions accept numbers, or pairs for the two halves of a line (`linear_algebra.pairs`); p is then the outer node, and `own` the line end in the same half.
+All functions accept numbers, or pairs for the two halves of a line (`linear_algebra.pairs`); p is then the outer node, and
+`own` the line end in the same half.
 Theory: docs/models/theory.md, "Rope that flows"; docs/models/numerics.md, "Rope coordinates".
 """
 
