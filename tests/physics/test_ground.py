@@ -6,14 +6,15 @@ scenes are without air.
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 from scipy.optimize import fsolve
 
 from grounds import Chain, scene
 from mechanics import line_density
-from tetherfmu import EnergyAudit, Solver, Tether, TetherDynamic, TetherQuasiSteady
+from tetherfmu import EnergyAudit, Ground, Solver, Tether, TetherDynamic, TetherDynamicFree, TetherQuasiSteady
 from tetherfmu.runtime import layout as at
 
-G, SINK, FRICTION = 9.81, 0.002, 0.5
+G, SINK, FRICTION, CREEP = 9.81, 0.002, 0.5, 2e-4
 STRAIGHT = Solver(initial_shape=3)
 FREE = {"free_ends": (True, True)}
 
@@ -329,3 +330,27 @@ def test_energy_balance_of_a_drag_over_the_ground():
         audit.step(step, kite_position=kite, kite_velocity=velocity, ground_position=(0.0, 0.0, 0.2), reel_out_speed=time)
     assert audit.work["sliding_loss"] > 0.1
     assert abs(audit.residual) < 5e-3 * audit.work["sliding_loss"]
+
+
+def test_a_rope_that_is_pulled_below_its_friction_creeps():
+    """A net pull P moves a node at v_r P/sqrt(F^2 - P^2): after 10 s friction holds 1 N of 80. scipy solves the springs."""
+    n, length, stiffness, pull, sliding = 10, 50.0, 6e6, 80.0, 1.0
+    rope = Tether(segments=n, initial_length=length, diameter=0.02, axial_stiffness=stiffness, drag_coefficient=0.0)
+    tether = TetherDynamicFree(rope, kite_mass=0.0, ground=Ground(ground_contact="flat", ground_friction=sliding))
+    weight = line_density(rope) * length * 9.81
+
+    def creep(time, moved):
+        below = np.concatenate(([0.0], moved))
+        tension = np.maximum(stiffness * n / length * np.diff(below), 0.0)
+        net = np.append(tension[1:], pull * min(1.0, time / 2.0)) - tension
+        friction = sliding * weight / n * np.append(np.ones(n - 1), 0.5)
+        part = np.clip(net / friction, -0.999999, 0.999999)
+        return CREEP * part / np.sqrt(1.0 - part**2)
+
+    own = solve_ivp(creep, (0.0, 12.0), np.zeros(n), "LSODA", rtol=1e-8, atol=1e-10, t_eval=[4.0, 12.0])
+    expected = stiffness * n / length * own.y[0]
+    tether.initialize(ground_position=(0.0, 0.0, 0.0), kite_position=(length, 0.0, -0.002))
+    held = [tether.step(0.02, kite_load=(pull * min(1.0, k / 100), 0.0, 0.0)).ground_force[0] for k in range(600)]
+    assert held[199] == pytest.approx(expected[0], abs=1.0)
+    assert held[599] == pytest.approx(expected[1], abs=0.3)
+    assert expected[0] < 65.0 < 78.0 < expected[1]
