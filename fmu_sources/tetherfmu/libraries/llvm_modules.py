@@ -29,6 +29,13 @@ APART = (
 # LLVM sees that its index is in range
 RARE = (
     "rest",
+    "line7contact",
+    "line11drum_events",
+    "variants11rope_shares",
+    "variants12winch_start",
+    "variants12first_shares",
+    "variants12sought_drums",
+    "step8breaking",
     "packing",
     "motion6breaks",
     "motion6events",

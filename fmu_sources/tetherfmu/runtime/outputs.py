@@ -90,7 +90,7 @@ class Outputs(NamedTuple):
         "tension of the first segment; with winch_control = force the tension where the tether leaves the winch"
     )
     kite_tension: float = force("tension of the last segment")
-    max_tension: float = force("largest tension of all segments")
+    max_tension: float = force("largest tension of the tether, in its segments or where it leaves a drum or sheave")
     tether_length: float = output(
         "m", "current unstretched length", FORM, NOT_NEGATIVE, terminal="winch.tether_length", group="winch"
     )

@@ -96,7 +96,8 @@ STRAIGHT = Variant(
 )
 CATENARY = Variant(
     "catenary",
-    f"Elastic catenary under weight plus mean drag, in closed form: sag and end forces at rest or in slow flight. {_DRIVEN}",
+    "Elastic catenary under weight plus mean drag, in closed form: sag and end forces at rest or in slow flight. "
+    f"On the ground full friction holds it, from the end that hangs higher. {_DRIVEN}",
     has_nodes=False,
     has_waves=False,
     colour="green",
@@ -109,7 +110,7 @@ CATENARY = Variant(
 QUASI_STEADY = Variant(
     "quasi_steady",
     "Quasi-steady segmented tether: in instantaneous equilibrium under weight, drag, elasticity and the inertia of "
-    f"turning with the kite; no waves. {_DRIVEN}",
+    f"turning with the kite; no waves. On the ground friction acts on nodes that slide. {_DRIVEN}",
     has_nodes=True,
     has_waves=False,
     colour="blue",
@@ -120,7 +121,8 @@ QUASI_STEADY = Variant(
 )
 DYNAMIC = Variant(
     "dynamic",
-    f"Dynamic segmented tether between two driven ends: lumped masses, spring-damper segments, drag, reel-out. {_DRIVEN}",
+    "Dynamic segmented tether between two driven ends: lumped masses, spring-damper segments, drag, reel-out. "
+    f"On the ground it starts without friction. {_DRIVEN}",
     has_nodes=True,
     has_waves=True,
     colour="vermillion",

@@ -93,20 +93,27 @@ def add_end_motion(conditions, chain, time, w, force_rate):
 @kernel
 def subtract_slopes(chain, d, w):
     """Subtract dF/dv + d dF/dx from the blocks of w.matrix (modified)."""
-    ground, matrix = earth.ground_of(chain.parameters), w.matrix
+    ground, (diagonal, lower, upper) = earth.ground_of(chain.parameters), w.matrix
     for i in range(chain.n + 1):
         if w.touching[i] > 0.0:
             by_z, _ = earth.derivatives(ground, *state_at(chain, i, w.start_x, w.start_v, w))
-            for j in range(3):
-                for k in range(3):
-                    matrix.diagonal[9 * i + 3 * j + k] -= w.grip[9 * i + 3 * j + k]
-                matrix.diagonal[9 * i + 3 * j + 2] -= d * w.mass[i] * by_z[j]
+            for row in range(9 * i, 9 * i + 9):
+                diagonal[row] -= w.grip[row]
+            subtract_column(diagonal, 9 * i + 2, scale(d * w.mass[i], by_z))
             if w.passing[i] != 0.0:
                 factor = d * w.passing[i] * flow.per_node(chain, i)
-                for j in range(3):
-                    for k in range(2):
-                        matrix.upper[9 * i + 3 * j + k] -= factor * w.grip[9 * i + 3 * j + k]
-                        matrix.lower[9 * i + 3 * j + k] += factor * w.grip[9 * i + 3 * j + k]
+                for row in range(9 * i, 9 * i + 9, 3):
+                    for place in range(row, row + 2):
+                        upper[place] -= factor * w.grip[place]
+                        lower[place] += factor * w.grip[place]
+
+
+@kernel
+def subtract_column(blocks, place, a):
+    """Subtract a vector from the column of a 3x3 block (modified) that starts at this place."""
+    blocks[place] -= a[0]
+    blocks[place + 3] -= a[1]
+    blocks[place + 6] -= a[2]
 
 
 @kernel
