@@ -9,7 +9,6 @@ import ctypes.util
 import wasmtime
 
 from tetherfmu.kernels.packing import count_of_quantities
-from tetherfmu.kernels.step.power_balance import size as energies_size
 from tetherfmu.libraries.webassembly import IMPORTS
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import plan_layout as places
@@ -87,8 +86,6 @@ class Engine:
             return {**first, 3: state, 4: outputs, 5: work}
         if verb == "advance":
             return {**first, 4: state, 5: state, 6: outputs, 7: work}
-        if verb == "energy":
-            return {**first, 4: state, 5: energies_size(n), 6: work}
         steps, every, when = (arguments[k] for k in (3, 5, 6))
         width = 6 * (n + 1) + (outputs + 1 if when != at.NEVER else 0)
         rows = width * (steps // every + 1 if every else 1)

@@ -17,11 +17,20 @@ ANY = Target("x86_64-unknown-linux-gnu", "x86-64")  # the first round of optimiz
 
 # Kernels that keep a stack frame of their own, by numba's names: beyond 4096 bytes, the frame of a function that takes them
 # in would need a function of the C library on Windows. Two that are faster alone, by 1 to 2 % and 3 to 7 % of a step. And
-# large ones of lines with ropes, each of which is called from several places
+# large ones that are called from several places: of lines with ropes, of the ground, of each communication step
 APART = (
     *("rosenbrock4form", "assembly11node_forces", "step_control13error_of_step"),
     *("strand10sum_forces", "strand11loop_of_end", "strand17take_gain_columns", "strand4form", "strand15right_hand_side"),
     *("net18find_accelerations", "states8evaluate", "events4stop", "fixed9take_rope"),
+    *(
+        "contact8state_at",
+        "contact4find",
+        "contact8force_at",
+        "contact6corner",
+        "contact13add_to_column",
+        "contact10add_to_row",
+    ),
+    *("boundary14inputs_of_step", "transaction5begin"),
 )
 
 # Rooms and modules of kernels that do not lie in the loop of an adaptive step, or only call it: their code is kept short, so
@@ -29,7 +38,6 @@ APART = (
 # LLVM sees that its index is in range
 RARE = (
     "rest",
-    "line7contact",
     "line11drum_events",
     "variants11rope_shares",
     "variants12winch_start",

@@ -141,11 +141,14 @@ def _declared_once(text):
 
 
 def write(path, codes):
-    """Write the file for browsers; codes : `intermediate_code.Code` of each variant; equal texts are stored once."""
+    """Write the file for browsers; codes : `intermediate_code.Code` of each variant; equal texts are stored once.
+
+    A page shows no energies, so their entry points are left out.
+    """
+    exported = [name for variant in VARIANTS for name in ahead_of_time.names_of(variant) if name != f"{variant}_energy"]
     texts = dict.fromkeys(text for code in codes for text in code.texts)
-    names = {name: exported for code in codes for name, exported in code.names.items()}
+    names = {name: entry for code in codes for name, entry in code.names.items() if entry in exported}
     text = str(llvm_modules.whole_module(Code(list(texts), names)))
-    exported = [name for variant in VARIANTS for name in ahead_of_time.names_of(variant)]
     content = linked(object_file(_small(text), exported, f"{FEATURES},{LANES}"), exported)
     path.parent.mkdir(exist_ok=True)
     ahead_of_time.write(path, content)

@@ -174,7 +174,7 @@ def spring_at_ground(n, parameters, state):
 # --- the step as a whole
 
 
-@view
+@kernel
 def inputs_of_step(n, parameters, inputs, step, state):
     """`StepInputs` of a communication step of `step` [s] from a state."""
     load, force = vector_at(inputs, at.KITE_LOAD), inputs[at.WINCH_FORCE]

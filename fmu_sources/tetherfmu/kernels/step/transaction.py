@@ -104,7 +104,7 @@ def commit_start(n, parameters, inputs, status, state):
     return status
 
 
-@view
+@kernel
 def begin(n, parameters, inputs, step, is_mean, state):
     """OK, or the reason to refuse a communication step of `step` [s]; and its `StepInputs`, valid on OK only.
 
