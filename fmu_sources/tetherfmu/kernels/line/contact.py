@@ -7,7 +7,7 @@ segment that goes slack (`taut_slack.py`). The law: `equations/ground.py`.
 
 from ..compilation import kernel
 from ..equations import ground as earth
-from ..equations.properties import point_mass
+from ..equations.properties import growing_mass
 from ..linear_algebra.both_ends import add_to_node, get_node
 from ..linear_algebra.matrices import apply, get_matrix, put_matrix, scale_matrix
 from ..linear_algebra.vectors import add_scaled, get, put, scale, sub
@@ -35,7 +35,7 @@ def add_rate(chain, x, v, w, force_rate):
     ground = earth.ground_of(chain.parameters)
     for i in range(chain.n + 1):
         if w.touching[i] > 0.0:
-            mass_rate = (w.mass[i] - point_mass(chain, i)) * chain.growth
+            mass_rate = growing_mass(chain, i, w.mass[i]) * chain.growth
             put(force_rate, i, add_scaled(get(force_rate, i), mass_rate, earth.acceleration(ground, get(x, i), get(v, i))))
 
 
