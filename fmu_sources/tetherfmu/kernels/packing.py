@@ -153,6 +153,7 @@ def pack(tethers, kites, quantities, tolerance, has_nodes, has_waves, parameters
 
     tolerance : relative tolerance [-] of the importer, for a solver without one of its own; 0 for none.
     has_nodes, has_waves : of the variant. Without nodes a tether has one segment, without waves it has no damping.
+    The winch is at the start of the first tether, whose length alone it changes.
     """
     status = check(tethers, kites, quantities, has_nodes)
     if status != OK:

@@ -12,7 +12,7 @@ from .air import is_uniform
 Chain = namedtuple(
     "Chain",
     "n parameters length section reeling acceleration leaving leaving_gain flows growth seen_growth slack_stiffness_ratio "
-    "slack_damping_ratio gravity wind air_is_uniform",
+    "slack_damping_ratio gravity wind air_is_uniform has_sections",
 )
 Chain.__doc__ = """A chain at an instant.
 
@@ -26,6 +26,7 @@ seen_growth : the growth that dampers see: all under the strain_rate law, none u
 slack_stiffness_ratio, slack_damping_ratio : of a slack segment to a taut one [-].  gravity : along -z [m/s2].
 wind : at the reference height [m/s]; unused if the wind is given at the nodes, see `node_wind`.
 air_is_uniform : whether wind and density are the same everywhere.
+has_sections : whether a part of the chain keeps its unstretched length while the winch runs.
 
 Some fields repeat `parameters`: a loop that writes to arrays would reload them for each segment."""
 
@@ -47,7 +48,8 @@ def chain_with_flow(n, parameters, length, reeling, acceleration, leaving, wind,
     seen_growth = growth if sees_reeling(parameters) else 0.0
     motion = length, section, reeling, acceleration, *leaving, flows, growth, seen_growth
     ratios = parameters[at.SLACK_STIFFNESS_RATIO], parameters[at.SLACK_DAMPING_RATIO]
-    return Chain(n, parameters, *motion, *ratios, parameters[at.GRAVITY], wind, is_uniform(parameters))
+    has_sections = parameters[at.LENGTH_BEYOND] != 0.0
+    return Chain(n, parameters, *motion, *ratios, parameters[at.GRAVITY], wind, is_uniform(parameters), has_sections)
 
 
 @view
@@ -126,7 +128,10 @@ def section_of(parameters, length):
 @kernel
 def rest_length(chain, s):
     """Unstretched length l0 [m] of segment s, or of two segments, as a pair."""
-    return property_of(chain, s, at.SHARE) * chain.section + property_of(chain, s, at.OFFSET)
+    length = property_of(chain, s, at.SHARE) * chain.section
+    if chain.has_sections:
+        length = length + property_of(chain, s, at.OFFSET)
+    return length
 
 
 @kernel
@@ -134,7 +139,9 @@ def in_section(chain, s, value):
     """A value if segment s is in the section at the winch, else 0; for two segments as a pair."""
     share = property_of(chain, s, at.SHARE)
     here, beyond = broadcast((value, 0.0), share)
-    return select(share, here, beyond)
+    if chain.has_sections:
+        here = select(share, here, beyond)
+    return here
 
 
 @kernel
@@ -151,16 +158,10 @@ def part_of(chain, s):
 
 
 @kernel
-def has_sections(chain):
-    """Whether a part of the chain keeps its unstretched length while the winch runs."""
-    return chain.parameters[at.LENGTH_BEYOND] != 0.0
-
-
-@kernel
 def growing_mass(chain, i, mass):
     """The part of the mass of node i [kg] that is proportional to the length of the section at the winch."""
     total = mass - point_mass(chain, i)
-    if has_sections(chain):
+    if chain.has_sections:
         for s in range(max(i - 1, 0), min(i + 1, chain.n)):
             if property_of(chain, s, at.SHARE) == 0.0:
                 total -= half_density(chain, s) * rest_length(chain, s)

@@ -6,8 +6,9 @@ between nodes p and q grows by the shares g_0 and g_1 of these rates; rope flows
 
     l0' = g_0 a_0 + g_1 a_1,   c_i = W_i0 a_0 + W_i1 a_1
 
-In a plain line g_0 = g_1 = share, W_i0 = 1 - (shares before i), W_i1 = W_i0 - 1. Half segments move with v_i + c_i r/l0.
-Lagrange's equations of sum 1/2 (mu l0/2) |v_i + c_i r/l0|^2 add these forces to the lumped-mass equations,
+In a plain line g_0 = g_1 = share, W_i0 = 1 - (shares before i), W_i1 = W_i0 - 1; beyond the section at its winch g = 0 and
+W_i0 = 0. Half segments move with v_i + c_i r/l0. Lagrange's equations of sum 1/2 (mu l0/2) |v_i + c_i r/l0|^2 add these
+forces to the lumped-mass equations,
 
     f_p = -mu/2 ((c_p' + S) r + (c_p + c_q) u),   f_q = -mu/2 ((c_q' - S) r + (c_p + c_q) u),   S = (c_p^2 + c_q^2)/l0
 
