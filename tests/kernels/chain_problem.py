@@ -18,11 +18,12 @@ class ChainProblem:
 
     It stays taut, so that its forces are smooth and the order of a method can be seen. wind_profile : of `layout.py`.
     acceleration : of the reeling [m/s2].  load_rate : None, or that of the load on a kite end that is free [N/s].
+    masses : pairs (node, point mass [kg]); the first one ends the section at the winch.
     """
 
     SEGMENTS = 4
 
-    def __init__(self, reeling=1.5, damping_law=1, wind_profile=2, acceleration=0.0, load_rate=None):
+    def __init__(self, reeling=1.5, damping_law=1, wind_profile=2, acceleration=0.0, load_rate=None, masses=()):
         self.n = n = self.SEGMENTS
         tether = Tether(
             segments=n,
@@ -32,7 +33,9 @@ class ChainProblem:
             axial_damping=60.0,
             damping_law=damping_law,
         )
-        self.parameters = packed(tether, Environment(air_density_scale_height=500.0), Solver(relative_tolerance=1e-6))
+        self.parameters = packed(
+            tether, Environment(air_density_scale_height=500.0), Solver(relative_tolerance=1e-6), masses=masses
+        )
         self.parameters[at.WIND_PROFILE] = wind_profile
         if wind_profile == at.AT_NODES:
             winds = slice(at.node_winds_at(n), at.node_winds_at(n) + 3 * (n + 1))

@@ -78,7 +78,8 @@ def test_tethers_in_series():
     assert n == 5
     tethers = [lower] * 2 + [upper] * 3
     expected = {
-        at.SHARE: [30.0 / 2 / 80.0] * 2 + [50.0 / 3 / 80.0] * 3,
+        at.SHARE: [0.5] * 2 + [0.0] * 3,  # the winch changes the lower one only
+        at.OFFSET: [0.0] * 2 + [50.0 / 3] * 3,
         at.STIFFNESS: [each.axial_stiffness for each in tethers],
         at.DAMPING: [each.axial_damping for each in tethers],
         at.LINE_DENSITY: [each.density * pi * each.diameter**2 / 4.0 for each in tethers],
@@ -88,10 +89,20 @@ def test_tethers_in_series():
         assert segment_property(parameters, n, which) == values
     scalars = {at.INITIAL_LENGTH: 80.0, at.GRAVITY: 9.7, at.WIND_PROFILE: at.EXPLOG, at.FIXED_STEP: 0.01}
     scalars |= {at.RELATIVE_TOLERANCE: 1e-4, at.GROUND_IS_FREE: 1.0, at.KITE_IS_FREE: 0.0, at.DAMPING_LAW: at.STRAIN_RATE}
+    scalars |= {at.LENGTH_BEYOND: 50.0, at.LEAST_LENGTH: 50.02, at.SHORTEST_LENGTH: 50.02}
     assert {place: parameters[place] for place in scalars} == scalars
     last = at.PARAMETER_SCALARS + at.SEGMENT_PROPERTIES * n
     assert list(parameters[last : last + n + 1]) == [0.0, 0.0, 4.0, 0.0, 0.0, 6.0]
     assert not any(parameters[last + n + 1 :])
+
+
+def test_a_mass_ends_the_section_at_the_winch():
+    tethers = Tether(segments=4, initial_length=40.0), Tether(segments=1, initial_length=5.0)
+    masses = ((0, 1.0), (1, 0.0), (3, 2.0), (4, 3.0), (5, 4.0))
+    n, parameters = pack_records(kernels("dynamic"), tethers, Environment(), Solver(), point_masses=masses)
+    assert segment_property(parameters, n, at.SHARE) == [1.0 / 3.0] * 3 + [0.0] * 2
+    assert segment_property(parameters, n, at.OFFSET) == [0.0] * 3 + [10.0, 5.0]
+    assert (parameters[at.LENGTH_BEYOND], parameters[at.LEAST_LENGTH]) == (15.0, 15.03)
 
 
 def test_a_free_kite():

@@ -153,6 +153,7 @@ def pack(tethers, kites, quantities, tolerance, has_nodes, has_waves, parameters
 
     tolerance : relative tolerance [-] of the importer, for a solver without one of its own; 0 for none.
     has_nodes, has_waves : of the variant. Without nodes a tether has one segment, without waves it has no damping.
+    The winch is at the start of the first tether, whose length alone it changes.
     """
     status = check(tethers, kites, quantities, has_nodes)
     if status != OK:
@@ -174,16 +175,24 @@ def pack(tethers, kites, quantities, tolerance, has_nodes, has_waves, parameters
         parameters[at.RELATIVE_TOLERANCE] = tolerance if tolerance != 0.0 else DEFAULT_TOLERANCE
     if parameters[at.LONGEST_LENGTH] == 0.0:
         parameters[at.LONGEST_LENGTH] = at.NO_STOP
+    of_winch = quantities[LENGTH]
+    for t in range(1, tethers):
+        parameters[at.LENGTH_BEYOND] += quantities[t * QUANTITIES_OF_TETHER + LENGTH]
     s = 0
     for t in range(tethers):
         first = t * QUANTITIES_OF_TETHER
         count = segments_of(quantities, first, has_nodes)
-        share = quantities[first + LENGTH] / count / length
+        share, offset = of_winch / count / of_winch, 0.0
+        if t == 0:
+            parameters[at.LEAST_LENGTH] = parameters[at.LENGTH_BEYOND] + at.MIN_SEGMENT_LENGTH / share
+            parameters[at.SHORTEST_LENGTH] = max(parameters[at.SHORTEST_LENGTH], parameters[at.LEAST_LENGTH])
+        else:
+            share, offset = 0.0, quantities[first + LENGTH] / count
         damping = quantities[first + DAMPING] if has_waves else 0.0
         density, drag_width = line_density(quantities, first), quantities[first + DRAG] * quantities[first + DIAMETER]
         for _ in range(count):
             put_property(n, at.SHARE, s, share, parameters)
-            parameters[at.SHORTEST_LENGTH] = max(parameters[at.SHORTEST_LENGTH], at.MIN_SEGMENT_LENGTH / share)
+            put_property(n, at.OFFSET, s, offset, parameters)
             put_property(n, at.STIFFNESS, s, quantities[first + STIFFNESS], parameters)
             put_property(n, at.DAMPING, s, damping, parameters)
             put_property(n, at.LINE_DENSITY, s, density, parameters)

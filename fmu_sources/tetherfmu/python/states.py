@@ -18,6 +18,7 @@ _SCALARS = ("initial_length", "slack_stiffness_ratio", "slack_damping_ratio", "d
 _SCALARS += ("ground_is_free", "kite_is_free")
 _PROPERTIES = {  # of the segments, in words
     at.SHARE: "share of the length in a segment",
+    at.OFFSET: "constant length of a segment [m]",
     at.STIFFNESS: "axial_stiffness [N]",
     at.DAMPING: "axial_damping [N s]",
     at.LINE_DENSITY: "mass per length [kg/m]",

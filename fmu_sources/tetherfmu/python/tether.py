@@ -37,13 +37,15 @@ class TetherModel(Running):
     Parameters
     ----------
     tether : Tether
-        A sequence of them is joined in series, from the ground to the kite (tethers with nodes only).
+        A sequence of them is joined in series, from the ground to the kite (tethers with nodes only). The winch changes the
+        length of the first; the others keep theirs.
     environment : Environment
     solver : Solver
     winch : Winch
     ground : Ground
     point_masses : dict
-        Extra mass [kg] at a node (a knot, a control pod); nodes count from 0 at the ground (tethers with nodes only).
+        Extra mass [kg] at a node (a knot, a control pod); nodes count from 0 at the ground (tethers with nodes only). A mass
+        between the ends is fixed to the rope: the winch changes only the length up to the first one.
     shape_points : int or None
         Points of the output `shape`; None: one more than segments, so one at each node of a uniform tether.
     wind_points : int
@@ -163,7 +165,7 @@ class TetherModel(Running):
             given_inputs.put(self._receiver, given_inputs.starts(self.wind_points) | ends | inputs, at_start=True)
             if slack is not None:
                 chord = np.subtract(kite_position, ground_position, dtype=float)
-                self._parameters[at.INITIAL_LENGTH] = arguments.length_with(slack, chord, self.segments)
+                self._parameters[at.INITIAL_LENGTH] = arguments.length_with(slack, chord, parameters[at.LEAST_LENGTH])
             if nodes is not None:
                 self._parameters[at.INITIAL_SHAPE], self._parameters[at.KITE_START] = at.STRAIGHT, at.START_GIVEN
             self._refuse(self._instance.start())

@@ -103,11 +103,10 @@ def motion_of_nodes(positions, velocities, segments):
     return np.stack((numbers_in_shape("positions", positions, shape), velocities))
 
 
-def length_with(slack, chord, segments):
-    """Unstretched length [m] of a tether with this slack [-] over its chord [m], (3,); ValueError if out of range."""
+def length_with(slack, chord, least):
+    """Unstretched length [m] of a tether with this slack [-] over its chord [m], (3,); ValueError below `least` [m]."""
     slack = number("slack", slack, "-")
     length = (1.0 + slack) * np.linalg.norm(chord)
-    least = at.MIN_SEGMENT_LENGTH * segments
     if not least <= length < np.inf:
         raise ValueError(f"slack is {slack!r}: the tether would be {length:g} m long; it must be at least {least:g} m")
     return length

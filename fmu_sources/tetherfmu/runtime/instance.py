@@ -229,6 +229,7 @@ def facts_of(inputs, parameters, length, segments):
         "friction": parameters[at.WINCH_FRICTION],
         "ground_height": parameters[at.GROUND_HEIGHT],
         "shortest_stop": parameters[at.SHORTEST_LENGTH],
+        "least_length": parameters[at.LEAST_LENGTH],
         "longest_stop": inf if longest == at.NO_STOP else longest,
         "length": length,
         "distance": dist(*(inputs[place : place + 3] for place in (at.KITE_POSITION, at.GROUND_POSITION))),

@@ -61,15 +61,19 @@ MOST_HOLDERS = 3  # largest number of winches that drive a line
 HELD_BY = IS_PORTION + 5  # numbers of the lines with the drums that drive it, from 1 on; 0 for none
 HELD_RATIO = HELD_BY + MOST_HOLDERS  # rope of it for each metre that those drums pay out [-]
 PULLS_BACK = HELD_RATIO + MOST_HOLDERS  # 1 if the drum that it carries may need a force below 0, as a ratio of it is
-PARAMETER_SCALARS = PULLS_BACK + 1
+# of a line whose sections or point masses divide it, see `kernels/packing.py`
+LENGTH_BEYOND = PULLS_BACK + 1  # unstretched length beyond the section at the winch, which reeling keeps [m]; else 0
+LEAST_LENGTH = LENGTH_BEYOND + 1  # unstretched length of the line whose shortest segments are MIN_SEGMENT_LENGTH [m]
+PARAMETER_SCALARS = LEAST_LENGTH + 1
 # then one array of n numbers per property of a segment, in this order ...
-SHARE = 0  # of the unstretched length [-]
+SHARE = 0  # of the section at the winch, which alone changes its length [-]; 0 beyond it
 STIFFNESS = 1  # E A [N]
 DAMPING = 2  # damping constant times length [N s]
 LINE_DENSITY = 3  # mass per unstretched length [kg/m]
 DRAG_WIDTH = 4  # drag coefficient times diameter [m]
 STRENGTH = 5  # breaking force [N]; 0: unbreakable
-SEGMENT_PROPERTIES = 6
+OFFSET = 6  # unstretched length beyond the section at the winch [m]; 0 in it
+SEGMENT_PROPERTIES = 7
 # ... then the n + 1 extra point masses of the nodes [kg] ...
 # ... and last the wind at the nodes [m/s]: n + 1 numbers along x, along y, along z, read if WIND_PROFILE is AT_NODES
 

@@ -56,7 +56,8 @@ SENTENCES = {
     STEP_NOT_POSITIVE: "the communication step is {step} s; it must be greater than 0 and at most {longest:g} s",
     REELED_TOO_SHORT: (
         "the reel_out_speed {reel_out_speed} m/s over a step of {step} s would leave segments shorter than "
-        "{shortest} m (tether_length {length} m); stop reeling in earlier or use fewer segments"
+        "{shortest} m (tether_length {length} m, at least {least_length:.6g} m); stop reeling in earlier or use fewer "
+        "segments"
     ),
     STEP_BUDGET_SPENT: (
         "the solver needs more than its budget of internal steps for a communication step of {step} s; use a shorter "
@@ -93,7 +94,7 @@ SENTENCES = {
     ),
     WINCH_TOO_SHORT: (
         "the winch_length {winch_length} m over a step of {step} s would leave segments shorter than {shortest} m "
-        "(tether_length {length} m); give the length to be paid out, or use fewer segments"
+        "(tether_length {length} m, at least {least_length:.6g} m); give the length to be paid out, or use fewer segments"
     ),
     STOPS_CROSSED: parameters.STOPS_CROSSED,
     GROUND_WITHOUT_GRAVITY: parameters.GROUND_WITHOUT_GRAVITY,

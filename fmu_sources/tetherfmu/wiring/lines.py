@@ -130,7 +130,7 @@ class Line:
     start, end : str
         Names of two points. The winch is at the start.
     tether : Tether
-        A sequence of them is joined in series, from the start to the end.
+        A sequence of them is joined in series, from the start to the end; the winch changes the length of the first.
     reel_out_speed : float
         Rate of the unstretched length [m/s] at the start; positive pays out.
     winch : Winch

@@ -37,6 +37,25 @@ def put_ends(segments, parameters, free_ends, point_masses=()):
     parameters[at.GROUND_IS_FREE], parameters[at.KITE_IS_FREE] = free_ends
     for node, mass in point_masses:
         parameters[at.PARAMETER_SCALARS + at.SEGMENT_PROPERTIES * segments + node] = mass
+    if inner := [node for node, mass in point_masses if 0 < node < segments and mass != 0.0]:
+        end_section(segments, parameters, min(inner))
+
+
+def end_section(segments, parameters, node):
+    """End the section at the winch at a node, where a mass is fixed to the rope, in parameters (modified)."""
+    shares = at.PARAMETER_SCALARS + at.SHARE * segments
+    offsets = at.PARAMETER_SCALARS + at.OFFSET * segments
+    if parameters[shares + node] == 0.0:  # it ends there or before
+        return
+    length = (parameters[at.INITIAL_LENGTH] - parameters[at.LENGTH_BEYOND]) * parameters[shares]
+    for s in range(segments):
+        if s < node:
+            parameters[shares + s] = 1.0 / node
+        elif parameters[shares + s] != 0.0:
+            parameters[shares + s], parameters[offsets + s] = 0.0, length
+            parameters[at.LENGTH_BEYOND] += length
+    parameters[at.LEAST_LENGTH] = parameters[at.LENGTH_BEYOND] + node * at.MIN_SEGMENT_LENGTH
+    parameters[at.SHORTEST_LENGTH] = max(parameters[at.SHORTEST_LENGTH], parameters[at.LEAST_LENGTH])
 
 
 def pack_lines(kernels, lines, tolerance=0.0, kites=0):
@@ -93,9 +112,9 @@ def pack_records(
 ):
     """As `pack`, of records.
 
-    tethers : in series from the ground to the kite; all reel in proportion to their lengths.  point_masses : pairs
-    (node, extra mass [kg]), nodes counted from 0 at the ground.  free_ends : whether the ground end and the kite end move
-    freely.  kite_start : of a free kite, as `parameters.FreeKite` has it.
+    tethers : in series from the ground to the kite; the winch changes the length of the first, up to the first inner node
+    with a mass.  point_masses : pairs (node, extra mass [kg]), nodes counted from 0 at the ground.  free_ends : whether the
+    ground end and the kite end move freely.  kite_start : of a free kite, as `parameters.FreeKite` has it.
     """
     segments, parameters = pack(kernels, numbers_of(tethers, environment, solver, winch, ground), len(tethers))
     put_ends(segments, parameters, free_ends, point_masses)

@@ -58,9 +58,9 @@ def dense(problem, factors, flowing=None):
 
 @pytest.mark.parametrize("damping_law", [1, 2])
 @pytest.mark.parametrize("wind_profile", [1, 2, 3, 4, at.AT_NODES])
-@pytest.mark.parametrize("slack", [False, True])
-def test_forces_differentiate_to_the_matrices(damping_law, wind_profile, slack):
-    problem = ChainProblem(damping_law=damping_law, wind_profile=wind_profile)
+@pytest.mark.parametrize(("slack", "masses"), [(False, ()), (True, ()), (False, ((2, 0.3),))])
+def test_forces_differentiate_to_the_matrices(damping_law, wind_profile, slack, masses):
+    problem = ChainProblem(damping_law=damping_law, wind_profile=wind_profile, masses=masses)
     length = 60.0 if slack else problem.length
     w = problem.of_rosenbrock
     chain = chain_of_length(problem, length)

@@ -29,11 +29,11 @@ def accelerations(chain, x, v, load):
     return mass, a
 
 
-@pytest.mark.parametrize("slack", [False, True])
+@pytest.mark.parametrize(("slack", "masses"), [(False, ()), (True, ()), (False, ((2, 0.3),))])
 @pytest.mark.parametrize("damping_law", [1, 2])
 @pytest.mark.parametrize("wind_profile", [1, 2, 3, 4, at.AT_NODES])
-def test_the_forces_are_those_of_the_solver(wind_profile, damping_law, slack):
-    problem = ChainProblem(damping_law=damping_law, wind_profile=wind_profile)
+def test_the_forces_are_those_of_the_solver(wind_profile, damping_law, slack, masses):
+    problem = ChainProblem(damping_law=damping_law, wind_profile=wind_profile, masses=masses)
     chain = chain_at(problem.n, problem.parameters, 60.0 if slack else problem.length, 1.5, problem.wind)
     mass, a = accelerations(chain, problem.x, problem.v, LOAD)
     force = np.repeat(mass, 3) * a

@@ -40,7 +40,7 @@ from ..linear_algebra.matrices import (
 from ..linear_algebra.pairs import broadcast, first, load_pair, number_at, pair, second
 from ..linear_algebra.vectors import ZERO_VECTOR, add, dot, get, norm, put, scale, sub
 from . import flow, node_loads, segment
-from .properties import has_drag, point_mass, property_of, rest_length, sees_reeling
+from .properties import has_drag, in_section, point_mass, property_of, rest_length, sees_reeling
 
 DIRECTION_AND_LENGTH = 8  # numbers of a segment and of its mirror image in the array of `find_segments`
 
@@ -244,7 +244,8 @@ def add_rate_from_acceleration(chain, acceleration, x, records, force_rate):
         return
     for s in range(chain.n):
         record = record_of(s, chain.n, records)
-        pull = scale(-record[segment.DAMPER] * acceleration / chain.length, sub(get(x, s + 1), get(x, s)))
+        by_reeling = in_section(chain, s, -record[segment.DAMPER] * acceleration / chain.section)
+        pull = scale(by_reeling, sub(get(x, s + 1), get(x, s)))
         put(force_rate, s, add(get(force_rate, s), pull))
         put(force_rate, s + 1, sub(get(force_rate, s + 1), pull))
 

@@ -1,7 +1,8 @@
 """Momentum of the rope that flows past the nodes while the winch reels.
 
-Nodes keep their shares of the unstretched length L, so they are not material points: rope flows past node i at the rate
-c_i = L' (1 - sum of the shares before it), which is L' at the winch and 0 at the last node. Each half segment of mass
+Nodes keep their shares of the section at the winch, so they are not material points there: rope flows past node i at the
+rate c_i = L' (1 - sum of the shares before it), L' at the winch and 0 from the end of the section on, where rope does not
+change: at the last node of a uniform line. Each half segment of mass
 mu l0/2, with the vector r between its nodes, moves with V = v_i + c_i r/l0. New rope enters from the winch with the velocity
 of the first node. Lagrange's equations of sum 1/2 (mu l0/2) |V|^2 add these forces to the lumped-mass equations,
 

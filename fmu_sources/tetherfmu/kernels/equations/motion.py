@@ -5,8 +5,8 @@
 
 Segment i joins nodes i and i + 1 in direction e_i. T is its tension, F half of its drag, w the wind component across it
 (`segment.py`), and N the ground force (`ground.py`). A driven end follows its prescribed motion, whatever the forces.
-Reeling changes L, and with it l0 = L/n and the masses. Rope then flows past the nodes, and its momentum adds the forces f
-(`flow.py`). L' is the reel-out speed.
+Reeling changes L, and with it l0 and the masses in the section at the winch (`properties.rest_length`). Rope then flows past
+its nodes, and its momentum adds the forces f (`flow.py`). L' is the reel-out speed.
 
 The solvers compute the same forces from both ends at once (`assembly.py`); tests/kernels/equations/test_motion.py compares
 them with this file. Theory: docs/models/theory.md, "One segment" and "The chain".

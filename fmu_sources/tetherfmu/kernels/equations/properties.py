@@ -5,26 +5,28 @@ from collections import namedtuple
 from tetherfmu.runtime import layout as at
 
 from ..compilation import kernel, view
-from ..linear_algebra.pairs import number_at
+from ..linear_algebra.pairs import broadcast, number_at, select
 from ..linear_algebra.vectors import NEUTRAL, vector_at
 from .air import is_uniform
 
 Chain = namedtuple(
     "Chain",
-    "n parameters length reeling acceleration leaving leaving_gain flows growth seen_growth slack_stiffness_ratio "
-    "slack_damping_ratio gravity wind air_is_uniform",
+    "n parameters length section reeling acceleration leaving leaving_gain flows growth seen_growth slack_stiffness_ratio "
+    "slack_damping_ratio gravity wind air_is_uniform has_sections",
 )
 Chain.__doc__ = """A chain at an instant.
 
 n : number of segments.  parameters : flat array, see `layout.py`.
 length, reeling, acceleration : unstretched tether length L [m] and its first [m/s] and second [m/s2] derivative.
+section : the part of it in the section at the winch, which reeling changes [m]; L of a uniform line.
 leaving, leaving_gain : rate at which rope leaves the last node over a sheave [m/s], its rate [m/s2]; -0 elsewhere.
 flows : whether rope flows past the nodes, or begins to, and its momentum counts (strain_rate law).
-growth : (dL/dt)/L = (dl0/dt)/l0 [1/s].
+growth : (dl0/dt)/l0 in this section [1/s]; 0 beyond it, see `in_section`.
 seen_growth : the growth that dampers see: all under the strain_rate law, none under the stretch_rate law.
 slack_stiffness_ratio, slack_damping_ratio : of a slack segment to a taut one [-].  gravity : along -z [m/s2].
 wind : at the reference height [m/s]; unused if the wind is given at the nodes, see `node_wind`.
 air_is_uniform : whether wind and density are the same everywhere.
+has_sections : whether a part of the chain keeps its unstretched length while the winch runs.
 
 Some fields repeat `parameters`: a loop that writes to arrays would reload them for each segment."""
 
@@ -41,11 +43,13 @@ def chain_with_flow(n, parameters, length, reeling, acceleration, leaving, wind,
 
     leaving : the rate at which rope leaves its last node [m/s], and its derivative [m/s2].
     """
-    growth = reeling / length
+    section = section_of(parameters, length)
+    growth = reeling / section
     seen_growth = growth if sees_reeling(parameters) else 0.0
-    motion = length, reeling, acceleration, *leaving, flows, growth, seen_growth
+    motion = length, section, reeling, acceleration, *leaving, flows, growth, seen_growth
     ratios = parameters[at.SLACK_STIFFNESS_RATIO], parameters[at.SLACK_DAMPING_RATIO]
-    return Chain(n, parameters, *motion, *ratios, parameters[at.GRAVITY], wind, is_uniform(parameters))
+    has_sections = parameters[at.LENGTH_BEYOND] != 0.0
+    return Chain(n, parameters, *motion, *ratios, parameters[at.GRAVITY], wind, is_uniform(parameters), has_sections)
 
 
 @view
@@ -116,9 +120,52 @@ def has_drag(chain):
 
 
 @kernel
+def section_of(parameters, length):
+    """Length [m] of the section at the winch in a line of this unstretched length [m]."""
+    return length - parameters[at.LENGTH_BEYOND]
+
+
+@kernel
 def rest_length(chain, s):
     """Unstretched length l0 [m] of segment s, or of two segments, as a pair."""
-    return property_of(chain, s, at.SHARE) * chain.length
+    length = property_of(chain, s, at.SHARE) * chain.section
+    if chain.has_sections:
+        length = length + property_of(chain, s, at.OFFSET)
+    return length
+
+
+@kernel
+def in_section(chain, s, value):
+    """A value if segment s is in the section at the winch, else 0; for two segments as a pair."""
+    share = property_of(chain, s, at.SHARE)
+    here, beyond = broadcast((value, 0.0), share)
+    if chain.has_sections:
+        here = select(share, here, beyond)
+    return here
+
+
+@kernel
+def part_in(parameters, n, s, length):
+    """Fraction [-] of the unstretched length [m] that is in segment s of n."""
+    in_winch = property_in(parameters, n, s, at.SHARE) * (section_of(parameters, length) / length)
+    return in_winch + property_in(parameters, n, s, at.OFFSET) / length
+
+
+@kernel
+def part_of(chain, s):
+    """`part_in` of a chain."""
+    return part_in(chain.parameters, chain.n, s, chain.length)
+
+
+@kernel
+def growing_mass(chain, i, mass):
+    """The part of the mass of node i [kg] that is proportional to the length of the section at the winch."""
+    total = mass - point_mass(chain, i)
+    if chain.has_sections:
+        for s in range(max(i - 1, 0), min(i + 1, chain.n)):
+            if property_of(chain, s, at.SHARE) == 0.0:
+                total -= half_density(chain, s) * rest_length(chain, s)
+    return total
 
 
 @kernel

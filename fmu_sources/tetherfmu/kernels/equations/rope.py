@@ -6,8 +6,9 @@ between nodes p and q grows by the shares g_0 and g_1 of these rates; rope flows
 
     l0' = g_0 a_0 + g_1 a_1,   c_i = W_i0 a_0 + W_i1 a_1
 
-In a plain line g_0 = g_1 = share, W_i0 = 1 - (shares before i), W_i1 = W_i0 - 1. Half segments move with v_i + c_i r/l0.
-Lagrange's equations of sum 1/2 (mu l0/2) |v_i + c_i r/l0|^2 add these forces to the lumped-mass equations,
+In a plain line g_0 = g_1 = share, W_i0 = 1 - (shares before i), W_i1 = W_i0 - 1; beyond the section at its winch g = 0 and
+W_i0 = 0. Half segments move with v_i + c_i r/l0. Lagrange's equations of sum 1/2 (mu l0/2) |v_i + c_i r/l0|^2 add these
+forces to the lumped-mass equations,
 
     f_p = -mu/2 ((c_p' + S) r + (c_p + c_q) u),   f_q = -mu/2 ((c_q' - S) r + (c_p + c_q) u),   S = (c_p^2 + c_q^2)/l0
 
@@ -36,7 +37,7 @@ from ..linear_algebra.pairs import select
 from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, dot, get, norm, scale, sub, vector_at
 from . import segment
 from .boundary import spring_at_ground
-from .properties import chain_at, half_density, property_of, rest_length, sees_reeling
+from .properties import chain_at, half_density, in_section, property_of, rest_length, sees_reeling
 
 Piece = namedtuple("Piece", "rest per half k c growth gravity")
 Piece.__doc__ = """l0 [m], 1/l0 [1/m], mu/2 [kg/m], k [N/m] and c [N s/m] of a segment; l0'/l0 [1/s]; g [m/s2]."""
@@ -57,7 +58,7 @@ def piece_of(chain, s, mode):
     """`Piece` of segment s, or of two segments as a pair."""
     rest = rest_length(chain, s)
     k, c = segment.stiffness(chain, s, mode, rest)
-    return Piece(rest, 1.0 / rest, half_density(chain, s), k, c, chain.growth, chain.gravity)
+    return Piece(rest, 1.0 / rest, half_density(chain, s), k, c, in_section(chain, s, chain.growth), chain.gravity)
 
 
 @kernel

@@ -30,7 +30,7 @@ from ..linear_algebra.matrices import add_to_diagonal, apply, get_matrix, outer,
 from ..linear_algebra.pairs import broadcast, select
 from ..linear_algebra.vectors import add, add_scaled, cross, dot, get, scale, sub
 from .air import varying_air, varying_density
-from .properties import has_node_winds, node_wind, property_of, rest_length
+from .properties import has_node_winds, in_section, node_wind, property_of, rest_length
 
 # places in the record of derivatives, see `assembly.record_of`
 K = 0  # 3x3
@@ -94,19 +94,25 @@ def beyond_rest(r, rest):
 
 
 @kernel
-def seen_rate(chain, length, length_rate):
-    """Rate [m/s] that the damper of a segment sees, from length l [m] and l' [m/s]: l' - l l0'/l0, see `Chain`."""
-    return length_rate - chain.seen_growth * length
+def seen_growth(chain, s):
+    """l0'/l0 [1/s] that the damper of segment s sees, or those of two segments, as a pair; see `Chain`."""
+    return in_section(chain, s, chain.seen_growth)
 
 
 @kernel
-def tension(chain, length, length_rate, rest, k, c):
-    """Tension of one segment [N]: Kelvin-Voigt rod, equation "tension" of this file.
+def seen_rate(chain, s, length, length_rate):
+    """Rate [m/s] that the damper of segment s sees, from its length l [m] and l' [m/s]: l' - l l0'/l0."""
+    return length_rate - seen_growth(chain, s) * length
+
+
+@kernel
+def tension(chain, s, length, length_rate, rest, k, c):
+    """Tension of segment s [N]: Kelvin-Voigt rod, equation "tension" of this file.
 
     Length [m] and its rate [m/s], unstretched length [m], k [N/m], c [N s/m].
     Source: docs/models/theory.md, "One segment".
     """
-    return k * (length - rest) + c * seen_rate(chain, length, length_rate)
+    return k * (length - rest) + c * seen_rate(chain, s, length, length_rate)
 
 
 @kernel
@@ -193,7 +199,7 @@ def tension_of(chain, s, mode, length, length_rate):
     rest = rest_length(chain, s)
     mode = select(mode * mode, mode, length - rest)
     k, c = stiffness(chain, s, mode, rest)
-    return tension(chain, length, length_rate, rest, k, c)
+    return tension(chain, s, length, length_rate, rest, k, c)
 
 
 @kernel
@@ -225,8 +231,8 @@ def linearize_tension(chain, s, length, e, u):
     rest = rest_length(chain, s)
     k, c = stiffness(chain, s, length - rest, rest)
     length_rate = dot(e, u)
-    across = tension(chain, length, length_rate, rest, k, c) / length
-    seen = chain.seen_growth
+    across = tension(chain, s, length, length_rate, rest, k, c) / length
+    seen = seen_growth(chain, s)
     turning = scale(c / length, add_scaled(u, -length_rate, e))
     g = add_scaled(turning, k - c * seen - across, e)
     slope = -(k * length + c * (length_rate - 2.0 * seen * length)) / rest

@@ -102,7 +102,8 @@ def add_segment(n, parameters):
     put_last(n + 1, masses, at.SEGMENT_PROPERTIES, mass, parameters)
     for which in range(at.SEGMENT_PROPERTIES - 1, -1, -1):
         first = place_of(n, which)
-        put_last(n, first, which, parameters[first + n - 1] if which == at.SHARE else 0.0, parameters)
+        has_length = which == at.SHARE or which == at.OFFSET
+        put_last(n, first, which, parameters[first + n - 1] if has_length else 0.0, parameters)
 
 
 @kernel

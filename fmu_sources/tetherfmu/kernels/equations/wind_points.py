@@ -2,8 +2,8 @@
 
     W(s) = W_k + f (W_(k+1) - W_k),   s (K - 1) = k + f,   k = 0 .. K - 2
 
-s [-] is the unstretched length from the ground end over the tether length. All segments reel in proportion to their
-lengths, so a node keeps its s when the winch runs.
+s [-] is the unstretched length from the ground end over the tether length. All segments of a uniform line reel in
+proportion, so a node keeps its s when the winch runs; with sections it changes from step to step.
 
 The state stores the winds at the end of the last step, so outputs and restored states follow from it, and then the
 derivatives that the importer sets for the next step. `put_node_winds` computes the node winds in the parameters from them.
@@ -18,7 +18,7 @@ from ..compilation import kernel
 from ..flat_arrays import part
 from ..linear_algebra.pairs import number_at
 from ..linear_algebra.vectors import add_scaled, sub, vector_at
-from .properties import property_in, put_node_wind
+from .properties import part_in, put_node_wind
 from .torn import has_let_go
 
 KITE_END = 1.0  # s of the kite end
@@ -68,7 +68,7 @@ def put_node_winds(n, parameters, state, back):
     s = 0.0
     for i in range(n + 1):
         put_node_wind(n, i, wind_between(n, parameters, state, s, back), parameters)
-        s = min(s + property_in(parameters, n, i, at.SHARE), KITE_END) if i < n else s
+        s = min(s + part_in(parameters, n, i, state[at.LENGTH]), KITE_END) if i < n else s
 
 
 @kernel

@@ -21,7 +21,7 @@ from ..compilation import kernel, view
 from ..equations import node_loads, segment
 from ..equations.assembly import node_masses
 from ..equations.boundary import place_ends
-from ..equations.properties import property_of, rest_length, stiffest
+from ..equations.properties import part_of, rest_length, stiffest
 from ..flat_arrays import part
 from ..linear_algebra.block_tridiagonal import Matrix
 from ..linear_algebra.matrices import ZERO_MATRIX, put_matrix
@@ -136,7 +136,7 @@ def carry_by(attempt, ground, kite, x, w):
     n, share = attempt.chain.n, 0.0
     for i in range(n):
         put(w.trial, i, add_scaled(add_scaled(get(x, i), 1.0 - share, ground), share, kite))
-        share += property_of(attempt.chain, i, at.SHARE)
+        share += part_of(attempt.chain, i)
     put(w.trial, n, add(get(x, n), kite))
 
 

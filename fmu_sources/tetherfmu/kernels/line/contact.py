@@ -12,7 +12,7 @@ from ..compilation import kernel
 from ..equations import flow
 from ..equations import ground as earth
 from ..equations.end_motion import velocity_at
-from ..equations.properties import half_density, point_mass, property_of
+from ..equations.properties import growing_mass, half_density, property_of
 from ..linear_algebra.both_ends import add_to_node, get_node
 from ..linear_algebra.matrices import apply, get_matrix, put_matrix, scale_matrix, transposed_apply
 from ..linear_algebra.vectors import ZERO_VECTOR, add, add_at, add_scaled, dot, get, put, scale, sub
@@ -68,10 +68,11 @@ def add_rate(chain, acceleration, w, force_rate):
     ground, part = earth.ground_of(chain.parameters), 1.0
     for i in range(chain.n + 1):
         if w.touching[i] > 0.0:
-            mass_rate = (w.mass[i] - point_mass(chain, i)) * chain.growth
-            rate = scale(mass_rate, earth.acceleration(ground, *state_at(chain, i, w.start_x, w.start_v, w)))
+            here = state_at(chain, i, w.start_x, w.start_v, w)
+            rate = scale(growing_mass(chain, i, w.mass[i]) * chain.growth, earth.acceleration(ground, *here))
             if 0 < i < chain.n:
-                gained = part * acceleration - w.passing[i] * chain.growth
+                turned = chain.reeling * (property_of(chain, i - 1, at.SHARE) + property_of(chain, i, at.SHARE))
+                gained = part * acceleration - w.passing[i] * turned * flow.per_node(chain, i)
                 rate = add(rate, apply(get_matrix(w.grip, 9 * i), scale(gained, direction(chain, i, w.start_x))))
             put(force_rate, i, add(get(force_rate, i), rate))
         if i < chain.n:

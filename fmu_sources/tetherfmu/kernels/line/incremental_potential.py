@@ -60,7 +60,7 @@ def segment_at(attempt, s, x, is_new, w):
     For segment s; the mode of k follows from the positions x [m], the mode of c is in w.modes.
     is_new : whether an iteration begins at these positions; their directions then go into w.along (modified).
     """
-    chain, b = attempt.chain, shrinkage(attempt)
+    chain, b = attempt.chain, shrinkage(attempt, s)
     r0 = sub(get(w.old, s + 1), get(w.old, s))
     length, e = segment.geometry(sub(get(x, s + 1), get(x, s)))
     rest = rest_length(chain, s)
@@ -70,14 +70,14 @@ def segment_at(attempt, s, x, is_new, w):
         along = e if is_new else get(w.along, s)
         put(w.along, s, along)
         return length, e, rest, k, c, (b * length * dot(along, e) - dot(along, r0)) / attempt.h, along
-    rate = segment.seen_rate(chain, length, (length - dot(e, r0)) / attempt.h)
+    rate = segment.seen_rate(chain, s, length, (length - dot(e, r0)) / attempt.h)
     return length, e, rest, k, c, rate, slant_of(b, length, e, r0)
 
 
 @kernel
-def shrinkage(attempt):
-    """b = 1 - h (dl0/dt)/l0 [-] as the damper sees it: if positive, the part of the unstretched length that is old."""
-    return 1.0 - attempt.h * attempt.chain.seen_growth
+def shrinkage(attempt, s):
+    """b = 1 - h (dl0/dt)/l0 [-] as the damper of segment s sees it: if positive, the old part of its unstretched length."""
+    return 1.0 - attempt.h * segment.seen_growth(attempt.chain, s)
 
 
 @kernel
@@ -184,14 +184,14 @@ def rests_on_ground(attempt, x, w):
 @kernel
 def potential(attempt, x, w):
     """Phi [J] at the positions x [m], and its error of rounding [J]."""
-    h, b = attempt.h, shrinkage(attempt)
+    h = attempt.h
     total, size = 0.0, 0.0
     for i in range(attempt.conditions.first, attempt.conditions.last + 1):
         away = sub(get(x, i), get(w.free, i))
         total += 0.5 * w.mass[i] / (h * h) * dot(away, away)
     for s in range(attempt.chain.n):
         length, _, rest, k, c, rate, _ = segment_at(attempt, s, x, False, w)
-        total += segment.elastic_energy(k, length - rest) + 0.5 * h * c / b * rate * rate
+        total += segment.elastic_energy(k, length - rest) + 0.5 * h * c / shrinkage(attempt, s) * rate * rate
         size += (k * abs(length - rest) + c * abs(rate)) * (norm(get(x, s)) + length)
         u = velocity_change(attempt, s, x, w)
         work = dot(get(w.drag, s), moved(s, x, w))
@@ -221,7 +221,7 @@ def linearize(attempt, x, is_held, w):
     is_held : as for `add_ground`.
     """
     n = attempt.chain.n
-    h, b = attempt.h, shrinkage(attempt)
+    h = attempt.h
     diagonal, lower, upper = w.matrix
     block, force = inertia(attempt, 0, x, w)
     for s in range(n):
@@ -231,7 +231,8 @@ def linearize(attempt, x, is_held, w):
         across = max(spring + c * rate, 0.0) / length
         air = sub(get(w.drag, s), apply(get_matrix(w.slope, 9 * s), velocity_change(attempt, s, x, w)))
         pull = add(scale(spring, e), scale(c * rate, slant))
-        stiff = add_to_diagonal(add_matrices(symmetric(k - across, e), symmetric(b * c / h, slant)), across)
+        damped = symmetric(shrinkage(attempt, s) * c / h, slant)
+        stiff = add_to_diagonal(add_matrices(symmetric(k - across, e), damped), across)
         both = scale_matrix(0.5 / h, get_matrix(w.slope, 9 * s))
         put_matrix(upper, 9 * s, subtract(both, stiff))
         put_matrix(lower, 9 * s + 9, subtract(both, stiff))

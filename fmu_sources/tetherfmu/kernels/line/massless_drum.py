@@ -13,12 +13,12 @@ from ..compilation import kernel
 from ..equations import segment
 from ..equations.boundary import chain_with
 from ..equations.drum import balance, force_at
-from ..equations.properties import property_of, rest_length, sees_reeling
+from ..equations.properties import property_of, rest_length, section_of, sees_reeling
 from ..linear_algebra.vectors import dot, get, sub
 
 MOST_CORRECTIONS = 30
 EXACT, ROUGH, ROUNDING = 1e-13, 1e-10, 2.5e-16  # relative errors of T = W: goal, acceptable if it stagnates, rounding of T
-MOST_CHANGE = 0.5  # largest correction, relative to the length
+MOST_CHANGE = 0.5  # largest correction, relative to the section at the winch
 
 Instant = namedtuple("Instant", "time length speed x v")
 Instant.__doc__ = """A chain with a drum at a time [s] of the communication step.
@@ -57,22 +57,22 @@ def project(conditions, drum, direction, d, now):
         chain = chain_with(conditions, length, speed)
         rest = rest_length(chain, 0)
         k, c = segment.stiffness(chain, 0, moved - rest, rest)
-        tension = segment.tension(chain, moved, rate, rest, k, c)
+        tension = segment.tension(chain, 0, moved, rate, rest, k, c)
         wrong = balance(drum, direction, tension, speed, time)
         rounding = ROUNDING * (k * moved + c * abs(rate))
         if abs(wrong) <= EXACT * size + rounding or (abs(wrong) >= 0.5 * last and abs(wrong) <= ROUGH * size + rounding):
             return length, speed, True
         last = abs(wrong)
-        slope = -(k * moved + c * (rate - 2.0 * chain.seen_growth * moved)) / length  # dT/dL
-        by_speed = -drum.damping - (c * moved / length if sees_reeling(chain.parameters) else 0.0)
+        slope = -(k * moved + c * (rate - 2.0 * chain.seen_growth * moved)) / chain.section  # dT/dL
+        by_speed = -drum.damping - (c * moved / chain.section if sees_reeling(chain.parameters) else 0.0)
         if felt:
             change = -wrong / (by_speed + d * slope)
-            change = max(-MOST_CHANGE * length, min(MOST_CHANGE * length, d * change))
+            change = max(-MOST_CHANGE * chain.section, min(MOST_CHANGE * chain.section, d * change))
             length += change
             speed += change / d
         else:
             change = -wrong / slope
-            length += max(-MOST_CHANGE * length, min(MOST_CHANGE * length, change))
-        if not (0.0 < length < inf and abs(speed) < inf):
+            length += max(-MOST_CHANGE * chain.section, min(MOST_CHANGE * chain.section, change))
+        if not (0.0 < section_of(conditions.parameters, length) < inf and abs(speed) < inf):
             return length, speed, False
     return length, speed, False

@@ -22,7 +22,7 @@ from ..equations import assembly, flow, winch
 from ..equations.boundary import chain_during, load_during, place_ends
 from ..equations.end_motion import acceleration_at, position_at, velocity_at
 from ..equations.ground import has_ground
-from ..equations.properties import point_mass
+from ..equations.properties import growing_mass
 from ..flat_arrays import part
 from ..linear_algebra.block_tridiagonal import Matrix
 from ..linear_algebra.both_ends import (
@@ -172,8 +172,8 @@ def take_force_rate(conditions, time, w):
     chain = chain_during(conditions, time)
     for k in range(n // 2 + 1):
         mass = number_at(w.mass, 0, (k, n - k))
-        of_tether = mass - pair(point_mass(chain, k), point_mass(chain, n - k))
-        rate = of_tether / mass * chain.reeling / chain.length
+        of_tether = pair(growing_mass(chain, k, w.mass[k]), growing_mass(chain, n - k, w.mass[n - k]))
+        rate = of_tether / mass * chain.reeling / chain.section
         put_interleaved(w.force_rate, k, sub(get_interleaved(w.force_rate, k), scale(rate, get_interleaved(w.force, k))))
 
 

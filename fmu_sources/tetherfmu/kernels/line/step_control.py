@@ -14,7 +14,7 @@ from tetherfmu.runtime.limits import LEAST_REMAINDER, MOST_BUDGETS, MOST_EXPECTE
 from ..compilation import kernel
 from ..equations import segment
 from ..equations.ground import has_ground
-from ..equations.properties import has_node_winds, node_wind, property_of, rest_length
+from ..equations.properties import has_node_winds, in_section, node_wind, property_of, rest_length
 from ..linear_algebra.vectors import dot, get, sub
 from . import contact
 from .rodas4p import GAMMA
@@ -49,7 +49,7 @@ has_crossed : whether a segment crossed the taut-slack transition."""
 DrumError = namedtuple("DrumError", "length growth mass moves_segment")
 DrumError.__doc__ = """Error estimates of the drum of a line in the last step.
 
-length : of the length over gamma h [m/s].  growth : of the relative rate of the length, as dampers see it [1/s].
+length : of the length over gamma h [m/s].  growth : of l0'/l0 in the section at the winch, as dampers see it [1/s].
 mass : of the drum [kg], inf without a drum and if it is held; 0: it controls the tension of the first segment.
 moves_segment : whether entering rope moves the only segment of the line, see `events.keep_energy`."""
 
@@ -96,10 +96,11 @@ def errors_of_segments(conditions, chain, h, speed, drum, w):
         has_crossed = has_crossed or (length - rest) * mode < 0.0
         k, c = segment.stiffness(chain, s, mode, rest)
         taut, _ = segment.stiffness(chain, s, segment.TAUT, rest)
-        pull = segment.tension(chain, length, dot(e, sub(get(w.v, s + 1), get(w.v, s))), rest, k, c)
+        pull = segment.tension(chain, s, length, dot(e, sub(get(w.v, s + 1), get(w.v, s))), rest, k, c)
         largest, highest = max(largest, abs(pull)), max(highest, pull)
-        wrong = reach * (dot(e, sub(get(w.q, s + 1), get(w.q, s))) - rest / chain.length * drum.length)
-        of_damper = c * (dot(e, sub(get(w.velocity_error, s + 1), get(w.velocity_error, s))) - length * drum.growth)
+        entering, growth = in_section(chain, s, rest / chain.section * drum.length), in_section(chain, s, drum.growth)
+        wrong = reach * (dot(e, sub(get(w.q, s + 1), get(w.q, s))) - entering)
+        of_damper = c * (dot(e, sub(get(w.velocity_error, s + 1), get(w.velocity_error, s))) - length * growth)
         mass = lighter_free_node(s, conditions, w)
         harmless = HARMLESS * min(mass, mass_of_drum) * speed / h
         if mass_of_drum == 0.0:

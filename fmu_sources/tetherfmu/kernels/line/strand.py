@@ -146,7 +146,7 @@ def sum_forces(strand, chain):
         length, e = assembly.found_segment(w.segments, s)
         r, u, mode = sub(x_q, x_p), sub(v_q, v_p), number_at(w.modes, 0, both)
         piece = rope.piece_of(chain, both, select(mode * mode, mode, length - rest_length(chain, both)))
-        tension = segment.tension(chain, length, dot(e, u), piece.rest, piece.k, piece.c)
+        tension = segment.tension(chain, both, length, dot(e, u), piece.rest, piece.k, piece.c)
         drag, pull = segment.half_drag_between(chain, both, length, e, x_p, x_q, v_p, v_q), scale(tension, e)
         own, other = sides_at(n, s, weights)
         flow = rope.flow_past(own, other, rates, gains)

@@ -58,6 +58,7 @@ from ..points.room import (
     is_rope,
     line_of,
     numbers_of,
+    section_now,
     strand_of,
     take_rates,
     unknowns_of,
@@ -332,9 +333,8 @@ def drum_error(system, k):
     """`DrumError` of line k, with the mass of its own drum."""
     if not has_rope(system, k):
         return DrumError(0.0, 0.0, inf, False)
-    numbers = numbers_of(system, k)
     length, speed = room.let_in_over_both(system, k, room.WRONG), room.let_in_over_both(system, k, room.WRONG_SPEED)
-    growth, mass = speed / numbers[LENGTH] if feels_rope(parameters_of(system, k)) else 0.0, inf
+    growth, mass = speed / section_now(system, k) if feels_rope(parameters_of(system, k)) else 0.0, inf
     if has_own_drum(system, k):
         j, _ = room.holder(system, k, 0, 0)
         if is_free(system, j):

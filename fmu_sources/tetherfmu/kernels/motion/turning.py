@@ -14,7 +14,7 @@ from ..compilation import kernel
 from ..equations import flow, segment
 from ..equations.drum import INWARDS, OUTWARDS, is_at_stop
 from ..equations.lines import conditions_of, lines_of, note_line
-from ..equations.properties import property_of
+from ..equations.properties import in_section, property_of
 from ..equations.rope import feels_rope
 from ..equations.ropes import goes_on
 from ..line.massless_drum import project
@@ -22,7 +22,7 @@ from ..line.second_order import TO_NEXT, start_of_second, start_of_third
 from ..line.strand_room import LENGTH, SHEAVE, TENSION
 from ..linear_algebra.vectors import dot, get, sub
 from ..points import fixed, room
-from ..points.coordinates import has_own_drum, shortest_of
+from ..points.coordinates import has_own_drum, part_of_shortest
 from ..points.room import (
     chain_at_stage,
     chain_with_rope,
@@ -225,7 +225,8 @@ def energy_and_power(system, k, x, v):
         x_p, x_q, v_p, v_q = get(x, s), get(x, s + 1), get(v, s), get(v, s + 1)
         energy += flow.energy(chain, s, part, x_p, x_q, v_p, v_q)
         length, e = segment.geometry(sub(x_q, x_p))
-        pull += abs(segment.tension_of(chain, s, segment.BY_LENGTH, length, dot(e, sub(v_q, v_p)))) * length / chain.length
+        tension = abs(segment.tension_of(chain, s, segment.BY_LENGTH, length, dot(e, sub(v_q, v_p))))
+        pull += in_section(chain, s, tension * length / chain.section)
         part -= property_of(chain, s, at.SHARE)
     density = property_of(chain, 0, at.LINE_DENSITY)
     tension, comes_from_winch = max(numbers[TENSION], 0.0), not room.is_held(system, k, 0)
@@ -248,7 +249,7 @@ def power_of_spring(chain, x, v):
         stretched, e = segment.geometry(sub(get(x, s + 1), get(x, s)))
         tension = segment.tension_of(chain, s, segment.BY_LENGTH, stretched, dot(e, sub(get(v, s + 1), get(v, s))))
         first = tension if s == 0 else first
-        power += abs(property_of(chain, s, at.SHARE) * first - tension * stretched / chain.length)
+        power += abs(property_of(chain, s, at.SHARE) * first - in_section(chain, s, tension * stretched / chain.section))
     return power * abs(chain.reeling)
 
 
@@ -304,7 +305,7 @@ def balance(system, time, d):
 def check(system):
     """OK, or REELED_TOO_SHORT for a line that its winch has left too short, whose number the plan (modified) stores."""
     for k in range(lines_of(system)):
-        if has_rope(system, k) and numbers_of(system, k)[LENGTH] < at.SHORTEST_PART * shortest_of(system, k):
+        if has_rope(system, k) and numbers_of(system, k)[LENGTH] < part_of_shortest(system, k, at.SHORTEST_PART):
             note_line(system.plan, k)
             return REELED_TOO_SHORT
     return OK

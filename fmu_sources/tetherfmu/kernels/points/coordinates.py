@@ -57,6 +57,13 @@ def shortest_of(system, k):
 
 
 @kernel
+def part_of_shortest(system, k, part):
+    """Length [m] of line k at which its section at the winch has a part [-] of its shortest length."""
+    beyond = parameters_of(system, k)[at.LENGTH_BEYOND]
+    return beyond + part * (shortest_of(system, k) - beyond)
+
+
+@kernel
 def longest_of(system, k):
     """Longest unstretched length [m] to which its drum pays out line k."""
     return parameters_of(system, k)[at.LONGEST_LENGTH]

@@ -43,7 +43,7 @@ from ..linear_algebra import condensed, profile
 from ..linear_algebra.both_ends import interleave
 from ..linear_algebra.vectors import add_scaled, dot, get, put, scale, sub
 from . import net, room
-from .coordinates import longest_of, shortest_of
+from .coordinates import longest_of, part_of_shortest, shortest_of
 from .room import (
     attempt_of,
     chain_at_stage,
@@ -59,6 +59,7 @@ from .room import (
     moves,
     numbers_of,
     scratch_of,
+    section_now,
     strand_of,
     take_rates,
     unknowns_of,
@@ -69,8 +70,8 @@ CLOSE = 1e-6  # relative tension change at convergence; the remaining error is i
 WITHIN = 1e-6  # tolerance of the length limits, relative
 MOST_TRIES, ALL_AT_ONCE = 16, 4  # solves per iteration; solves after which states change one at a time
 LEAST_PIVOT = 1e-3  # smallest pivot, relative to the coordinate's slope with rigid ropes
-LEAST_LENGTH = 0.25  # lower bound of a line in an iteration, relative to its shortest length
-MOST_RUN = 0.1  # largest change of a line in an iteration, relative
+LEAST_LENGTH = 0.25  # lower bound of a line in an iteration, see `part_of_shortest`
+MOST_RUN = 0.1  # largest change of a line in an iteration, relative to its section at the winch
 
 # --- lengths
 
@@ -89,7 +90,7 @@ def place_lines(system, end):
         if has_rope(system, k):
             take_rates(system, k, end)
             numbers = numbers_of(system, k)
-            numbers[LENGTH] = max(numbers[LENGTH], LEAST_LENGTH * shortest_of(system, k))
+            numbers[LENGTH] = max(numbers[LENGTH], part_of_shortest(system, k, LEAST_LENGTH))
 
 
 @kernel
@@ -156,7 +157,7 @@ def take_limits(system, j, h):
         if growth != 0.0:
             down, up = limits_by(system, k, growth, speed, h)
             lowest, highest = max(lowest, down), min(highest, up)
-            least = min(least, numbers_of(system, k)[LENGTH] / abs(growth))
+            least = min(least, section_now(system, k) / abs(growth))
     if own[room.IS_BRAKED] != 0.0:
         lowest = highest = 0.0
     elif own[room.KEEPS] > 0.0:

@@ -30,7 +30,7 @@ from ..equations.lines import (
     segments_of,
     state_of,
 )
-from ..equations.properties import chain_with_flow, property_of
+from ..equations.properties import chain_with_flow, property_of, section_of
 from ..equations.rope import feels_rope
 from ..equations.ropes import comes_from, goes_on, has_coordinates, has_sheaves, is_freed, is_turned
 from ..flat_arrays import part
@@ -586,6 +586,12 @@ def take_rates(system, k, time):
             rate += winch.rate_at(reeling, time)
             gain += winch.gain_at(reeling, time)
         numbers[RATE + end], numbers[GAIN + end] = rate, gain
+
+
+@kernel
+def section_now(system, k):
+    """Length [m] of the section at the winch of line k at a stage."""
+    return section_of(parameters_of(system, k), numbers_of(system, k)[LENGTH])
 
 
 @view

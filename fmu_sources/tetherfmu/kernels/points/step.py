@@ -18,10 +18,9 @@ from ..equations import flow, winch
 from ..equations.boundary import chain_during
 from ..equations.free_points import free_points, is_at_point, point_at, points_of, rows_of
 from ..equations.lines import conditions_of, lines_of, motion_of, segments_of
-from ..equations.properties import point_mass
+from ..equations.properties import growing_mass
 from ..line import rosenbrock, strand
 from ..line.rodas4p import ALPHA, GAMMA, GAMMA_I, INERTIA, OF_SPEEDS, OF_START, R_BY_GAMMA, STAGES, A, P, added_up
-from ..line.strand_room import LENGTH
 from ..linear_algebra import condensed
 from ..linear_algebra.both_ends import add_to_node, get_node
 from ..linear_algebra.vectors import add_at, add_scaled, get, put, scale, sub
@@ -36,7 +35,7 @@ from .room import (
     is_any_rope,
     is_drum,
     moves,
-    numbers_of,
+    section_now,
     strand_of,
     take_rates,
     unknowns_of,
@@ -85,7 +84,7 @@ def begin_line(system, k, time, h):
     x, v = motion_of(system, k)
     if has_rope(system, k):
         take_rates(system, k, time)
-        if not numbers_of(system, k)[LENGTH] > 0.0:
+        if not section_now(system, k) > 0.0:
             return False
         strand.begin(strand_of(system, k), chain_at_stage(system, k), time, x, v)
         return True
@@ -172,7 +171,7 @@ def begin_ends(system, k, time):
         for end in range(2):
             if is_at_point(system, k, end):
                 node = own.n * end
-                mass_rate = (own.w.mass[node] - point_mass(chain, node)) * chain.growth
+                mass_rate = growing_mass(chain, node, own.w.mass[node]) * chain.growth
                 instead = scale(1.0 / own.w.mass[node], get_node(own.n, node, own.w.force))
                 instead = sub(instead, net.acceleration_of_point(system, point_at(system, k, end)))
                 add_to_node(own.n, node, scale(mass_rate, instead), own.w.force_rate)
@@ -199,7 +198,7 @@ def start_stage(system, k, stage, time, h):
     """Argument and forces of line k at a stage after the first, at a time [s] (modified); False if it has no length."""
     if has_rope(system, k):
         take_rates(system, k, time)
-        if not numbers_of(system, k)[LENGTH] > 0.0:
+        if not section_now(system, k) > 0.0:
             return False
         strand.go_to_stage(strand_of(system, k), chain_at_stage(system, k), stage, time, h)
         strand.residual(strand_of(system, k), chain_at_stage(system, k), time)
@@ -279,7 +278,7 @@ def take_results(system, end):
             rosenbrock.take_result(conditions_of(system, k), end, integrator_of(system, k))
             if has_rope(system, k):
                 take_rates(system, k, end)
-                if not numbers_of(system, k)[LENGTH] > 0.0:
+                if not section_now(system, k) > 0.0:
                     return False
     return True
 

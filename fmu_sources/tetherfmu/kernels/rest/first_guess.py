@@ -4,7 +4,7 @@ from tetherfmu.runtime import layout as at
 
 from ..compilation import kernel
 from ..equations import segment
-from ..equations.properties import point_mass, property_of
+from ..equations.properties import part_of, point_mass, property_of
 from ..linear_algebra.vectors import ZERO_VECTOR, add, get, norm, put, scale, sub
 from . import elastic_catenary, hanging_chain
 from .compressed_chain import sideways
@@ -20,7 +20,7 @@ def axial_compliance(chain):
     """1/EA [1/N] of the whole chain."""
     compliance = 0.0
     for s in range(chain.n):
-        compliance += property_of(chain, s, at.SHARE) / property_of(chain, s, at.STIFFNESS)
+        compliance += part_of(chain, s) / property_of(chain, s, at.STIFFNESS)
     return compliance
 
 
@@ -72,7 +72,7 @@ def hang_under_mean_load(body, perturbed, w):
     if perturbed:
         mean = add(mean, perturbation_load(chain, chord, mean))
     for i in range(1, chain.n):
-        share = 0.5 * (property_of(chain, i - 1, at.SHARE) + property_of(chain, i, at.SHARE))
+        share = 0.5 * (part_of(chain, i - 1) + part_of(chain, i))
         put(w.load, i, scale(share * chain.length, mean))
     guess = first_tension_guess(chain, chord, mean)
     hanging_chain.hang(chain, guess, w.load, x, w.tension)

@@ -14,7 +14,7 @@ from tetherfmu.runtime import layout as at
 from ..compilation import kernel
 from ..equations import flow, node_loads, segment
 from ..equations.ground import SLIDING, carries, support, support_slope
-from ..equations.properties import property_of, rest_length
+from ..equations.properties import part_of, property_of, rest_length
 from ..linear_algebra.matrices import ZERO_MATRIX, add_to_diagonal, scale_matrix, skew
 from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, cross, dot, get, put, scale, sub
 
@@ -38,7 +38,7 @@ def straighten(chain, x):
     chord = sub(get(x, chain.n), ground)
     part = 0.0
     for i in range(1, chain.n):
-        part += property_of(chain, i - 1, at.SHARE)
+        part += part_of(chain, i - 1)
         put(x, i, add_scaled(ground, part, chord))
 
 

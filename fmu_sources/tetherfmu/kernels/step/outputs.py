@@ -10,7 +10,7 @@ from ..compilation import kernel
 from ..equations import segment
 from ..equations.assembly import end_force, node_masses
 from ..equations.ground import ground_of, has_ground, part_under
-from ..equations.properties import holds, point_mass, property_of, rest_length
+from ..equations.properties import holds, part_of, point_mass, property_of, rest_length
 from ..linear_algebra.vectors import add, add_scaled, dot, get, norm, put_at, sub, vector_at
 
 SLACKEST = 1e-9  # lower limit of a tension in wave_time, over EA
@@ -99,10 +99,10 @@ def write_shape(chain, x, shape_points, outputs):
     passed = 0.0
     for k in range(shape_points):
         part = k / max(1, shape_points - 1)
-        while s < chain.n - 1 and part > passed + property_of(chain, s, at.SHARE):
-            passed += property_of(chain, s, at.SHARE)
+        while s < chain.n - 1 and part > passed + part_of(chain, s):
+            passed += part_of(chain, s)
             s += 1
-        within = (part - passed) / property_of(chain, s, at.SHARE)
+        within = (part - passed) / part_of(chain, s)
         if not holds(chain, s):
             within = 0.0 if within < 0.5 or s == last_of_rope(chain) else 1.0
         start = get(x, s)

@@ -10,7 +10,15 @@ from ..equations.assembly import end_force, node_masses
 from ..equations.boundary import wind_of
 from ..equations.continuation import is_continued
 from ..equations.drum import drum_of
-from ..equations.properties import chain_with_flow, point_mass, rest_length, sees_reeling
+from ..equations.properties import (
+    chain_with_flow,
+    growing_mass,
+    in_section,
+    point_mass,
+    property_of,
+    rest_length,
+    sees_reeling,
+)
 from ..equations.torn import is_torn
 from ..equations.winch import follows_force
 from ..flat_arrays import part
@@ -113,7 +121,7 @@ def balance_nodes(chain, x, v, mass, energies):
         energies[WINCH] -= mass[i] * node_loads.specific_friction(chain, get(x, i), of_rope, slide)
         energies[KINETIC] += mass[i] * moving
         energies[POTENTIAL] += (tether + free * point_mass(chain, i)) * specific
-        energies[MATERIAL] += tether * (moving + specific)
+        energies[MATERIAL] += growing_mass(chain, i, mass[i]) * (moving + specific)
         energies[CONTACT_LOSS] += mass[i] * contact
         energies[SLIDING_LOSS] += mass[i] * sliding
 
@@ -126,14 +134,15 @@ def balance_segments(chain, x, v, energies):
         length, e = segment.geometry(sub(x_q, x_p))
         rest, rate = rest_length(chain, s), dot(e, sub(v_q, v_p))
         k, c = segment.stiffness(chain, s, length - rest, rest)
-        tension = segment.tension(chain, length, rate, rest, k, c)
+        tension, growth = segment.tension(chain, s, length, rate, rest, k, c), in_section(chain, s, chain.growth)
         drag = scale(2.0, segment.half_drag_between(chain, s, length, e, x_p, x_q, v_p, v_q))
         air_velocity, _, _, _ = segment.air_of(chain, s, segment.mean_height(x_p, x_q))
         energies[ENERGIES + s] = tension
         energies[ELASTIC] += segment.elastic_energy(k, length - rest)
-        energies[WINCH] -= tension * length * chain.growth
+        energies[MATERIAL] -= 0.0 if property_of(chain, s, at.SHARE) > 0.0 else segment.elastic_energy(k, length - rest)
+        energies[WINCH] -= tension * length * growth
         energies[WIND] += dot(drag, air_velocity)
-        energies[DAMPING_LOSS] += c * segment.seen_rate(chain, length, rate) * (rate - chain.growth * length)
+        energies[DAMPING_LOSS] += c * segment.seen_rate(chain, s, length, rate) * (rate - growth * length)
         energies[DRAG_LOSS] += dot(drag, sub(air_velocity, segment.mean_velocity(v_p, v_q)))
 
 

@@ -20,7 +20,7 @@ from tetherfmu.runtime.status import (
 )
 
 from ..arrays import clear, copy, nodes_end, positions_and_velocities
-from ..compilation import kernel, view
+from ..compilation import kernel
 from ..equations import past, winch, wind_points
 from ..equations.boundary import are_derived, inputs_of_step, place_at_start, wind_of
 from ..equations.continuation import consume_given_derivatives
@@ -30,6 +30,7 @@ from ..linear_algebra.vectors import ZERO_VECTOR, add_scaled, get, put_at, vecto
 from .plausibility import note_idle_inputs, note_idle_parameters, note_shape, note_step
 
 ROUNDING = 1e-6  # rounding of a force [N] that a controller or extrapolation sets to 0
+ROUNDED_LENGTH = 1e-15  # of a length, relative
 
 
 @kernel
@@ -125,8 +126,9 @@ def begin(n, parameters, inputs, step, is_mean, state):
 def check_length(n, parameters, length):
     """OK, or REELED_TOO_SHORT or WINCH_TOO_SHORT if an unstretched length [m] has too short segments."""
     chain = chain_at(n, parameters, length, 0.0, ZERO_VECTOR)
+    least = at.MIN_SEGMENT_LENGTH - ROUNDED_LENGTH * parameters[at.LENGTH_BEYOND]
     for s in range(n):
-        if rest_length(chain, s) < at.MIN_SEGMENT_LENGTH:
+        if rest_length(chain, s) < least:
             return WINCH_TOO_SHORT if winch.follows_length(parameters) else REELED_TOO_SHORT
     return OK
 

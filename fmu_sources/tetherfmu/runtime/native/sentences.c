@@ -29,6 +29,7 @@ void fill_sentence(char text[LONGEST_TEXT], int32_t result, double step, About a
         real("friction", about.parameters[AT_WINCH_FRICTION]),
         real("ground_height", about.parameters[AT_GROUND_HEIGHT]),
         real("shortest_stop", about.parameters[AT_SHORTEST_LENGTH]),
+        real("least_length", about.parameters[AT_LEAST_LENGTH]),
         real("longest_stop", longest == AT_NO_STOP ? INFINITY : longest),
         real("length", about.length),
         real("distance", sqrt(square)),

@@ -1,0 +1,208 @@
+"""Sections and point masses while the rope is reeled: new rope comes from the winch, so only its section changes.
+
+kept     the upper section keeps its mass and its length to the last digits
+flight   Lagrange's equations of the chain, solved by scipy (`sections.py`), with each winch, adaptive and in fixed steps
+hang     z = - sum over the sections of L + L (weight below + half of its own)/EA, also of the lumped chain
+energy   what the powers do not explain falls with the square of the communication step
+end      the winch cannot reel in more than its section: refused by speed and length, a stop of a drum
+"""
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+from mechanics import line_density
+from sections import G, Sections
+from tetherfmu import (
+    Environment,
+    Line,
+    Point,
+    Solver,
+    StepRefused,
+    Tether,
+    TetherDynamic,
+    TetherDynamicFree,
+    TetherQuasiSteady,
+    TetherSystem,
+    Winch,
+)
+from tetherfmu.python.energy import EnergyAudit
+from tetherfmu.runtime.limits import MIN_SEGMENT_LENGTH
+
+LIGHT = Tether(segments=19, initial_length=190.0, diameter=0.01)
+HEAVY = Tether(
+    segments=2, initial_length=10.0, diameter=0.03, density=4.0 / (np.pi * 0.03**2), axial_stiffness=3e6
+)  # 1 kg/m
+PAIR, TOTAL = (LIGHT, HEAVY), 400.0
+AIRLESS = Environment(air_density=0.0)
+
+
+# --- kept
+
+
+def test_the_upper_section_keeps_mass_and_length():
+    """Quasi-steady and upright: tensions and lengths of segments say how much rope they are."""
+    tether = TetherQuasiSteady(PAIR, AIRLESS)
+    moving = {"kite_velocity": (0.0, 0.0, 0.1001), "reel_out_speed": 0.1}
+    outputs = tether.initialize(kite_position=(0.0, 0.0, 200.2), **moving)
+    for k in range(200):
+        outputs = tether.step(10.0, kite_position=(0.0, 0.0, 1.001 * (200.0 + k)), **moving)
+    assert outputs.tether_length == pytest.approx(TOTAL, rel=1e-12)
+    strains = tether.segment_tensions / np.repeat([each.axial_stiffness for each in PAIR], [19, 2])
+    rest = tether.segment_lengths / (1.0 + strains)
+    np.testing.assert_allclose(rest, np.repeat([390.0 / 19, 5.0], [19, 2]), rtol=1e-12)
+    weight = G * (line_density(LIGHT) * 390.0 + 10.0)
+    assert -(outputs.ground_force + outputs.kite_force)[2] == pytest.approx(weight, rel=1e-9)  # tolerance of the equilibrium
+    assert outputs.kite_end_mass == pytest.approx(2.5, rel=1e-12)
+
+
+def test_a_point_mass_stays_where_it_is_on_the_rope():
+    """2 kg at 30 of 50 m, reeled in to 40 m: 20 m below and still 20 m above it, strained by 2.5 %."""
+    tether = TetherQuasiSteady(
+        Tether(segments=5, initial_length=50.0), Environment(gravity=0.0, air_density=0.0), point_masses={3: 2.0}
+    )
+    tether.initialize(kite_position=(51.0, 0.0, 0.0))
+    for k in range(10):
+        tether.step(1.0, kite_position=(50.0 - k, 0.0, 0.0), reel_out_speed=-1.0)
+    np.testing.assert_allclose(tether.segment_lengths, np.repeat([20.0 / 3, 10.0], [3, 2]) * 1.025, rtol=1e-9)
+
+
+# --- flight
+
+LOWER = {"diameter": 0.01, "density": 2000.0, "axial_stiffness": 2e4, "axial_damping": 100.0, "drag_coefficient": 0.0}
+UPPER = {"diameter": 0.03, "density": 1400.0, "axial_stiffness": 5e4, "axial_damping": 150.0, "drag_coefficient": 0.0}
+SERIES = Tether(segments=3, initial_length=10.0, **LOWER), Tether(segments=2, initial_length=5.0, **UPPER)
+MASSES = {"sections": {}, "knot": {3: 1.5}, "masses": {2: 0.8, 4: 0.5}}
+END, SPEED, FORCE, DRUM, DURATION = np.array((9.0, 2.0, 12.5)), 0.3, 500.0, 8.0, 0.5
+PLACES = np.array((0.0, 10.0 / 3, 20.0 / 3, 10.0, 12.5, 15.0)) / 15.0  # of the nodes, on the unstretched rope
+SHAPE = np.outer(PLACES, END) + np.outer(PLACES * (1.0 - PLACES), (0.6, -1.2, 0.0))
+
+
+@cache
+def reference(masses, control):
+    """Positions of all nodes [m] and the length [m] of the solver with scipy."""
+    told = {"force": lambda t: FORCE} if control == "force" else {"speed": lambda t: (SPEED, 0.0)}
+    chain = Sections(SERIES, MASSES[masses], DRUM)
+    return chain.fly(SHAPE, 15.0, DURATION, lambda t: (END, np.zeros(3), np.zeros(3)), **told)
+
+
+def errors(masses, control, solver):
+    """Errors of positions and of the length after the flight [m]."""
+    winch = Winch(winch_control=control, **({"winch_mass": DRUM} if control == "force" else {}))
+    tether = TetherDynamic(SERIES, Environment(), solver, winch, point_masses=MASSES[masses])
+    told = {"force": {"winch_force": FORCE}, "speed": {"reel_out_speed": SPEED}}
+    first = told.get(control, {"reel_out_speed": SPEED, "winch_length": 15.0})
+    outputs, step = tether.initialize(positions=SHAPE, velocities=0.0 * SHAPE, **first), 0.01
+    for k in range(round(DURATION / step)):
+        outputs = tether.step(step, **told.get(control, {"winch_length": 15.0 + SPEED * k * step}))
+    positions, length = reference(masses, control)
+    return max(np.abs(tether.positions - positions).max(), abs(outputs.tether_length - length))
+
+
+@pytest.mark.parametrize("control", ["speed", "length", "force"])
+@pytest.mark.parametrize("masses", MASSES)
+def test_a_flight_of_sections(masses, control):
+    """Adaptive steps within a micrometre, fixed steps with their order."""
+    assert errors(masses, control, Solver(relative_tolerance=1e-8)) < 1e-7
+    for method, order, largest in (("second_order", 2.0, 1e-4), ("backward_euler", 1.0, 0.1)):
+        found = [errors(masses, control, Solver(fixed_step=h, fixed_step_method=method)) for h in (0.001, 0.0005)]
+        assert np.log2(found[0] / found[1]) == pytest.approx(order, abs=0.2)
+        assert found[1] < largest
+
+
+def test_a_line_of_a_system_and_a_tether_of_its_own():
+    """A line with a winch of each kind in a system flies as a `TetherDynamic`."""
+    solver = Solver(relative_tolerance=1e-8)
+    for control, told in (("speed", {"reel_out_speeds": {"a": SPEED}}), ("force", {"winch_forces": {"a": FORCE}})):
+        winch = Winch(winch_control=control, **({"winch_mass": DRUM} if control == "force" else {}))
+        points = [Point("g", (0.0, 0.0, 0.0)), Point("k", tuple(END))]
+        system = TetherSystem(points, [Line("a", "g", "k", SERIES, winch=winch)], solver=solver)
+        alone = TetherDynamic(SERIES, Environment(), solver, winch)
+        own = {name.removesuffix("s"): values["a"] for name, values in told.items()}
+        system.initialize(**told)
+        alone.initialize(END, **own)
+        for _ in range(25):
+            system.step(0.02, **told)
+            alone.step(0.02, **own)
+        np.testing.assert_allclose(system.positions["a"], alone.positions, rtol=0.0, atol=1e-9)
+
+
+# --- hang
+
+
+def depth(load, length):
+    """How deep [m] a load [kg] hangs on the pair at an unstretched length [m]."""
+    found, below = 0.0, load
+    for tether, own in ((HEAVY, HEAVY.initial_length), (LIGHT, length - HEAVY.initial_length)):
+        mass = line_density(tether) * own
+        found += own * (1.0 + G * (below + 0.5 * mass) / tether.axial_stiffness)
+        below += mass
+    return found
+
+
+def test_two_sections_hang_after_reeling():
+    """From the start at this length, and after the winch has paid out so much (damped: 0.1 mm of its waves are left)."""
+    options = {"kite_mass": 20.0, "kite_start": "equilibrium", "winch_control": "length"}
+    tether = TetherDynamicFree(PAIR, **options)
+    at_start = tether.initialize(kite_position=(0.0, 0.0, -TOTAL), winch_length=TOTAL)
+    assert at_start.kite_position[2] == pytest.approx(-depth(20.0, TOTAL), abs=1e-9)
+    tether = TetherDynamicFree(PAIR, Environment(), Solver(fixed_step=0.05, fixed_step_method="backward_euler"), **options)
+    outputs = tether.initialize(kite_position=(0.0, 0.0, -200.0), winch_length=200.0)
+    for k in range(2000):
+        outputs = tether.step(0.1, winch_length=min(200.0 + 0.2 * k, TOTAL))
+    assert outputs.kite_position[2] == pytest.approx(-depth(20.0, TOTAL), abs=1e-4)
+
+
+# --- energy
+
+
+def residual(step, control):
+    """Largest residual of the powers [J], and exchanged energy [J], of sections that swing while they are reeled."""
+    winch = Winch(winch_control=control, **({"winch_mass": DRUM} if control == "force" else {}))
+    tether = TetherDynamic(SERIES, Environment(), Solver(relative_tolerance=1e-8), winch, point_masses=MASSES["masses"])
+    told = {"winch_force": FORCE} if control == "force" else {"reel_out_speed": SPEED}
+    tether.initialize(positions=SHAPE, velocities=0.0 * SHAPE, **told)
+    audit, found = EnergyAudit(tether), [0.0]
+    for k in range(round(0.4 / step)):
+        told = told if control == "force" else {"reel_out_speed": SPEED * (1.0 + np.sin(5.0 * k * step))}
+        audit.step(step, **told)
+        found.append(audit.residual)
+    return np.abs(found).max(), sum(abs(work) for work in audit.work.values())
+
+
+@pytest.mark.parametrize("control", ["speed", "force"])
+def test_the_powers_explain_the_energy(control):
+    (coarse, _), (fine, exchanged) = residual(0.002, control), residual(0.001, control)
+    assert np.log2(coarse / fine) == pytest.approx(2.0, abs=0.4)
+    assert fine < 2e-4 * exchanged
+
+
+# --- end
+
+
+@pytest.mark.parametrize("control", ["speed", "length"])
+def test_a_winch_cannot_reel_in_more_than_its_section(control):
+    tether = TetherDynamic(PAIR, winch_control=control)
+    first = {"winch_length": 200.0} if control == "length" else {}
+    tether.initialize(kite_position=(0.0, 0.0, 199.9), **first)
+    told = {"winch_length": 10.1} if control == "length" else {"reel_out_speed": -1000.0}
+    before = tether.get_state()
+    with pytest.raises(StepRefused, match=r"(speed -1000|length 10\.1) .*tether_length 200.0 m, at least 10\.19 m"):
+        tether.step(0.19, **told)
+    np.testing.assert_array_equal(tether.get_state(), before)
+
+
+@pytest.mark.parametrize("solver", [Solver(), Solver(fixed_step=0.01)], ids=["adaptive", "fixed"])
+def test_a_drum_stops_at_the_end_of_its_section(solver):
+    """The upper section, 5 m, stays out; it then hangs on."""
+    upper = Tether(segments=2, initial_length=5.0, **UPPER)
+    lower = Tether(segments=3, initial_length=0.5, **LOWER)
+    winch = Winch(winch_control="force", winch_mass=20.0)
+    tether = TetherDynamicFree((lower, upper), Environment(), solver, winch, kite_mass=10.0)
+    outputs = tether.initialize(kite_position=(0.0, 0.0, -5.51), winch_force=170.0)
+    for _ in range(300):
+        outputs = tether.step(0.01, winch_force=400.0)
+    assert outputs.tether_length == pytest.approx(5.0 + 3 * MIN_SEGMENT_LENGTH, rel=1e-9)
+    assert outputs.winch_speed == 0.0
+    assert outputs.kite_end_mass == pytest.approx(0.25 * line_density(upper) * 5.0, rel=1e-12)
