@@ -101,6 +101,16 @@ def vector_of(name):
     return name.partition("[")[0]
 
 
+def beside_one_another(columns):
+    """Columns of several flights with the same steps, dict by name, as one: NaN where one of them has ended."""
+    time = max((each["time"] for each in columns.values()), key=len)
+    found = {"time": time}
+    for name, each in columns.items():
+        rest = np.full(len(time) - len(each["time"]), np.nan)
+        found |= {f"{name}.{own}": np.concatenate([values, rest]) for own, values in each.items() if own != "time"}
+    return found
+
+
 def write_csv(columns, path):
     """Write columns to a CSV file: a header of names, SI units."""
     with path.open("w", encoding="utf-8", newline="") as file:
