@@ -1,10 +1,11 @@
 /* How far does a gust push a drone on its tether? A drone in C, and `TetherDynamic` for FMI 2, which goes back in time.
 
-    tetherfmu build TetherDynamic --native --header --sources --preset drone --segments 10 --out native
+    tetherfmu build TetherDynamic --native --header --preset drone --segments 10 --out native
     python -m zipfile --extract native/TetherDynamic.fmu native/TetherDynamic
-    cc examples/hosts/tethered_drone.c -I native -I native/TetherDynamic/sources \
-        native/TetherDynamic/binaries/linux64/TetherDynamic.so -lm -o tethered_drone
-    LD_LIBRARY_PATH=native/TetherDynamic/binaries/linux64 ./tethered_drone
+    export LD_LIBRARY_PATH=native/TetherDynamic/binaries/linux64
+    FMI=$(python -c "import fmpy, os; print(os.path.dirname(fmpy.__file__))")/c-code
+    cc examples/hosts/tethered_drone.c -I native -I $FMI $LD_LIBRARY_PATH/TetherDynamic.so -lm -o tethered_drone
+    ./tethered_drone
 
 The drone hovers 60 m above the winch and holds its place by its position and its velocity. In each step it moves under a
 guess of the force at the end of the step, the tether follows it there, and its force is the next guess: the FMU returns to

@@ -93,8 +93,12 @@ def test_a_tethered_drone_in_c(here):
     for line in "\n".join(code for kind, code in blocks(text) if kind == "bash").splitlines():
         if line.startswith("python"):
             subprocess.run([sys.executable, *shlex.split(line)[1:]], check=True)
-    script = block(text, "bash", "cc ").replace("cc ", f"{shutil.which('gcc')} -Wall -Wextra -Wconversion -Wshadow -Werror ")
-    done = subprocess.run(["bash", "-euc", script], capture_output=True, text=True, check=True)
+    script = block(text, "bash", "cc ").replace(
+        "cc examples", f"{shutil.which('gcc')} -Wall -Wextra -Wconversion -Wshadow -Werror examples"
+    )
+    done = subprocess.run(
+        ["bash", "-euc", script.replace("python ", f"{sys.executable} ")], capture_output=True, text=True, check=True
+    )
     assert done.stdout == block(text, "text")
     rows = [[float(each) for each in re.findall(r"-?\d+\.\d+", line)] for line in done.stdout.splitlines()[:-1]]
     step, expected = 0.002, drone_as_the_end_of_its_tether(0.002, 20.0)
