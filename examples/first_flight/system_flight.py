@@ -149,6 +149,8 @@ def run(given):
     """Fly the system that the options name, print a line on each of its lines, write the figures, print where they are."""
     if getattr(given, "tether", None) not in (None, "dynamic"):
         raise WrongUse(f"--tether is {given.tether}; the lines of a system are dynamic")
+    if given.html:
+        import shared.flight_page  # noqa: F401 - before the flight, which would be in vain without plotly
     settings = list(map(setting, given.settings))
     for option, key in OPTIONS.items():
         if getattr(given, option) and any(name.startswith(key) for name, _ in settings):
