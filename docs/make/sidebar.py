@@ -12,10 +12,10 @@ BELOW = {  # page: pages below it
     "course/index": (),  # all lessons, and the tutorial
     "use/faq": ("use/glossary",),
     "use/how_much_tether": ("use/quality_of_advice",),
-    "use/scene_files": ("use/sweeps",),
-    "use/cranes_and_drones": ("use/ground",),
+    "use/scene_files": ("use/sweeps", "use/task_pumping"),
+    "use/cranes_and_drones": ("use/ground", "use/task_hoist"),
     "use/coupling": ("use/example_fmus",),
-    "use/importing": ("use/real_time",),
+    "use/importing": ("use/real_time", "use/task_drone_in_c"),
     "reference/variables": ("reference/systems", "reference/variables_of_examples"),
     "models/theory": ("models/numerics",),
     "measurements/validation": (

@@ -24,12 +24,12 @@ from tetherfmu.console.ending import command
 from tetherfmu.console.options import Parser
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # the folder of the rooms
+from shared.ropes import NO_PUSH
 
 TIP, DEPTH, FORCE, STEP, DURATION = (0.0, 0.0, 60.0), 40.0, 20e3, 0.02, 30.0  # m, m, N, s, s
 HEAVE, PERIOD = 0.5, 6.0  # amplitude [m], grown to within the first period [s]
 RATE, ACCELERATION = 2.0 * np.pi / PERIOD, HEAVE * (2.0 * np.pi / PERIOD) ** 2  # [rad/s], largest of the deck [m/s2]
 HEAVY, DAMPING_RATIO = 3000.0, 0.05  # drum [kg] that bounces on the wire with this damping, over critical damping
-SLACK = {"slack_stiffness_ratio": 0.0, "slack_damping_ratio": 0.0}  # a slack wire does not push
 DRUMS = {  # name: mass [kg], dry friction [N]; None: the winch holds the length
     "constant length": None,
     "drum of 3000 kg, 500 N of friction": (HEAVY, 500.0),
@@ -53,7 +53,7 @@ def fly(drum):
     """Tension at the drum [N] after each step; drum : mass [kg] and friction [N], or None."""
     wire = tether_of("steel", 0.016)
     damping = 2.0 * DAMPING_RATIO * np.sqrt(HEAVY * DEPTH * wire.axial_stiffness)
-    wire = replace(wire, initial_length=DEPTH / (1.0 + FORCE / wire.axial_stiffness), axial_damping=damping, **SLACK)
+    wire = replace(wire, initial_length=DEPTH / (1.0 + FORCE / wire.axial_stiffness), axial_damping=damping, **NO_PUSH)
     by_force = {"winch_control": "force", "winch_mass": drum[0], "winch_friction": drum[1]} if drum else {}
     tether = TetherDynamic(wire, segments=5, **by_force)
     tether.initialize(deck(0.0), ground_position=TIP)

@@ -25,6 +25,7 @@ from tetherfmu.console.ending import command
 from tetherfmu.console.options import Parser
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # the folder of the rooms
+from shared.ropes import NO_PUSH
 
 LOAD, LENGTH, ABOVE, STEP, GRAVITY = 500.0, 40.0, 1.0, 0.01, 9.81  # kg, m, m above the deck, s, m/s2
 LOWERED, LOWERING, RAMP = 1.2, 0.25, 0.5  # wire paid out [m], at [m/s], which is reached in [s]
@@ -34,7 +35,7 @@ SEGMENTS, DAMPING_RATIO = 20, 0.01  # of the wire; of the load that bounces on i
 DECK = Ground(ground_contact="flat", ground_height=0.0)
 WIRE = tether_of("steel", 0.012, initial_length=LENGTH)
 DAMPING = 2.0 * DAMPING_RATIO * np.sqrt(LOAD * LENGTH * WIRE.axial_stiffness)
-WIRE = replace(WIRE, segments=SEGMENTS, axial_damping=DAMPING, slack_damping_ratio=0.0, slack_stiffness_ratio=0.0)
+WIRE = replace(WIRE, segments=SEGMENTS, axial_damping=DAMPING, **NO_PUSH)
 WEIGHT, OF_WIRE = LOAD * GRAVITY, WIRE.mass_per_length * LENGTH * GRAVITY  # [N]
 STIFFNESS = WIRE.axial_stiffness / LENGTH  # [N/m]
 

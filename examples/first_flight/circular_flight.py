@@ -34,7 +34,7 @@ from tetherfmu.runtime.variants import VARIANTS, class_name, variant_of
 from tetherfmu.study.measuring import results
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # the folder of the rooms
-from shared.fmu_tools import find_fmu, refuse_different, running, variables_of
+from shared.fmu_tools import FlightEnded, FMICallException, find_fmu, refuse_different, running, variables_of
 from shared.named_fmu import NamedFmu
 from shared.settings import add_settings
 
@@ -69,6 +69,7 @@ class Flight(NamedTuple):
     shape: np.ndarray | None  # (rows, points, 3), ground first, kite last
     wall_time: float  # of all communication steps
     columns: dict = {}  # noqa: RUF012 (never modified) - all outputs, and `time`, by name, arrays (rows,)
+    refusal: str = ""  # why it ended early
 
 
 def circle(time, rate):
@@ -93,7 +94,11 @@ def co_simulate(fmu, inputs, outputs, motion, step, count, stop_if_pressed):
         given = motion(k)
         # 2. The tether gets it, and goes to the end of the step; FMPy raises if it refuses the step.
         fmu.setReal(inputs, given)
-        fmu.doStep(k * step, step)
+        try:
+            fmu.doStep(k * step, step)
+        except FMICallException as error:
+            error.flown = step * np.arange(k + 1), np.array(rows), outputs, perf_counter() - started
+            raise
         # 3. Its forces and its shape at the end of the step, the time (k + 1) step.
         rows.append(outputs.read(fmu))
         stop_if_pressed()
@@ -164,6 +169,20 @@ def outputs_of(variables):
     if not variables.those_of(*SHOWN):
         raise WrongUse(f"{variables.file} has none of the outputs {', '.join(SHOWN)}")
     return variables.outputs(SHOWN)
+
+
+def shortened(flight, refusal):
+    """A `Flight` that ended early, with the reason; RuntimeError if it has no step."""
+    if len(flight.time) < 2:
+        raise RuntimeError(refusal)
+    return flight._replace(refusal=f"{refusal}; the results end at {flight.time[-1]:.6g} s")
+
+
+def raise_refusal(flights):
+    """RuntimeError if one of the flights, dict by name, ended early."""
+    for flight in flights.values():
+        if flight.refusal:
+            raise RuntimeError(flight.refusal)
 
 
 def flight_of(time, rows, outputs, wall_time):
@@ -259,8 +278,7 @@ def report(columns, given):
     if given.csv:
         found = next(iter(columns.values()))
         if len(columns) > 1:
-            found = {f"{name}.{own}": each[own] for name, each in columns.items() for own in each if own != "time"}
-            found = {"time": next(iter(columns.values()))["time"], **found}
+            found = results.beside_one_another(columns)
         results.write_csv(results.chosen(found, given.outputs), given.csv)
         print(given.csv)
 
@@ -345,7 +363,10 @@ def fly_each(given, fly, parameters, names=None, find=find_fmu):
         refuse_different(fmu_files, parameters)
     for fmu_file in fmu_files:
         now(f"flying {fmu_file}")
-        flight = fly(fmu_file)
+        try:
+            flight = fly(fmu_file)
+        except FlightEnded as end:
+            flight = shortened(flight_of(*end.flown), str(end))
         report_missing(fmu_file, flight, given.html)
         flights[fmu_file.stem] = flight
         print(summary(fmu_file.stem, flight))
@@ -369,6 +390,7 @@ def show(flights, given, name, title, ground):
         write_page(flights, written[-1], path, title=title, ground=ground)
     for path in written:
         print(path)
+    raise_refusal(flights)
 
 
 @command

@@ -76,15 +76,28 @@ def fly(flight, system, wind=None, duration=None, step=None):
         flight = replace(flight, wind=Wind(tuple(wind)), series=others)
     with catch_warnings(action="ignore", category=PlausibilityWarning):  # `run` says them
         start = flight.start(system)
-        flown = system.fly(count, step, **flight.given(time[:-1]))
-    flights = {}
+        flown, refusal = until_refused(system, count, step, flight.given(time[:-1]))
+    time, flights = time[: 1 + len(next(iter(flown.outputs.values())))], {}
     for name, nodes in flown.positions.items():
         first, rows = start.lines[name], flown.outputs[name]
         forces = (np.vstack([getattr(first, end), rows[:, place : place + 3]]) for end, place in ENDS.items())
         shape = np.concatenate([first.shape[None], nodes]) if len(first.shape) == nodes.shape[1] else None
-        flights[name] = Flight(time, *forces, shape, flown.seconds)
+        flights[name] = Flight(time, *forces, shape, flown.seconds, refusal=refusal)
     places = {name: np.vstack([start.points[name].position, each.position]) for name, each in flown.points.items()}
     return flights, places, results.with_power(results.of_system(time, start, flown), system.winches)
+
+
+def until_refused(system, count, step, given):
+    """Fly a `TetherSystem` until all steps are done, or one is refused: its `SystemFlown`, and why it ended early or "".
+
+    StepRefused if it is the first one.
+    """
+    try:
+        return system.fly(count, step, **given), ""
+    except StepRefused as refusal:
+        if not refusal.flown or not len(next(iter(refusal.flown.outputs.values()))):
+            raise
+        return refusal.flown, str(refusal)
 
 
 ENDS = {"ground_force": at.GROUND_FORCE, "kite_force": at.KITE_FORCE}
@@ -136,6 +149,8 @@ def run(given):
     """Fly the system that the options name, print a line on each of its lines, write the figures, print where they are."""
     if getattr(given, "tether", None) not in (None, "dynamic"):
         raise WrongUse(f"--tether is {given.tether}; the lines of a system are dynamic")
+    if given.html:
+        import shared.flight_page  # noqa: F401 - before the flight, which would be in vain without plotly
     settings = list(map(setting, given.settings))
     for option, key in OPTIONS.items():
         if getattr(given, option) and any(name.startswith(key) for name, _ in settings):
@@ -167,6 +182,8 @@ def run(given):
         path = given.out / f"{found.name}.html"
         write_page(flights, path, None, title=f"Lines of {found.name}", ground=ground, paths=places, note=NOTE)
         print(path)
+    if refusal := flights[line.name].refusal:
+        raise WrongUse(f"{given.log}: {refusal}; the results end at {time[-1]:.6g} s")
 
 
 @command

@@ -11,6 +11,7 @@ with EA and the mass per length mu. Then it falls, and lies on the ground.
 """
 
 import sys
+from pathlib import Path
 
 import numpy as np
 
@@ -19,8 +20,10 @@ from tetherfmu.console.colours import BLACK, BLUE, VERMILLION
 from tetherfmu.console.ending import command
 from tetherfmu.console.options import Parser
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # the folder of the rooms
+from shared.ropes import NO_PUSH
+
 LENGTH, STRENGTH, SEGMENTS = 505.0, 4000.0, 50  # m, N, -
-SLACK = {"slack_stiffness_ratio": 0.0, "slack_damping_ratio": 0.0}  # a slack rope does not push
 RATE, WIDTH, MIDDLE = 0.9, 0.12, 0.6  # of the loop: rad/s, rad, elevation in rad
 PULL = 0.0055, 0.0025  # strain of the tether in the middle of the loop, and what its bottom adds
 STEP, FINE, LONGEST, FALL = 0.02, 0.001, 10.0, 20.0  # s
@@ -41,7 +44,7 @@ def kite(time):
 
 def made():
     """The tether, over a ground."""
-    tether = Tether(initial_length=LENGTH, segments=SEGMENTS, breaking_force=STRENGTH, **SLACK)
+    tether = Tether(initial_length=LENGTH, segments=SEGMENTS, breaking_force=STRENGTH, **NO_PUSH)
     return TetherDynamic(tether, ground=Ground(ground_contact="flat"))
 
 

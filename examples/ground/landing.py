@@ -22,6 +22,7 @@ from tetherfmu.console.ending import command
 from tetherfmu.console.options import Parser
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # the folder of the rooms
+from shared.ropes import NO_PUSH
 
 FRICTION, LENGTH, SEGMENTS, STEP, GRAVITY = 0.5, 60.0, 30, 0.02, 9.81  # -, m, -, s, m/s2
 ABOVE, AT_LANDING, LANDED = (45.0, 0.0, 30.0), (57.0, 0.0, 0.0), 15.0  # kite [m], [m], after a time [s]
@@ -29,7 +30,7 @@ SETTLED, WALK, SPEED, SPEED_UP = 20.0, 20.0, 1.0, 4.0  # until [s], for [s], at 
 MASS, SINKING, GRIP, REELING, REEL_TIME = 3.0, 1.6, 15.0, 0.5, 40.0  # kite [kg], [m/s], of its flight control [N s/m], ...
 WIND = (0.0, 1.5, 0.0)  # [m/s]
 GROUND = Ground(ground_contact="flat", ground_friction=FRICTION)
-TETHER = Tether(initial_length=LENGTH, segments=SEGMENTS)
+TETHER = Tether(initial_length=LENGTH, segments=SEGMENTS, **NO_PUSH)
 WEIGHT = TETHER.mass_per_length * LENGTH * GRAVITY  # of the tether [N]
 
 

@@ -160,16 +160,34 @@ def add_fmu(parser, default="those in dist/, or else in a cache of yours"):
     parser.add_argument("--fmu", type=file, metavar="FILE", help=text)
 
 
+class FlightEnded(RuntimeError):
+    """A step was refused; flown : what there is until then, arguments of `circular_flight.flight_of`."""
+
+    def __init__(self, said, flown):
+        super().__init__(said)
+        self.flown = flown
+
+
 @contextmanager
 def running(fmu_file, description):
-    """An instance of an FMU and a function to call between its steps, for Ctrl-C; RuntimeError if it refuses something."""
+    """An instance of an FMU and a function to call between its steps, for Ctrl-C; RuntimeError if it refuses something.
+
+    `FlightEnded` if an error of FMPy in it has `flown`.
+    """
     try:
         with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder, ctrl_c_waits() as stop_if_pressed:
             fmu = load(fmu_file, description, folder)
-            yield fmu, stop_if_pressed
-            getattr(fmu, f"fmi{description.fmiVersion[0]}FreeInstance")(fmu.component)  # not freeInstance, see `load`
+            free = getattr(fmu, f"fmi{description.fmiVersion[0]}FreeInstance")  # not freeInstance, see `load`
+            try:
+                yield fmu, stop_if_pressed
+            except FMICallException as error:
+                if hasattr(error, "flown"):  # other FMUs fly after this one
+                    free(fmu.component)
+                raise
+            free(fmu.component)
     except FMICallException as error:
-        raise RuntimeError(f"{fmu_file}: {str(error).rstrip('.')}; the FMU has said why") from None
+        said = f"{fmu_file}: {str(error).rstrip('.')}; the FMU has said why"
+        raise (FlightEnded(said, error.flown) if hasattr(error, "flown") else RuntimeError(said)) from None
 
 
 def load(fmu_file, description, folder):

@@ -311,6 +311,7 @@ def test_wrong_use_is_told_in_one_line(place, monkeypatch, capsys, line):
     ("line", "package", "extra"),
     [
         ("fly --html", "plotly", "html"),
+        ("fly landing_hook --html", "plotly", "html"),
         ("fly sound.csv --length 500", "pandas", "examples"),
         ("at_rest.catenary", "matplotlib", "examples"),
         ("import sound.toml --out new.toml", "yaml", "examples"),

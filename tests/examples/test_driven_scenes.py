@@ -152,3 +152,17 @@ def test_no_advice_for_a_tether_that_is_let_go(asked, tmp_path, monkeypatch, cap
     monkeypatch.chdir(tmp_path)
     assert status_of(*asked.split()) == 2
     assert "series.release is for fly and sweep only" in capsys.readouterr().err
+
+
+def test_a_distance_alone_keeps_the_direction_of_the_flight():
+    """Of figures of eight: as far away as the rows say, in the same direction, with the velocity of that path."""
+    scene = named_scenes()["eight_on_a_winch"]
+    table = tomllib.loads(scene.read_text(encoding="utf-8"))
+    flown = read(table | {"series": {"distance": [[0, 300.0], [30, 420.0]]}}, scene.parent, "eight").flight
+    time, near = np.linspace(0.0, 40.0, 81), 1e-4
+    kite, before = flown.motion(time).kite, read(table, scene.parent, "eight").flight.motion(time).kite
+    far = np.linalg.norm(kite, axis=1)
+    assert far[[0, -1]] == pytest.approx([300.0, 420.0])
+    assert kite / far[:, None] == pytest.approx(before / 400.0, abs=1e-12)
+    slope = (flown.motion(time + near).kite - flown.motion(time - near).kite) / (2.0 * near)
+    assert flown.motion(time).kite_velocity[1:] == pytest.approx(slope[1:], abs=1e-3)

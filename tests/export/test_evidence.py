@@ -167,3 +167,12 @@ def test_the_drum_does_what_the_set_says(model):
     assert length.min() < 501.0 < length[-1] == made.starts["longest_length"]
     assert speed[-1] == 0.0
     assert tension[-1] < tension[0]
+
+
+def test_a_long_flight_says_how_far_it_is(monkeypatch):
+    """A text each time that the patience ends; here with each step."""
+    monkeypatch.setattr(evidence, "PATIENCE", -1.0)
+    made, said = evidence.flight(models.TetherDynamic, Tether(segments=2)), []
+    evidence.reference(made, now=said.append)
+    count = len(made.scene) - 1
+    assert said == [f"{k} of {count} steps" for k in range(count)]

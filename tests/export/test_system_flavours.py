@@ -105,8 +105,9 @@ def pays_out(rows):
 
 def steered(control):
     """Tapes in two winches; control : of both, and what it is as an input."""
-    text = text_of("steered_kite").replace('"length"', f'"{control}"').replace("SteeredKite", control.title())
     name = {"length": "winch_length", "speed": "reel_out_speed"}[control]
+    text = text_of("steered_kite").replace('"length"', f'"{control}"').replace("winch_length", name)
+    text = text.replace("SteeredKite", control.title())
     given = {"steering": 0.001, "depower": 0.0005}
     return Flight(
         text,

@@ -25,7 +25,7 @@ from tetherfmu.wiring.system import System
 from tetherfmu.wiring.system_variables import ENDS
 from tetherfmu.wiring.system_variables import GIVEN as GIVEN_INPUTS
 
-from .test_system_flavours import CHAIN, GIVEN, LOADS, text_of
+from .test_system_flavours import CHAIN, GIVEN, HOIST, LOADS, text_of
 from .test_system_flavours import EXAMPLES as FILES
 
 EQUILIBRIUM = 2
@@ -51,6 +51,11 @@ def kites(built, flavour):
 @pytest.fixture
 def chain(built, flavour):
     return built(CHAIN, flavour)
+
+
+@pytest.fixture
+def digits(built, flavour):
+    return built(HOIST.replace("top", "p2kite_position"), flavour)
 
 
 @every_flavour
@@ -100,6 +105,15 @@ def test_a_step_is_refused_with_the_name_of_point_or_line(bridle, flavour):
     said = refused(host, lambda: host.step(STEP, **{"main.reel_out_speed": 0.0, "bridle_right.reel_out_speed": -1e3}))
     assert "the line bridle_right: the reel_out_speed -1000.0 m/s" in said
     assert host.outputs() == before
+
+
+@every_flavour
+@in_shared_process
+def test_a_name_that_ends_as_another_stays_whole(digits, flavour):
+    """That of a point ends as the input of a tether, after a digit."""
+    host = Host(digits).start()
+    said = refused(host, lambda: host.step(STEP, **{"p2kite_position.position[1]": math.nan}))
+    assert "the line rope: the input p2kite_position.position[1] is nan" in said
 
 
 @in_shared_process

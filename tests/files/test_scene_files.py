@@ -254,7 +254,7 @@ def test_a_series_is_the_flight_that_it_samples(tmp_path):
 def test_what_is_no_scene_is_told_as_what_it_is(tmp_path):
     """A system, and a flight whose tether lets go."""
     with pytest.raises(
-        WrongUse, match=r"hoist\.toml: describes a system of tethers, not a scene; use tetherfmu fly, advise or"
+        WrongUse, match=r"hoist\.toml: describes a system of tethers, not a scene; use tetherfmu fly, advise, sweep or"
     ):
         load(named_systems()["hoist"])
     rows = "".join(f"{0.1 * k},300,{k},400,{int(k > 5)}\n" for k in range(200))

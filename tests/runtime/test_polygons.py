@@ -6,8 +6,10 @@ import sys
 import numpy as np
 import pytest
 
+from isolation import in_shared_process
+from runtime.host import Host, blob_of, of_every_flavour, restore
 from tetherfmu.files.flights import KINDS
-from tetherfmu.runtime.polygons import CORNERS, Watch
+from tetherfmu.runtime.polygons import CORNERS, SENTENCE, Watch
 
 STEP = 0.02
 TIME = STEP * np.arange(3000)
@@ -66,6 +68,63 @@ def test_a_polygon_that_the_velocities_explain_is_meant():
     velocity = np.diff(path, axis=0, append=path[-1:]) / STEP
     before = np.concatenate([velocity[:1], velocity[:-1]])
     assert seen(path, before) == (None, 0)
+
+
+KITE = 300  # steps that an FMU flies
+ON_A_TETHER = CIRCLE[:KITE]
+BETWEEN = np.diff(ON_A_TETHER, axis=0, append=ON_A_TETHER[-1:]) / STEP
+PATHS = {  # positions of the kite, and velocities where they are given
+    "every second row": (rows_of(CIRCLE, 2)[:KITE], None),
+    "every fifth row": (rows_of(CIRCLE, 5)[:KITE], None),
+    "smooth": (ON_A_TETHER, None),
+    "noise": (NONE["noise"][:KITE], None),
+    "staircase": (NONE["staircase"][:KITE], None),
+    "polygon from the tenth second on": (np.concatenate([CIRCLE[:100], rows_of(CIRCLE, 3)[100:KITE]]), None),
+    "every second row, which the velocities do not explain": (rows_of(CIRCLE, 2)[:KITE], BETWEEN),
+}
+
+
+def said_in(host, positions, velocities):
+    """Steps of a flight with their messages on polygons."""
+    found = []
+    for k, position in enumerate(positions):
+        host.messages.clear()
+        host.time = k * STEP
+        given = {} if velocities is None else {"kite_velocity": tuple(velocities[k])}
+        host.step(STEP, kite_position=tuple(position), **given)
+        found += [(k, message.partition("kite_position comes")[2]) for message in host.messages if "polygons" in message]
+    return found
+
+
+@of_every_flavour("fmu", ("TetherDynamic", "TetherCatenary"))
+@pytest.mark.parametrize("path", PATHS)
+@in_shared_process
+def test_all_flavours_say_the_same_in_the_same_step(fmu_folder, fmu, path):
+    """In the step that the rule names, once; again after a reset."""
+    positions, velocities = PATHS[path]
+    k, period = seen(positions, velocities)
+    expected = (
+        [(k, SENTENCE.format(name="kite_position", period=period).partition("kite_position comes")[2])] if period else []
+    )
+    host = Host(fmu_folder / f"{fmu}.fmu")
+    for _ in range(2):
+        given = {"end_velocities": 1 if velocities is not None else 2, "initial_length": 365.0, "ground_height": -500.0}
+        host.start(kite_position=tuple(positions[0]), **given)
+        assert said_in(host, positions, velocities) == expected
+        host.fmu.reset()
+
+
+@of_every_flavour("fmu", ("TetherDynamic",))
+@in_shared_process
+def test_a_restored_state_begins_anew(fmu_folder, fmu):
+    """Corners before it do not count: after so many more, in the step that the rule names for what follows."""
+    positions, restored = PATHS["every second row"][0], 10
+    host = Host(fmu_folder / f"{fmu}.fmu")
+    host.start(kite_position=tuple(positions[0]), end_velocities=2, initial_length=365.0, ground_height=-500.0)
+    assert not said_in(host, positions[:restored], None)
+    restore(host, blob_of(host))
+    k, _ = seen(positions[restored:])
+    assert [step for step, _ in said_in(host, positions[restored:], None)] == [k]
 
 
 def test_an_fmu_says_it_once(fmu_folder, tmp_path):

@@ -17,6 +17,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from math import cos, hypot, pi, sin
+from time import monotonic
 from typing import NamedTuple
 from warnings import catch_warnings
 
@@ -33,6 +34,7 @@ from tetherfmu.wiring.winches import holding
 from .texts import filled
 
 STEP = 0.05  # of communication [s]
+PATIENCE = 5.0  # time between two texts on a long flight [s]
 INPUT_DIGITS, OUTPUT_DIGITS = 10, 8  # so that the last bit of a mathematical library does not show
 _BELOW = "\n" + 17 * " "  # where a second line of words begins
 SCENES = (  # in words: with a driven kite, with a free one, of a system
@@ -58,24 +60,29 @@ class EvidenceSet(NamedTuple):
     starts: dict = {}  # noqa: RUF012  start values of parameters that differ from the FMU
 
 
-def reference(made, tolerance=None):
+def reference(made, tolerance=None, now=str):
     """Recorded outputs of the Python API at the start and after each step: list of lists of numbers.
 
-    made : `EvidenceSet`.  tolerance : None for the reference tolerance.  ValueError if a system does not start, or a step is
-    refused.
+    made : `EvidenceSet`.  tolerance : None for the reference tolerance.  now : receives a text every `PATIENCE`.
+    ValueError if a system does not start, or a step is refused.
     """
+    count, said = len(made.scene) - 1, monotonic()
     with catch_warnings(action="ignore", category=PlausibilityWarning):  # command and FMU warn once
         model = made.model(tolerance or made.reference_tolerance)
         rows = [model.initialize(**made.scene[0])]
-        rows += [model.step(STEP, **given) for given in made.scene[:-1]]
+        for k, given in enumerate(made.scene[:-1]):
+            if monotonic() - said > PATIENCE:
+                now(f"{k} of {count} steps")
+                said = monotonic()
+            rows.append(model.step(STEP, **given))
     return [flat(made.found(row), made.outputs) for row in rows]
 
 
-def files(name, sets, arrays=False, **words):
+def files(name, sets, arrays=False, now=str, **words):
     """Texts of evidence sets, dict by file name: inputs, reference and options of each, and a common README.txt.
 
     name : of the FMU.  arrays : whether a vector is one variable, as in FMI 3; one cell then contains its numbers, separated
-    by blanks, as FMPy reads them.  words : in assets/evidence.txt.
+    by blanks, as FMPy reads them.  now : as for `reference`.  words : in assets/evidence.txt.
     """
     texts = {}
     for made in sets:
@@ -83,7 +90,7 @@ def files(name, sets, arrays=False, **words):
         scene = [flat(made.given(each), made.inputs) for each in made.scene]
         options = {"step": STEP, "stop": STEP * (len(scene) - 1), "tolerance": made.tolerance, "allowed": made.allowed}
         texts[f"{start}in.csv"] = table_text(made.inputs, scene, INPUT_DIGITS, arrays)
-        texts[f"{start}ref.csv"] = table_text(made.outputs, reference(made), OUTPUT_DIGITS, arrays)
+        texts[f"{start}ref.csv"] = table_text(made.outputs, reference(made, now=now), OUTPUT_DIGITS, arrays)
         lines = [f"{each}, {value}\n" for each, value in made.starts.items()]
         texts[f"{start}ref.opt"] = filled("evidence.opt", **options) + "".join(lines)
     first = sets[0]

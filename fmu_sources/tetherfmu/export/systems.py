@@ -57,7 +57,7 @@ def build(path, folder, options=None, native=None, with_header=None, with_source
     points, lines, free = len(system.points), len(system.lines), len(system.free)
     about = f"{ABOUT} {system.name}: {lines} line{'s' * (lines > 1)} between {points} points, of which {free} free."
     now(f"flying {lines} lines with {len(table)} variables for the evidence set")
-    sets = {} if starts else _evidence_of(found, table, native == 3, options.wind_points, left_out)
+    sets = {} if starts else _evidence_of(found, table, native == 3, options.wind_points, left_out, now)
     now("writing the documents")
     files = documents(system, table, about, options.platforms, sets, native, left_out)
     now("writing the FMU")
@@ -73,10 +73,10 @@ def build(path, folder, options=None, native=None, with_header=None, with_source
     return write(made, folder, system.name, None)
 
 
-def _evidence_of(found, table, arrays, wind_points, left_out):
+def _evidence_of(found, table, arrays, wind_points, left_out, now=str):
     """Texts of the evidence set of a `SystemFile`, dict by file name; empty if its reference fails.
 
-    left_out : names of omitted variables.
+    left_out : names of omitted variables.  now : as for `build`.
     """
     words = {"model": TetherSystem.__name__, "scene": evidence.SCENES[-1], "more": ""}
     try:
@@ -85,7 +85,7 @@ def _evidence_of(found, table, arrays, wind_points, left_out):
             made = lean_evidence.of_system(made, table, frozenset(left_out))
         drums = [name for name in made.inputs if name.endswith(".winch_force")]  # which may stick, and slip
         is_sound = made.outputs and (not drums or lean_evidence.is_kept(made))
-        return evidence.files(found.name, [made], arrays, **words) if is_sound else {}
+        return evidence.files(found.name, [made], arrays, now, **words) if is_sound else {}
     except ValueError:
         return {}
 

@@ -3,6 +3,9 @@
     reel_out_speed = [[0, 0.0], [2, 1.5], [10, 1.5], [10, 0.0]]     a ramp, and a step at 10 s
     ground_position = [[0, [0, 0, 60]], [20, [0, 25, 60]]]
     winch_force = {file = "crane.csv", column = "force [kN]"}
+    winch_force = {rows = [[0, 2e3], [5, 3e3]], factor = 1.1, delay = 2, time_factor = 0.5}
+
+`factor` multiplies the values. A row at the time t is at `delay` + `time_factor` t.
 
 Speeds, forces and winds are linear between rows; two rows at the same time are a step. `release` is false before the first
 row, then piecewise constant. Positions and lengths are smooth: a
@@ -25,8 +28,9 @@ from .toml_files import contents_of, in_si, require
 POSITIONS = ("position", "winch_length", *csv_files.ANGLES)  # names, or their endings, of smooth inputs
 RELEASE = "release"
 ROUNDING = 1e-9  # of times [s]
-ROWS = "it must be a number, rows [[time, value], ...], or a table with file and column"
-VECTOR_ROWS = "it must be three numbers, rows [[time, [x, y, z]], ...], or a table with file and column"
+CHANGES = {"factor": "", "delay": "s", "time_factor": ""}  # of the rows of a course, and their units
+ROWS = "it must be a number, rows [[time, value], ...], or a table with file and column, or with rows"
+VECTOR_ROWS = "it must be three numbers, rows [[time, [x, y, z]], ...], or a table with file and column, or with rows"
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,19 +103,47 @@ def is_smooth(name):
     return name.rpartition("_")[2] == "position" or name in POSITIONS
 
 
-def course(label, value, name, unit, size, folder=Path()):
+def course(label, value, name, unit, size, folder=Path(), changes=None):
     """`Course` of a value of a file; ValueError names its key, `label`, and the permitted forms.
 
     name : of the input without its point or line.  size : number of components.  folder : of files.
+    changes : some of `CHANGES` by name, of rows.
     """
     with prefixed(f"{label}: "):
         if isinstance(value, dict):
-            return of_file(label, value, name, unit, size, folder)
+            return of_table(label, value, name, unit, size, folder)
         is_rows = isinstance(value, list) and any(isinstance(each, list) for each in value)
         rows = value if is_rows else [[0.0, value]]
         found = [row_of(k, row, unit, size) for k, row in enumerate(rows, 1)]
         times, values = np.array([each[0] for each in found]), np.array([each[1] for each in found])
+        times, values = changed(times, values, changes or {})
         return checked(times, values, name, lambda k: f"row {k + 1}")
+
+
+def of_table(label, table, name, unit, size, folder):
+    """`course` of a table with a file or rows, and changes of them."""
+    source = next((each for each in ("file", "rows") if each in table), None)
+    require(table, label, ("file", "column", "rows", *CHANGES), (source or "rows",))
+    changes = {}
+    for key in CHANGES.keys() & table.keys():
+        with prefixed(f"{key} is {table[key]!r}; "):
+            changes[key] = float(in_si(table[key], CHANGES[key]))
+    if not changes.get("time_factor", 1.0) > 0.0:
+        raise ValueError(f"time_factor is {table['time_factor']!r}; it must be above 0")
+    if source == "file":
+        if "rows" in table:
+            raise ValueError("has file and rows; it must have one of them")
+        return of_file(label, table, name, unit, size, folder, changes)
+    if "column" in table:
+        raise ValueError("has column without file")
+    if isinstance(table["rows"], dict):
+        raise ValueError(f"rows is {table['rows']!r}; {VECTOR_ROWS if size > 1 else ROWS}")
+    return course("rows", table["rows"], name, unit, size, folder, changes)
+
+
+def changed(times, values, changes):
+    """Times and values with `CHANGES`, a dict of some of them."""
+    return changes.get("delay", 0.0) + changes.get("time_factor", 1.0) * times, changes.get("factor", 1.0) * values
 
 
 def row_of(k, row, unit, size):
@@ -168,10 +200,12 @@ def smooth_curve(times, values, spline):
     return PchipInterpolator(beyond, np.concatenate([values[:1], values, values[-1:]]))
 
 
-def of_file(label, table, name, unit, size, folder):
-    """`course` of a table with the name of a CSV file and of a column, by default the input name."""
-    require(table, label, ("file", "column"), ("file",))
-    for key, text in table.items():
+def of_file(label, table, name, unit, size, folder, changes):
+    """`course` of a table with the name of a CSV file and of a column, by default the input name.
+
+    changes : as for `course`.
+    """
+    for key, text in ((key, table[key]) for key in ("file", "column") if key in table):
         if not isinstance(text, str):
             raise ValueError(f"{key} is {text!r}; it must be a text")
     vector = table.get("column", label.partition(".")[2])
@@ -183,7 +217,8 @@ def of_file(label, table, name, unit, size, folder):
         rows = np.column_stack(numbers)
         for k in np.flatnonzero(~np.all(np.isfinite(rows), axis=1)):
             raise ValueError(f"row {cells.cells.index[k]} has no number where it must be a finite number")
-        return checked(rows[:, 0], rows[:, 1:], name, lambda k: f"row {cells.cells.index[k]}", len(rows) > 3, contents)
+        times, values = changed(rows[:, 0], rows[:, 1:], changes)
+        return checked(times, values, name, lambda k: f"row {cells.cells.index[k]}", len(rows) > 3, contents)
 
 
 def numbers_of(table, name, unit):

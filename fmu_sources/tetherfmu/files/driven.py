@@ -58,6 +58,30 @@ class Path:
         return [self.courses[name] for name in ("distance", "elevation", "azimuth")]
 
 
+class AtDistance:
+    """The kite of a flight in the direction that it has, at another distance from the origin, a course."""
+
+    def __init__(self, flight, distance):
+        self.flight, self.distance = flight, distance
+
+    def position(self, time):
+        """Positions [m] at times [s], array (times, 3)."""
+        return self.distance(time)[..., None] * self._direction(time)[0]
+
+    def velocity(self, time):
+        """Velocities [m/s] at times [s], array (times, 3)."""
+        direction, rate = self._direction(time)
+        return self.distance.rate(time)[..., None] * direction + self.distance(time)[..., None] * rate
+
+    def _direction(self, time):
+        """Unit vectors from the origin to the kite, and their rates [1/s]: u = p/|p|, du/dt = (v - u (u v))/|p|."""
+        motion = self.flight.motion(time)
+        far = np.linalg.norm(motion.kite, axis=-1, keepdims=True)
+        direction = motion.kite / far
+        along = np.sum(direction * motion.kite_velocity, axis=-1, keepdims=True)
+        return direction, (motion.kite_velocity - along * direction) / far
+
+
 class Driven:
     """A flight of a scene with courses that replace its inputs, dict by input name; see `flights.Flight`."""
 
@@ -80,7 +104,9 @@ class Driven:
         for end in ("kite", "ground"):
             own = {name: courses[f"{end}_{name}"] for name in ("position", "velocity") if f"{end}_{name}" in courses}
             own |= {name: courses[name] for name in ANGLES if name in courses} if end == "kite" else {}
-            if own:
+            if [*own] == ["distance"]:
+                self._paths[end] = AtDistance(flight, courses["distance"])
+            elif own:
                 with prefixed(f"series: {end} "):
                     self._paths[end] = Path(own, getattr(first, end)[0])
         self.has_velocities = flight.has_velocities or len(self._paths) == 2  # of all ends

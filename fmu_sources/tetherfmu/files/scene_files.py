@@ -254,7 +254,7 @@ def load_for_advice(path, settings=()):
 def read(table, folder, name):
     """`Scene` from the table of a file in a folder; ValueError names the key."""
     if "points" in table:
-        raise ValueError("describes a system of tethers, not a scene; use tetherfmu fly, advise or build --system")
+        raise ValueError("describes a system of tethers, not a scene; use tetherfmu fly, advise, sweep or build --system")
     require(table, "", ("name", "duration", "flight", "series", *RECORDS, "build"), REQUIRED[""])
     flight = read_flight(table["flight"], folder)
     if "series" in table:

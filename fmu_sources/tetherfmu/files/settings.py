@@ -10,6 +10,7 @@ from tetherfmu.runtime.naming import meant, meant_or_all, prefixed
 from tetherfmu.runtime.parameters import Environment, Ground, Tether, Winch
 from tetherfmu.wind.frozen_turbulence import PERIODIC
 
+from .courses import CHANGES
 from .toml_files import check_once, in_si, keys_of, value_of
 from .winds import Box, Wind
 
@@ -72,6 +73,8 @@ def put(table, key, value):
     """Set the value of a key, with its sections, in a table (modified); ValueError if it cannot be."""
     element = ELEMENT.fullmatch(key)
     *sections, last = (element[1] if element else key).split(".")
+    if sections[:1] == ["series"] and last in CHANGES:
+        table, sections = with_rows(table, sections), []
     for section in sections:
         table = table.setdefault(section, {})
         if not isinstance(table, dict):
@@ -83,6 +86,18 @@ def put(table, key, value):
     if not isinstance(vector, list) or len(vector) != 3:
         raise ValueError(f"{key} cannot be set: {element[1]} is {vector!r}, no three numbers")
     vector[int(element[2]) - 1] = value
+
+
+def with_rows(table, sections):
+    """Table of a course in a table (modified): rows alone become one with `rows`; ValueError if there is none."""
+    *outer, name = sections
+    for section in outer:
+        table = table.get(section, {}) if isinstance(table, dict) else {}
+    if not isinstance(table, dict) or name not in table:
+        raise ValueError(f"there is no {'.'.join(sections)} to change")
+    if not isinstance(table[name], dict):
+        table[name] = {"rows": table[name]}
+    return table[name]
 
 
 def set_wind(table, name, value):

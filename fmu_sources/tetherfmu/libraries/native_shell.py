@@ -11,7 +11,7 @@ from .linking import KERNELS_NEED, compile_c, link
 from .sources import PACKAGE
 
 SHELL = PACKAGE / "runtime" / "native"
-PARTS = ("has_avx", "room", "messages", "sentences", "arrays", "saved_state", "derivatives", "instance")
+PARTS = ("has_avx", "room", "messages", "sentences", "polygons", "arrays", "saved_state", "derivatives", "instance")
 OF_WINDOWS = ("__stdio_common_vsprintf", "__acrt_iob_func")  # replace vsnprintf and stderr
 NEEDED = {
     ("libm.so.6", "math"): (*KERNELS_NEED["libm.so.6", "math"], "floor"),

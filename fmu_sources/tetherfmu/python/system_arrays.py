@@ -33,7 +33,7 @@ def instance_of(system):
                 system.ground,
             ),
             len(each.line.tethers),
-            [name in system.free for name in (each.start, each.end)],
+            [name in system.free_names for name in (each.start, each.end)],
             [masses[name] for name in own],
         )
         for each, own in zip(portions, carried(system), strict=True)

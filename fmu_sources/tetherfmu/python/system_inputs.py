@@ -102,8 +102,8 @@ def put(given, arrays, inputs=None, at_start=False):
         for name, value in given.get(what, {}).items():
             _check_known(f"{own} of a {'point' if at_start else 'driven point'}", name, movable)
             numbers = _numbers(f"{name}.{own}", value, (3,), steps)
-            arrays.put(inputs, f"{name}.{'initial_' if name in system.free else ''}{own}", numbers)
-            if what == "velocities" and name not in system.free:
+            arrays.put(inputs, f"{name}.{'initial_' if name in system.free_names else ''}{own}", numbers)
+            if what == "velocities" and name not in system.free_names:
                 check_effect("ground_velocity", numbers, arrays.instance.parameters_of(0), at_start, f"{name}.velocity")
     for name, value in given.get("loads", {}).items():
         _check_known("load on a free point", name, dict.fromkeys(system.free))

@@ -22,6 +22,7 @@ from tetherfmu.runtime import plan_layout as places
 from tetherfmu.runtime.parameters import SCALED, Tether
 from tetherfmu.runtime.quantities import Quantity
 from tetherfmu.runtime.variants import TABLE, class_name, library_of
+from tetherfmu.wiring.fmu import CONTROLS
 from tetherfmu.wiring.variables import PARAMETERS, records_of
 
 from . import own_flights
@@ -182,6 +183,7 @@ def declarations():
         "parameters": of_parameters(),
         "inputs": of_inputs(),
         "outputs": of_outputs(),
+        "winch_inputs": CONTROLS,
         "variants": of_variants(),
         "sentences": of_sentences(),
         "flights": of_flights(),

@@ -153,7 +153,7 @@ def of_system(system, left_out=(), starts=()):
 
 def _is_checked(name, system):
     """Whether a parameter is one that the kernel `pack` does not check: of a free point, a sheave, or a start speed."""
-    return name.partition(".")[0] in system.free or name.endswith(("]", f".{SPEED}"))
+    return name.partition(".")[0] in system.free_names or name.endswith(("]", f".{SPEED}"))
 
 
 def lines_of(system):
@@ -188,10 +188,10 @@ def words_of(system, portion):
     """Names in sentences on a tether and their names for a line or a portion: pairs, longer ones first."""
     words = {}
     for end, point in zip(ENDS, (portion.start, portion.end), strict=True):
-        first = "initial_" if point in system.free else ""
+        first = "initial_" if point in system.free_names else ""
         place = words[f"{end}_position"] = f"{point}.{first}position"
         words |= {f"{end}_velocity": f"{point}.{first}velocity", f"the {end} end": f"its end at {point}"}
-    load = f"{portion.end}.load" if portion.end in system.free else "a load"
+    load = f"{portion.end}.load" if portion.end in system.free_names else "a load"
     words |= {"the kite_load": load, "kite_mass; in a system the mass of the point": f"{portion.end}.mass"}
     for winch in system.winches:
         if portion.line.name in winch.lines:
@@ -281,7 +281,7 @@ def inputs_of(system):
         for own, name in enumerate(line.inputs):
             point, _, what = name.partition(".")
             if point not in winches and "]." not in name:  # a portion but the first one has no winch
-                yield first + own, f"{point}.initial_{what}" if point in system.free else name, k, own
+                yield first + own, f"{point}.initial_{what}" if point in system.free_names else name, k, own
         first += len(line.inputs)
     loads = (name for point in system.free for name in components(f"{point}.load", 3))
     yield from ((first + own, name, -1, own) for own, name in enumerate(loads))
@@ -363,5 +363,5 @@ def _starts_of(system, places):
     for k, line in enumerate(all_portions(system.lines)):
         row = plan.PLAN_HEADER + plan.LINE_NUMBERS * k
         for place, name in ((plan.START_IS_SOUGHT, line.start), (plan.END_IS_SOUGHT, line.end)):
-            if name in system.free:
+            if name in system.free_names:
                 yield row + place, places[f"{name}.start"]

@@ -60,6 +60,11 @@ class System:
         return self._order[1]
 
     @cached_property
+    def free_names(self):
+        """The names in `free` as a set, which is searched in the same time for any number of points."""
+        return frozenset(self.free)
+
+    @cached_property
     def carriers(self):
         """Names of the lines whose arrays contain the drums of winches, dict by the names of force-controlled winches."""
         return carriers_of(self.winches)

@@ -193,8 +193,7 @@ def _dependencies(name, system, line):
         return [f"{line.name}.{name}"]
     renamed = input_name(name, line)
     point, _, what = renamed.partition(".")
-    is_free = any(point == each.name and not each.is_driven for each in system.points)
-    return [f"{point}.initial_{what}" if is_free else renamed]
+    return [f"{point}.initial_{what}" if point in system.free_names else renamed]
 
 
 _QUANTITIES_OF_A_LINE = frozenset(name for record in RECORDS_OF_A_LINE for name, _ in quantities(record))
@@ -225,6 +224,10 @@ def _together(listed):
 
 def _outputs(system, known):
     """Outputs: forces on driven points, motion of free ones, outputs of lines, solver work."""
+    forces_at = {}  # by the name of the point: pairs of a line and its force there
+    for each in all_portions(system.lines):
+        for end, name in each.ends:
+            forces_at.setdefault(name, []).append((each.line, outputs.BY_NAME[f"{end}_force"]))
     for point in system.points:
         if not point.is_driven:
             for what in ("position", "velocity"):
@@ -234,9 +237,7 @@ def _outputs(system, known):
                 yield from _vector(f"{point.name}.{what}", OUTPUT, declared, MOTION, known=known_of)
             continue
         declared = replace(outputs.BY_NAME["kite_force"].quantity, meaning=f"force of its lines on {point.name}")
-        ends = [(each.line, end, name) for each in all_portions(system.lines) for end, name in each.ends]
-        at_it = [(line, end) for line, end, name in ends if name == point.name]
-        at_it = [(line, outputs.BY_NAME[f"{end}_force"]) for line, end in at_it]
+        at_it = forces_at[point.name]
         found = [
             _together(_known(system, line, force, f"{force.name}[{i}]", known) for line, force in at_it) for i in (1, 2, 3)
         ]

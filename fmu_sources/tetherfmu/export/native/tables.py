@@ -6,7 +6,7 @@ Places in the flat arrays, variables, parameters with their ranges, sentences, f
 import re
 from itertools import accumulate
 
-from tetherfmu.runtime import inputs, layout, parameters, plan_layout, plausibility, refusals, saved_state, status
+from tetherfmu.runtime import inputs, layout, parameters, plan_layout, plausibility, polygons, refusals, saved_state, status
 from tetherfmu.runtime.instance import OF_ALL_LINES, Instance, address
 from tetherfmu.wiring.fmu import FORCES
 from tetherfmu.wiring.selection import own_name
@@ -71,6 +71,7 @@ def _constants(wiring, token):
     defined = {
         **fractions,
         "DEFAULT_TOLERANCE": parameters.DEFAULT_TOLERANCE,
+        **{f"POLYGON_{name}": getattr(polygons, name) for name in ("CORNERS", "JUDGED", "ROUNDING", "BENT", "ALIKE")},
         "DIRECT": int(wiring.is_direct),
         "FREE_KITE": int(record is not None and record.kite_is_free),
         "HAS_KINK": int(record is None or record.has_kink),
@@ -297,6 +298,7 @@ def sentence_texts():
     return [
         *(f"#define {name} {value!r}" for name, value in limits.items()),
         *(f"#define {name} {c_text(_with(sentence, {}))}" for name, sentence in own.items()),
+        f"#define POLYGON {c_text(_with(polygons.SENTENCE, {}))}",
         c_texts("KERNEL_SENTENCE", kernel),
         c_texts("WARNING_SENTENCE", warnings),
         c_texts("PHASE", refusals.PHASES),

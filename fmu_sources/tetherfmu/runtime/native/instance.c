@@ -218,6 +218,7 @@ Status start(Instance *instance, Status refusal)
         return say(instance, refusal, "{problem}", FACTS(word("problem", problem)));
     }
     take_arrays(instance, arrays);
+    watch_anew(&instance->watch);
     memset(instance->warned, 0, sizeof instance->warned);
     return OK;
 }
@@ -251,6 +252,14 @@ static Status check_time(Instance *instance, double time, double step, Status re
     return say(instance, WARNING, TIME_JUMPS, FACTS(real("time", time), real("end", instance->time)));
 }
 
+/* The period of a polygonal path of a driven kite end of a tether alone, 0 if it has none or is not looked at. */
+static int period_of_kite(Instance *instance, double step)
+{
+    const double *kite = instance->values + AT_KITE_POSITION;
+    if (!DIRECT || FREE_KITE || instance->watch.is_over) return 0;
+    return period_of(&instance->watch, kite, kite + (AT_KITE_VELOCITY - AT_KITE_POSITION), step);
+}
+
 /* Remember the start and the inputs of a step. */
 static void remember(Arrays *arrays, const double *values)
 {
@@ -267,6 +276,7 @@ Status advance(Instance *instance, double time, double step, Status refusal)
     Status status = check_time(instance, time, step, refusal);
     if (status != OK) return status;
     Arrays *arrays = instance->arrays;
+    int period = period_of_kite(instance, step);
     int32_t result = do_step(arrays, step, arrays->spare, instance->values);
     if (result) {
         char problem[LONGEST_TEXT];
@@ -275,6 +285,7 @@ Status advance(Instance *instance, double time, double step, Status refusal)
     }
     remember(arrays, instance->values);
     instance->time = instance->values[TIME] = time + step;
+    if (period) say(instance, WARNING, POLYGON, FACTS(word("name", "kite_position"), whole("period", period)));
     warn(instance);
     return OK;
 }

@@ -8,6 +8,7 @@
 
 #include "arrays.h"
 #include "messages.h"
+#include "polygons.h"
 #include "tables.h"
 
 typedef enum { FLOAT64, FLOAT32, INT32, INT64, TRUTH_INT, TRUTH, BYTES } Type; /* of the importer's values */
@@ -27,6 +28,7 @@ struct Instance {
     double tolerance;             /* the importer's, 0 for none */
     double time;                  /* end of the last step [s], NaN before the first */
     double start_time, stop_time; /* [s] */
+    Watch watch;                  /* of the path of the kite end of a tether alone */
     Arrays *arrays;               /* NULL before the first start */
     double values[VALUES + 1];    /* inputs, outputs, parameters; last the time */
     double derivatives[INPUTS];     /* of inputs, set before the first step */

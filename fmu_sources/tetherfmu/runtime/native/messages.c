@@ -142,6 +142,13 @@ void fill_in(char *text, size_t room, const char *sentence, const Fact *facts)
     *writer.next = '\0';
 }
 
+/* Whether a letter continues a name: letters without accents, digits and `_`, as `\w` of regular expressions in ASCII. */
+static bool is_of_a_name(char letter)
+{
+    bool is_letter = (letter >= 'a' && letter <= 'z') || (letter >= 'A' && letter <= 'Z');
+    return is_letter || (letter >= '0' && letter <= '9') || letter == '_';
+}
+
 /* Write a sentence into `text` with other words: pairs of texts, an empty one at their end; the first that fits counts.
  * Names with a dot stay. */
 void rename_in(char *text, size_t room, const char *sentence, const char *const *words)
@@ -151,7 +158,7 @@ void rename_in(char *text, size_t room, const char *sentence, const char *const 
     char before = ' ';
     while (sentence < end) {
         const char *const *pair = words;
-        int is_begun = before == '.' || before == '_' || (before >= 'a' && before <= 'z') || (before >= 'A' && before <= 'Z');
+        bool is_begun = before == '.' || is_of_a_name(before);
         while (**pair && (is_begun || strlen(*pair) > (size_t)(end - sentence) || memcmp(sentence, *pair, strlen(*pair)))) pair += 2;
         if (**pair) put_text(&writer, pair[1]);
         else put(&writer, *sentence);

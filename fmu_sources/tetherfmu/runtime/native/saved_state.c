@@ -231,6 +231,7 @@ static Status restore_arrays(Instance *instance, const Head *head, const double 
         return refuse_state(instance, wrong);
     }
     take_arrays(instance, arrays);
+    forget_path(&instance->watch);
     for (int k = 0; k < LINES; k++) instance->warned[k] |= (uint64_t)state_of(arrays, k)[AT_WARNINGS];
     return OK;
 }

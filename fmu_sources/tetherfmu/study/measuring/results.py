@@ -23,6 +23,7 @@ from tetherfmu.wiring.system_variables import OF_A_LINE, OF_PORTIONS, OF_SHEAVES
 AT_WINCH = ("ground_tension", "tension_from")  # of a tether, of a line
 DERIVED = {"power": "W", "payout": "m"}  # columns that are no outputs of an FMU, and their units
 SHOWN = (*AT_WINCH, "kite_tension", "tension_to", "peak_tension", *DERIVED)  # rows of a summary
+OF_A_POINT = {what: f"kite_{what}" for what in ("position", "velocity", "force")}  # outputs of a tether with their units
 STILL = 1e-3  # a winch that turns slower neither reels out nor in [m/s]
 SHOWN_DIGITS, MEAN_DIGITS = 5, 3  # of the largest number in a row of a summary, and at least of the mean
 DIGITS = "%.10g"  # of a number in a CSV file
@@ -100,6 +101,16 @@ def vector_of(name):
     return name.partition("[")[0]
 
 
+def beside_one_another(columns):
+    """Columns of several flights with the same steps, dict by name, as one: NaN where one of them has ended."""
+    time = max((each["time"] for each in columns.values()), key=len)
+    found = {"time": time}
+    for name, each in columns.items():
+        rest = np.full(len(time) - len(each["time"]), np.nan)
+        found |= {f"{name}.{own}": np.concatenate([values, rest]) for own, values in each.items() if own != "time"}
+    return found
+
+
 def write_csv(columns, path):
     """Write columns to a CSV file: a header of names, SI units."""
     with path.open("w", encoding="utf-8", newline="") as file:
@@ -108,8 +119,11 @@ def write_csv(columns, path):
 
 
 def unit_of(own):
-    """Unit of an output of a tether or of a line, or of a derived column."""
-    names = {line: tether for tether, line in OF_A_LINE.items()}
+    """Unit of an output of a tether, a line, a point or a winch, or of a derived column."""
+    own = vector_of(own)
+    names = {line: tether for tether, line in OF_A_LINE.items()} | OF_A_POINT
+    if own in OF_PORTIONS | OF_SHEAVES:
+        return (OF_PORTIONS | OF_SHEAVES)[own][0]
     return DERIVED.get(own) or BY_NAME[names.get(own, own)].quantity.unit
 
 

@@ -1,5 +1,6 @@
 """Flights of systems: motion follows the courses of the table [series], or continues from the start; with wind."""
 
+from copy import deepcopy
 from dataclasses import dataclass, field, replace
 from warnings import catch_warnings
 
@@ -129,26 +130,36 @@ def load(path, settings=()):
     settings : pairs of keys of the file and their values; or ``duration``, ``wind.velocity`` and the like,
     ``wanted.allowed_error`` and ``wanted.communication_step``, as in a scene file, and ``loads.NAME`` of a free point.
     """
-    of_flight = [pair for pair in settings if pair[0].partition(".")[0] in OF_THE_FLIGHT]
     with prefixed(f"{path}: ", SceneError):
-        check_once(name for name, _ in settings)
-        table = with_settings(tables_of(path), of_flight)
-        for key, value in (pair for pair in settings if pair not in of_flight):
-            put(table, key, value)
-        found = files.read(table, path.stem)
-        series, end = series_in(table.get("series", {}), found, path.parent)
-        if "wind_velocity" in series and "wind" in table:
-            raise ValueError("wind is given here and as series.wind_velocity; it must be given once")
-        given = {"wind": record(Wind, table.get("wind", {}), "wind"), "series": series}
-        given["loads"] = loads_in(table.get("loads", {}))
-        given["wanted"] = record(Wanted, table.get("wanted", {}), "wanted")
-        if "duration" in table:
-            given["duration"] = value_of(SystemFlight, "duration", table["duration"], "")
-        elif end > 0.0:
-            given["duration"] = max(end, dict(quantities(SystemFlight))["duration"].minimum)
-        flight = SystemFlight(found, **given)
-        refuse(flight)
-        return flight
+        return read(with_values(tables_of(path), settings), path.parent, path.stem)
+
+
+def with_values(table, settings):
+    """Table of a file of a system, dict, with replaced values, `settings` as for `load`; ValueError for one given twice."""
+    check_once(name for name, _ in settings)
+    of_flight = [pair for pair in settings if pair[0].partition(".")[0] in OF_THE_FLIGHT]
+    table = with_settings(deepcopy(table), of_flight)
+    for key, value in (pair for pair in settings if pair not in of_flight):
+        put(table, key, value)
+    return table
+
+
+def read(table, folder, name):
+    """`SystemFlight` from the table of a file in a folder; ValueError names the key. name : of the system without one."""
+    found = files.read(table, name)
+    series, end = series_in(table.get("series", {}), found, folder)
+    if "wind_velocity" in series and "wind" in table:
+        raise ValueError("wind is given here and as series.wind_velocity; it must be given once")
+    given = {"wind": record(Wind, table.get("wind", {}), "wind"), "series": series}
+    given["loads"] = loads_in(table.get("loads", {}))
+    given["wanted"] = record(Wanted, table.get("wanted", {}), "wanted")
+    if "duration" in table:
+        given["duration"] = value_of(SystemFlight, "duration", table["duration"], "")
+    elif end > 0.0:
+        given["duration"] = max(end, dict(quantities(SystemFlight))["duration"].minimum)
+    flight = SystemFlight(found, **given)
+    refuse(flight)
+    return flight
 
 
 def series_in(table, found, folder):

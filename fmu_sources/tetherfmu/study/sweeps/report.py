@@ -14,14 +14,15 @@ from matplotlib.figure import Figure
 from tetherfmu.console.colours import BLUE, VERMILLION
 from tetherfmu.console.ending import FAILED, remedy
 from tetherfmu.console.progress import now
-from tetherfmu.files.scene_files import load
 from tetherfmu.files.toml_files import WrongUse
+from tetherfmu.runtime.naming import prefixed
 from tetherfmu.study.advice.scene_report import html
+from tetherfmu.study.measuring.runs import Config
 from tetherfmu.study.measuring.store import keeping
 from tetherfmu.study.measuring.tables import page
 
 from .statistics import BINS_PER_DECADE
-from .sweep import config_of, sweep
+from .sweep import subject_of, sweep
 
 MOST_STEPS = 20  # different values that are joined by their medians
 # main questions, if the answer varies, and whether larger is worse
@@ -112,12 +113,17 @@ def draw_surface(table, first, second, statistic, path):
     figure.savefig(path, dpi=90, metadata={"Software": None})
 
 
+def shown_in(table):
+    """Columns that answer the main questions, and whether larger is worse: of a system the power of each winch."""
+    return {name: SHOWN[each] for each in SHOWN for name in table if name == each or name.endswith(f".{each}")}
+
+
 def draw_all(table, varied, folder):
     """Draw the main figures; paths in the folder of the page, dict by title."""
     folder.mkdir(exist_ok=True)
     for name in ("response", "surface"):  # of a sweep that was continued with other values
         (folder / f"{name}.png").unlink(missing_ok=True)
-    differs = [name for name in SHOWN if name in table and table[name].nunique() > 1]
+    differs = [name for name in shown_in(table) if table[name].nunique() > 1]
     shown, drawn = differs or ["peak_tension"], {}
     if table[shown[0]].notna().any():
         drawn["Over each varied value"] = f"{folder.name}/response.png"
@@ -133,12 +139,13 @@ def draw_all(table, varied, folder):
 def worst_flights(table, varied, scene, config, settings):
     """The worst flight for each main question, and how to repeat it: a DataFrame.
 
-    scene : file or name.  config : `Config`, settings : pairs, of all flights.
+    scene : file or name.  config : `Config` or `SystemConfig`, settings : pairs, of all flights.
     """
-    rows, same = [], f" --tether {config.variant} --step {config.step:g}"
-    same += f" --set segments={config.segments}" if config.segments else ""
-    for name, is_large in SHOWN.items():
-        if name not in table or table[name].nunique() < 2:
+    rows, same = [], f" --step {config.step:g}"
+    if isinstance(config, Config):  # of a scene
+        same = f" --tether {config.variant}{same}" + (f" --set segments={config.segments}" if config.segments else "")
+    for name, is_large in shown_in(table).items():
+        if table[name].nunique() < 2:
             continue
         k = int(table[name].idxmax() if is_large else table[name].idxmin())
         values = [*settings, *((each, table[each][k]) for each in varied)]
@@ -206,7 +213,10 @@ def write(table, scene, config, folder, asked=None, settings=()):
 
 def run(options):
     """Sweep, write and print the results."""
-    scene = load(options.scene, options.settings, quiet=True)  # `sweep` prints doubts
+    tether, segments = options.tether, options.segments
+    with prefixed("", WrongUse):  # `sweep` prints doubts
+        subject = subject_of(options.scene, options.settings, tether, segments, options.step, quiet=True)
+    scene, config = subject.base, subject.config
     if options.method == "sobol" and options.samples & (options.samples - 1):
         print(f"--samples is {options.samples}: the points of Sobol are balanced for powers of 2 only", file=sys.stderr)
     folder = options.out or Path("study") / f"{scene.name}_sweep"
@@ -218,12 +228,12 @@ def run(options):
     except (TypeError, ValueError) as error:
         raise WrongUse(str(error)) from None
     now("drawing")
-    config = config_of(scene, options.tether, options.segments, options.step)
     written = write(table, scene, config, folder, options.scene, options.settings)
     refused = int((table.refused != "").sum())
     duration = "" if "duration" in table.attrs["varied"] else f" of {scene.duration:g} s"
     broken = int(table.break_time.notna().sum())
-    how = "broke or let go" if scene.flight.has_release else "broke"
+    has_release = scene.has_release if subject.unit_in else scene.flight.has_release
+    how = "broke or let go" if has_release else "broke"
     broke = f", {broken} {how}, as in flight {table.break_time.first_valid_index()}" if broken else ""
     print(f"{len(table)} flights{duration}, {refused} of them refused{broke}")
     if refused < len(table):

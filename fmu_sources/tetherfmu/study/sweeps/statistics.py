@@ -15,6 +15,9 @@ from tetherfmu.python.results import SCALARS
 from tetherfmu.runtime.naming import meant_or_all
 from tetherfmu.study.measuring import results
 from tetherfmu.study.measuring.runs import Config, run
+from tetherfmu.wiring.selection import own_name
+
+from . import systems
 
 FORCES = ("kite_force", "ground_force")  # vectors, reduced to their magnitude
 OUTPUTS = (*FORCES, *SCALARS, *results.DERIVED)
@@ -30,11 +33,11 @@ class Statistics(NamedTuple):
     cycles_of: str = "ground_tension"  # output for cycle counting
     start: float = 0.0  # start of the evaluation [s]
 
-    def checked(self):
-        """The checked statistics; ValueError names a problem."""
+    def checked(self, known=OUTPUTS):
+        """The checked statistics; ValueError names a problem. known : names of outputs."""
         for name in (*self.outputs, self.cycles_of):
-            if name not in OUTPUTS:
-                raise ValueError(f"there is no output {name!r}{meant_or_all(str(name), OUTPUTS)}")
+            if name not in known:
+                raise ValueError(f"there is no output {name!r}{meant_or_all(str(name), known)}")
         for each in self.percentiles:
             if not 0.0 <= each <= 100.0:
                 raise ValueError(f"a percentile is {each:g}; it must be from 0 to 100")
@@ -45,9 +48,9 @@ class Statistics(NamedTuple):
         found = {}
         for name in self.outputs:
             parts = ("max", "min", "mean", "rms", *(f"p{each:g}" for each in self.percentiles))
-            parts += PHASES if name == "power" else ()
-            found |= {f"{name}_{part}": results.unit_of(name) for part in parts}
-        unit = results.unit_of(self.cycles_of)
+            parts += PHASES if own_name(name) == "power" else ()
+            found |= {f"{name}_{part}": results.unit_of(own_name(name)) for part in parts}
+        unit = results.unit_of(own_name(self.cycles_of))
         found |= {"peak_tension": "N", "cycles": "", "largest_cycle": unit, "time_slack": "s"}
         return found | {"broken": "", "break_time": "s"}
 
@@ -62,7 +65,7 @@ class Task(NamedTuple):
     table: dict  # of the scene file
     folder: Path
     name: str
-    config: Config
+    config: Config | systems.SystemConfig
     statistics: Statistics
     flights: tuple  # pairs (key, values): pairs of name and value
 
@@ -91,9 +94,10 @@ def counted(series):
 
 
 def statistics_of(flown, wanted, step, length=0.0):
-    """Statistics of a `Flown` with a row for each communication step [s], a dict of numbers by `Statistics.columns`.
+    """Statistics of a flight, a dict of numbers by `Statistics.columns`, and as `bins` the result of `counted`.
 
-    And as `bins` the result of `counted`.  wanted : `Statistics`.  length : of the tether at the start [m].
+    flown : `Flown` or `systems.Columns`, with a row for each communication step [s].  wanted : `Statistics`.
+    length : of the tether at the start [m].
     """
     rows = slice(round(wanted.start / step), None)
     found: dict[str, Any] = {}
@@ -101,9 +105,9 @@ def statistics_of(flown, wanted, step, length=0.0):
         values = values_of(flown, name, length)[rows]
         found |= {f"{name}_max": values.max(), f"{name}_min": values.min()}
         found |= {f"{name}_mean": values.mean(), f"{name}_rms": np.sqrt(np.mean(values**2))}
-        if name == "power":
-            of_phases = results.phases(flown.of("winch_speed")[rows])
-            found |= {f"power_mean_{phase}": values[mask].mean() for phase, mask in of_phases.items() if mask.any()}
+        if own_name(name) == "power":
+            of_phases = results.phases(flown.of(f"{name.removesuffix('power')}winch_speed")[rows])
+            found |= {f"{name}_mean_{phase}": values[mask].mean() for phase, mask in of_phases.items() if mask.any()}
         shares = np.percentile(values, wanted.percentiles) if wanted.percentiles else ()
         found |= {f"{name}_p{each:g}": value for each, value in zip(wanted.percentiles, shares, strict=True)}
     cycles, largest, bins = counted(values_of(flown, wanted.cycles_of, length)[rows])
@@ -118,6 +122,8 @@ def statistics_of(flown, wanted, step, length=0.0):
 def fly(task, values):
     """Statistics of one flight of a `Task` with these values, a dict; of one that is refused `refused`, the reason."""
     try:
+        if "points" in task.table:
+            return statistics_of(systems.flown(task, values), task.statistics, task.config.step)
         scene = read(with_settings(task.table, values), task.folder, task.name)
         found = run(replace(scene, every=task.config.step), task.config)
     except (ValueError, OSError) as error:  # also StepRefused and WrongUse

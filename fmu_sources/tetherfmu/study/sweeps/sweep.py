@@ -1,25 +1,28 @@
-"""The sweep of a scene: all flights on any executor, kept as they finish, in one table."""
+"""The sweep of a scene or of a system: all flights on any executor, kept as they finish, in one table."""
 
 import math
 import sys
 from concurrent.futures import as_completed
 from contextlib import suppress
 from pathlib import Path
+from typing import Any, NamedTuple
 
 import pandas as pd
 
 from tetherfmu.console.ending import WorkersLost
-from tetherfmu.files.named import path_of
-from tetherfmu.files.scene_files import load, read
+from tetherfmu.files.named import named_scenes, named_systems, path_of
+from tetherfmu.files.scene_files import SceneError, load, read
 from tetherfmu.files.settings import with_settings
 from tetherfmu.files.toml_files import WrongUse, tables_of
-from tetherfmu.runtime.naming import check_names
+from tetherfmu.runtime.naming import check_names, prefixed
 from tetherfmu.runtime.parameters import DEFAULT_TOLERANCE, Tether
 from tetherfmu.runtime.variants import BY_NAME, VARIANTS
+from tetherfmu.study.measuring import system_flights
 from tetherfmu.study.measuring.executors import executor_of, progress_bar
 from tetherfmu.study.measuring.runs import Config, least_cost
 from tetherfmu.study.measuring.store import Store, key
 
+from . import systems
 from .statistics import USUAL, Statistics, Task, fly_all
 from .varied import all_varied, points
 
@@ -46,12 +49,62 @@ def config_of(scene, tether, segments, step):
     return Config(tether, segments if variant.has_nodes else 0, DEFAULT_TOLERANCE if variant.has_waves else 0.0, step)
 
 
+def config_of_system(tether, segments, step, base):
+    """`SystemConfig` of all flights of a sweep of a `systems.Base`; ValueError for what its file decides."""
+    if tether != "dynamic":
+        raise ValueError(f"tether is {tether}; the lines of a system are dynamic")
+    if segments is not None:
+        raise ValueError("segments are those of each line of a system, lines.NAME.segments")
+    return systems.SystemConfig(step or base.flight.wanted.communication_step)
+
+
+class Subject(NamedTuple):
+    """What a sweep flies: a scene or a system."""
+
+    base: Any  # `Scene` or `systems.Base`, with the settings of all flights
+    path: Path
+    table: dict  # of the file, with these settings
+    config: Any
+    unit_in: Any  # as for `all_varied`
+    kind: str  # of the flight of a scene
+
+
+def subject_of(scene, settings, tether, segments, step, quiet=False):
+    """`Subject` of a file or a name; ValueError for a wrong one. Doubts on it are printed, unless it is to be quiet."""
+    with prefixed("", SceneError):
+        path = path_of(scene, named_scenes() | named_systems())
+    if system_flights.is_system(path):
+        with prefixed(f"{path}: ", SceneError):
+            table = system_flights.with_values(tables_of(path), settings)
+            base = systems.base(table, path.parent, path.stem)
+        config = config_of_system(tether, segments, step, base)
+        return Subject(base, path, table, config, systems.unit_in(base.flight), "")
+    base = load(path, settings, quiet=quiet)
+    table = with_settings(tables_of(path), settings)
+    config = config_of(base, tether, Tether.segments if segments is None else segments, step)
+    return Subject(base, path, table, config, None, table["flight"]["kind"])
+
+
+def statistics_for(subject, names, outputs, percentiles, cycles_of, start):
+    """`Statistics` of a `Subject`; None for the usual ones. names : of what is varied. ValueError for wrong ones."""
+    rest = tuple(map(float, percentiles))
+    if subject.unit_in is None:
+        given = Statistics(tuple(outputs or USUAL.outputs), rest, cycles_of or USUAL.cycles_of, float(start))
+        return given.checked()
+    flight = subject.base.flight
+    listed = systems.outputs_of(flight, outputs, names)
+    counted = cycles_of or f"{flight.found.lines[0].name}.{systems.USUAL[0]}"
+    return Statistics(listed, rest, counted, float(start)).checked(systems.known_outputs(flight))
+
+
 def tasks_of(task, scene, missing):
     """Tasks of the missing flights, so large that the overhead is small: a list of `Task`.
 
-    task : `Task` without flights.  missing : pairs (key, values).
+    task : `Task` without flights.  scene : or a `systems.Base`.  missing : pairs (key, values).
     """
-    cost = max(1e-4, least_cost(scene, task.config) * scene.duration)
+    is_system = isinstance(task.config, systems.SystemConfig)
+    cost = systems.cost_of(scene.flight, task.config) if is_system else least_cost(scene, task.config) * scene.duration
+    cost = max(1e-4, cost)
     size = max(1, min(math.ceil(TASK / cost), MOST_PER_TASK, math.ceil(len(missing) / FEWEST_TASKS)))
     return [task._replace(flights=tuple(missing[k : k + size])) for k in range(0, len(missing), size)]
 
@@ -109,19 +162,19 @@ def sweep(
     method="latin_hypercube",
     seed=1,
     settings=(),
-    outputs=USUAL.outputs,
+    outputs=None,
     percentiles=USUAL.percentiles,
-    cycles_of=USUAL.cycles_of,
+    cycles_of=None,
     start=0.0,
     tether="dynamic",
-    segments=Tether.segments,
+    segments=None,
     step=None,
     out=None,
     executor=None,
     processes=None,
     dask=None,
 ):
-    """Fly a scene with many values; a DataFrame with a row for each flight.
+    """Fly a scene or a system with many values; a DataFrame with a row for each flight.
 
     Columns: the varied values (SI units) by name; of each output its largest and least value, mean, root mean square and
     percentiles, as ``kite_tension_max``, ``_min``, ``_mean``, ``_rms``, ``_p5``; of the power also its means while the winch
@@ -137,7 +190,7 @@ def sweep(
     Parameters
     ----------
     scene : str or Path
-        Scene file, or a name of `tetherfmu fly --list`.
+        File of a scene or of a system, or a name of `tetherfmu fly --list`.
     vary : sequence of str, or dict
         Texts as of ``--vary``, such as ``"tether.diameter=3 mm..6 mm:4"``; or by name a sequence of values or a distribution
         of scipy.stats. All points of the grid are flown with all samples of the distributions.
@@ -149,18 +202,20 @@ def sweep(
         Of the samples; with the same one they are the same.
     settings : sequence of (str, value)
         Values in the place of those of the file, in all flights.
-    outputs : sequence of str
-        Scalar outputs, ``kite_force`` and ``ground_force``, of which the magnitude is taken, ``power`` [W], the tension
-        at the winch times its speed, or ``payout`` [m] since the start.
+    outputs : sequence of str or None
+        Scalar outputs, ``kite_force`` and ``ground_force``, of which the magnitude is taken, ``power`` [W], the tension at
+        the winch times its speed, or ``payout`` [m] since the start.  Of a system: one (``hoist.tension_from``), or those of
+        all lines (``tension_from``).  None: tensions at both ends, power and payout.
     percentiles : sequence of float
         From 0 to 100.
-    cycles_of : str
-        Output whose cycles are counted.
+    cycles_of : str or None
+        Output whose cycles are counted; None: the tension at the ground, or at the start of the first line of a system.
     start : float
         Time that the statistics leave out before [s].
     tether : str
         "dynamic", "quasi_steady", "catenary" or "straight".
-    segments : int
+    segments : int or None
+        None: 20.  The lines of a system have those of their file.
     step : float or None
         Communication step [s]; None: that of the scene, or 20 ms.
     out : str or Path or None
@@ -179,16 +234,14 @@ def sweep(
     >>> bool(table.kite_tension_max[1] > table.kite_tension_max[0])
     True
     """
-    base = load(scene, settings)
-    path = path_of(scene)
-    table = with_settings(tables_of(path), settings)
-    quantities = all_varied(vary, table["flight"]["kind"], path.parent, settings)
-    statistics = Statistics(tuple(outputs), tuple(map(float, percentiles)), cycles_of, float(start)).checked()
+    subject = subject_of(scene, settings, tether, segments, step)
+    base, path, table, config, unit_in, kind = subject
+    quantities = all_varied(vary, kind, path.parent, settings, unit_in)
+    statistics = statistics_for(subject, [each.name for each in quantities], outputs, percentiles, cycles_of, start)
     if not 0.0 <= start < base.duration:
         raise WrongUse(f"start is {start:g} s; it must be at least 0 s and less than the duration, {base.duration:g} s")
     if isinstance(samples, bool) or int(samples) != samples or samples < 1:
         raise WrongUse(f"samples is {samples!r}; it must be a whole number of at least 1")
-    config = config_of(base, tether, segments, step)
     if round(start / config.step) >= round(base.duration / config.step):
         raise WrongUse(
             f"step is {config.step:g} s; at least one whole step must lie between start, {start:g} s, and the duration, "
@@ -196,7 +249,7 @@ def sweep(
         )
     task = Task(table, path.parent, base.name, config, statistics, ())
     values = points(quantities, int(samples), method, seed)
-    for doubt in doubts_of_extremes(task, quantities, values):
+    for doubt in doubts_of_extremes(task, quantities, values) if unit_in is None else ():
         if doubt not in base.doubts():  # printed by `load`
             print(f"{path}: {doubt}", file=sys.stderr)
     keys = [key(base.digest, *config, *statistics, *statistics.columns(), each) for each in values]

@@ -5,6 +5,7 @@ wind.seed=1..20                    whole numbers
 tether.drag_coefficient=0.9,1.1    a list
 wind.file=boxes/seed_*.bts         all files of this name
 wind.speed~weibull(2, 9 m/s)       a distribution
+series.winch_force.factor=0.8,1.2  what the rows of a course are multiplied by
 """
 
 import re
@@ -18,11 +19,14 @@ from warnings import catch_warnings
 
 import numpy as np
 
+from tetherfmu.files.courses import CHANGES
+from tetherfmu.files.driven import MOVED, OF_A_SCENE
 from tetherfmu.files.flights import KINDS
 from tetherfmu.files.scene_files import NOT_OF_A_SCENE, RECORDS, Scene
 from tetherfmu.files.settings import ELEMENT, OF_THE_WIND, SEED, check_settings, key_meant
-from tetherfmu.files.toml_files import in_si, keys_of
+from tetherfmu.files.toml_files import check_once, in_si, keys_of
 from tetherfmu.files.winds import Box
+from tetherfmu.runtime.inputs import BY_NAME
 from tetherfmu.runtime.naming import check_names, meant_or_all, prefixed
 from tetherfmu.runtime.quantities import can_be_given
 
@@ -51,6 +55,28 @@ class Varied:
     distribution: Any = None  # a frozen one of scipy.stats
 
 
+def unit_in_series(name, known):
+    """Unit of a value of the table [series], as of `unit_of`; ValueError if it has none.
+
+    name : such as series.winch_force, or one of `CHANGES` of a course.  known : unit and size by key, without "series.".
+    """
+    key, _, last = name.removeprefix("series.").rpartition(".")
+    if key in known and last in (*CHANGES, "file"):
+        return CHANGES.get(last)
+    element = ELEMENT.fullmatch(name.removeprefix("series."))
+    key = element[1] if element else name.removeprefix("series.")
+    if key not in known:
+        raise ValueError(f"the table [series] has no {name}{meant_or_all(key, known, 'it can have {}')}")
+    unit, size = known[key]
+    if (size > 1) is not bool(element):
+        raise ValueError(
+            f"series.{key} is {'three numbers' if size > 1 else 'one number'}; vary "
+            f"{f'series.{key}[1], ' if size > 1 else f'series.{key}, '}"
+            f"{', '.join(f'series.{key}.{each}' for each in (*CHANGES, 'file'))}"
+        )
+    return unit
+
+
 def unit_of(name, flight):
     """Unit of a value of a scene, "" for a dimensionless number, None for other values; ValueError if there is none.
 
@@ -58,6 +84,10 @@ def unit_of(name, flight):
     """
     if name in (SEED, *OF_THE_WIND):
         return OF_THE_WIND.get(name, "")
+    if name.startswith("series."):
+        return unit_in_series(
+            name, {each: MOVED.get(each) or (BY_NAME[each].unit, BY_NAME[each].size) for each in OF_A_SCENE}
+        )
     key = key_meant(name)
     element = ELEMENT.fullmatch(key)
     section, _, last = (element[1] if element else key).rpartition(".")
@@ -136,10 +166,11 @@ def listed(text, unit, folder):
     return tuple(found)
 
 
-def varied(text, flight="circle", folder=Path()):
+def varied(text, flight="circle", folder=Path(), unit_in=None):
     """`Varied` of a text such as ``wind.speed~weibull(2, 9 m/s)``; ValueError describes a problem in one line.
 
-    flight : kind of the flight of the scene.  folder : of the scene, where files are.
+    flight : kind of the flight of the scene.  folder : of the scene, where files are.  unit_in : `unit_of` for another file
+    than a scene, a function of the name.
 
     >>> varied("tether.diameter=3 mm..6 mm:4").values
     (0.003, 0.004, 0.005, 0.006)
@@ -148,7 +179,7 @@ def varied(text, flight="circle", folder=Path()):
     if not found:
         raise ValueError(f"{text!r} is not possible; it must be {HOW}")
     name, how, rest = found.groups()
-    unit = unit_of(name, flight)
+    unit = unit_in(name) if unit_in else unit_of(name, flight)
     with prefixed(f"{text!r}: "):
         if how == "~":
             written = DISTRIBUTION.fullmatch(rest)
@@ -163,16 +194,16 @@ def varied(text, flight="circle", folder=Path()):
         return Varied(name, unit, listed(rest, unit, folder))
 
 
-def all_varied(given, flight, folder, settings=()):
+def all_varied(given, flight, folder, settings=(), unit_in=None):
     """List of `Varied` from the arguments of `sweep`; ValueError describes a problem in one line.
 
     given : texts, or a dict of values (a sequence), or a distribution of scipy.stats, by name.
-    settings : pairs (name, value), equal in all flights, and not varied.
+    settings : pairs (name, value), equal in all flights, and not varied.  flight, unit_in : as for `varied`.
     """
     if isinstance(given, dict):
         found = []
         for name, values in given.items():
-            unit = unit_of(name, flight)
+            unit = unit_in(name) if unit_in else unit_of(name, flight)
             if hasattr(values, "ppf"):
                 found.append(Varied(name, unit, distribution=values))
                 continue
@@ -181,8 +212,8 @@ def all_varied(given, flight, folder, settings=()):
                 Varied(name, unit, tuple(each.item() if isinstance(each, np.generic) else each for each in in_units))
             )
     else:
-        found = [varied(text, flight, folder) for text in ([given] if isinstance(given, str) else given)]
-    check_settings([*(name for name, _ in settings), *(each.name for each in found)])
+        found = [varied(text, flight, folder, unit_in) for text in ([given] if isinstance(given, str) else given)]
+    (check_once if unit_in else check_settings)([*(name for name, _ in settings), *(each.name for each in found)])
     if not found:
         raise ValueError(f"nothing is varied; give at least one {HOW}")
     return found

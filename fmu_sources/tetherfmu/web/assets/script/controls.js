@@ -131,7 +131,7 @@ export class Controls {
       );
     const hand = this.group(
       "By hand, at once",
-      declared.hand.filter((each) => usedByHand(each, settings)),
+      declared.hand.filter((each) => usedByHand(each, settings, declared.winch_inputs.winch_force)),
       settings.hand,
       false,
     );
@@ -208,9 +208,8 @@ export class Controls {
   }
 }
 
-/** Whether what is set by hand has an effect. */
-function usedByHand({ name }, { kind, values, flight }) {
-  const byForce = 2;
+/** Whether what is set by hand has an effect; byForce : the winch control by force. */
+function usedByHand({ name }, { kind, values, flight }, byForce) {
   const ownWinch = kind === "pointer" || kind === "free";
   const steered = kind === "free" && flight.autopilot === 1;
   if (name === "winch_force") return values.winch_control === byForce;

@@ -112,7 +112,7 @@ export class Simulation {
 
   /** Whether an input of the winch has an effect; its speed has one at the start, whatever controls it. */
   controls(name, atStart) {
-    const control = { reel_out_speed: 1, winch_force: 2, winch_length: 3 }[name];
+    const control = this.declared.winch_inputs[name];
     const isStart = atStart && name === "reel_out_speed";
     return control === undefined || control === this.settings.values.winch_control || isStart;
   }
