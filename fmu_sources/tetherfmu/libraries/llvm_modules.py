@@ -23,9 +23,7 @@ APART = (
     *("strand10sum_forces", "strand11loop_of_end", "strand17take_gain_columns", "strand4form", "strand15right_hand_side"),
     *("net18find_accelerations", "states8evaluate", "events4stop", "fixed9take_rope"),
     *(
-        "contact8state_at",
         "contact4find",
-        "contact8force_at",
         "contact6corner",
         "contact13add_to_column",
         "contact10add_to_row",

@@ -38,7 +38,7 @@ def contact_found(problem, chain, x, v):
     for place in (w.start_v, w.stage_v):
         place[:] = interleaved(v)
     contact.pass_rope(chain, w)
-    contact.find(problem.conditions, chain, w.start_x, w.start_v, w)
+    contact.find(problem.conditions, chain, x, v, w)
     return w
 
 
@@ -79,7 +79,7 @@ def test_forces_differentiate_to_the_matrix():
         assert w.touching[1:-1].all()
         for blocks in w.matrix:
             blocks[:] = 0.0
-        contact.subtract_slopes(chain, d, w)
+        contact.subtract_slopes(chain, d, x, v, w)
         close(full(problem.n, w.matrix), -(by_velocity + d * by_position))
 
 
@@ -113,7 +113,7 @@ def test_pull_of_friction_differentiates_to_row_and_corner(end):
         chain = chain_in_motion(n, problem.parameters, length, rates[0] + rates[1], 0.0, problem.wind)
         w = contact_found(problem, chain, x, v)
         w.passing[1:-1] = (weights[0] * rates[0] + weights[1] * rates[1])[1:-1]
-        contact.find(problem.conditions, chain, w.start_x, w.start_v, w)
+        contact.find(problem.conditions, chain, x, v, w)
         return chain, w
 
     def pull(length, rates, x, v):

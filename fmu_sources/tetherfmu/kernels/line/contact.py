@@ -42,18 +42,23 @@ def state_at(chain, i, x, v, w):
 
 
 @kernel
+def velocity_of_rope(chain, i, x, v, w):
+    """(u_x, u_y, v_z) [m/s] of the rope at node i, from flat arrays."""
+    return add(get(v, i), flow.slide(chain, i, w.passing[i], x))
+
+
+@kernel
 def find(conditions, chain, x, v, w):
     """Free nodes in ground contact at x [m] with velocities v [m/s] into w.touching, and m da/dv into w.grip.
 
-    x, v : interleaved.  w.passing is known; both results are modified.
+    Both are modified; w.passing is known.
     """
     ground = earth.ground_of(chain.parameters)
     for i in range(chain.n + 1):
-        here, u = state_at(chain, i, x, v, w)
         w.touching[i] = 0.0
-        if conditions.first <= i <= conditions.last and earth.touches(ground, here, u):
+        if conditions.first <= i <= conditions.last and earth.touches(ground, get(x, i), get(v, i)):
             w.touching[i] = 1.0
-            _, by_velocity = earth.derivatives(ground, here, u)
+            _, by_velocity = earth.derivatives(ground, get(x, i), velocity_of_rope(chain, i, x, v, w))
             put_matrix(w.grip, 9 * i, scale_matrix(w.mass[i], by_velocity))
 
 
@@ -92,12 +97,12 @@ def add_end_motion(conditions, chain, time, w, force_rate):
 
 
 @kernel
-def subtract_slopes(chain, d, w):
+def subtract_slopes(chain, d, x, v, w):
     """Subtract dF/dv + d dF/dx from the blocks of w.matrix (modified)."""
     ground, (diagonal, lower, upper) = earth.ground_of(chain.parameters), w.matrix
     for i in range(chain.n + 1):
         if w.touching[i] > 0.0:
-            by_z, _ = earth.derivatives(ground, *state_at(chain, i, w.start_x, w.start_v, w))
+            by_z, _ = earth.derivatives(ground, get(x, i), velocity_of_rope(chain, i, x, v, w))
             for row in range(9 * i, 9 * i + 9):
                 diagonal[row] -= w.grip[row]
             subtract_column(diagonal, 9 * i + 2, scale(d * w.mass[i], by_z))

@@ -121,23 +121,23 @@ def form(conditions, chain, time, h, x, v, w):
     if flow.flows(chain):
         flow.add_rates(chain, acceleration, winch.jerk_at(conditions.reeling, time), x, v, w.q)
     add_explicit_rates(conditions, chain, time, w)
-    assemble(conditions, chain, GAMMA * h, w)
+    assemble(conditions, chain, GAMMA * h, x, v, w)
     if has_ground(chain.parameters):
         contact.add_rate(chain, acceleration, w, w.q)
         contact.add_end_motion(conditions, chain, time, w, w.q)
 
 
 @kernel
-def assemble(conditions, chain, d, w):
-    """Matrix M/d - B - d K of a step from w.start_x, w.start_v into w.matrix; nodes on the ground into w (both modified)."""
+def assemble(conditions, chain, d, x, v, w):
+    """Matrix M/d - B - d K of a step from (x, v) into w.matrix, and which nodes touch the ground into w (both modified)."""
     assembly.assemble(chain.n, 1.0 / d, 1.0, d, w.mass, w.records, w.matrix)
     if flow.flows(chain):
         flow.subtract_slopes(chain, 1.0, d, w.matrix)
         flow.put_dampings(chain, w.dampings)
     if has_ground(chain.parameters):
         contact.pass_rope(chain, w)
-        contact.find(conditions, chain, w.start_x, w.start_v, w)
-        contact.subtract_slopes(chain, d, w)
+        contact.find(conditions, chain, x, v, w)
+        contact.subtract_slopes(chain, d, x, v, w)
 
 
 @kernel
@@ -154,7 +154,8 @@ def stage_force(conditions, chain, time, w):
     """Forces at a stage [N] into w.force (modified), for the `Chain` at its time [s]."""
     assembly.node_forces(chain, w.modes, w.stage_x, w.stage_v, w.stage_mass, w.segments, w.force)
     if has_ground(chain.parameters):
-        contact.pass_rope(chain, w)
+        if chain.reeling != 0.0 or w.passing[1] != 0.0:
+            contact.pass_rope(chain, w)
         contact.add_forces(chain, w)
     put_interleaved(w.force, 0, add(get_interleaved(w.force, 0), pair(NEUTRAL_VECTOR, load_during(conditions, time))))
 

@@ -188,13 +188,13 @@ def begin(strand, chain, time, x, v):
     copy(w.mass, w.stage_mass)
     assembly.find_slopes(chain, w.start_x, w.start_v, w.modes, w.segments, w.records)
     if has_ground(chain.parameters):
-        find_contact(strand, chain, w.start_x, w.start_v)
+        find_contact(strand, chain, x, v)
     begin_residual(strand, chain, time)
 
 
 @kernel
 def find_contact(strand, chain, x, v):
-    """Nodes on the ground at interleaved positions [m] and velocities [m/s] (modified); w.mass is known."""
+    """Nodes on the ground at x [m] with velocities v [m/s] (modified); w.mass is known."""
     w = strand.w
     w.passing[0] = w.passing[strand.n] = 0.0
     pass_rope(strand)
@@ -211,7 +211,7 @@ def evaluate(strand, chain, time, x, v):
     clear(w.modes)
     if has_ground(chain.parameters):
         copy(w.stage_mass, w.mass)
-        find_contact(strand, chain, w.stage_x, w.stage_v)
+        find_contact(strand, chain, x, v)
     begin_residual(strand, chain, time)
 
 
@@ -277,12 +277,12 @@ def put_of_ends(n, s, own, other, a, b):
 
 
 @kernel
-def form(strand, chain, time, d):
+def form(strand, chain, time, d, x, v):
     """Matrix M/d - B - d K of a step, columns, rows and slopes of R, time derivatives into w.force_rate (all modified)."""
     conditions, w, n, numbers = strand.conditions, strand.w, strand.n, strand.numbers
     assembly.assemble(n, 1.0 / d, 1.0, d, w.mass, w.records, w.matrix)
     if has_ground(chain.parameters):
-        contact.subtract_slopes(chain, d, w)
+        contact.subtract_slopes(chain, d, x, v, w)
     clear(w.q)
     clear(w.dampings)
     if feels_rope(chain.parameters):

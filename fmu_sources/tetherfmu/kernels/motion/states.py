@@ -83,7 +83,7 @@ def evaluate_plain(conditions, w, time, x, v):
     clear(w.modes)
     if has_ground(conditions.parameters):
         contact.pass_rope(chain, w)
-        contact.find(conditions, chain, w.stage_x, w.stage_v, w)
+        contact.find(conditions, chain, x, v, w)
     rosenbrock.stage_force(conditions, chain, time, w)
 
 

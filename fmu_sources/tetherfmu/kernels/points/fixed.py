@@ -226,7 +226,7 @@ def take_rope(system, k, step):
     copy(w.mass, own.w.stage_mass)
     if has_ground(chain.parameters):
         copy(w.mass, own.w.mass)
-        strand.find_contact(own, chain, own.w.start_x, own.w.start_v)
+        strand.find_contact(own, chain, w.x, own.w.v)
     assembly.find_slopes(chain, own.w.start_x, own.w.start_v, own.w.modes, own.w.segments, own.w.records)
     strand.take_pulls(own, chain)
     if has_ground(chain.parameters) and feels_rope(chain.parameters):

@@ -134,7 +134,8 @@ def form_matrix(system, time, d):
     """Matrix from the lines that `begin_line` has prepared (modified); False if it is singular."""
     for k in range(lines_of(system)):
         if has_rope(system, k):
-            strand.form(strand_of(system, k), chain_at_stage(system, k), time, d)
+            x, v = motion_of(system, k)
+            strand.form(strand_of(system, k), chain_at_stage(system, k), time, d, x, v)
     for j in range(count_of(system)):
         if not is_drum(system, j):
             net.add_wrap(system, j, time, d)
