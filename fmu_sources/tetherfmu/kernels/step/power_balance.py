@@ -97,7 +97,7 @@ def balance_flow(chain, state, x, v, load, mass, a, energies):
 
 @kernel
 def balance_nodes(chain, x, v, mass, energies):
-    """Add energies [J] and losses [W] of nodes to `energies` (modified); for MATERIAL, their energy without point masses."""
+    """Add energies [J] and losses [W] of nodes to `energies` (modified); for MATERIAL, those of their `growing_mass`."""
     for i in range(chain.n + 1):
         free = 1.0
         if i == 0:
