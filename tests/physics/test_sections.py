@@ -188,7 +188,7 @@ def test_a_winch_cannot_reel_in_more_than_its_section(control):
     tether.initialize(kite_position=(0.0, 0.0, 199.9), **first)
     told = {"winch_length": 10.1} if control == "length" else {"reel_out_speed": -1000.0}
     before = tether.get_state()
-    with pytest.raises(StepRefused, match=r"(speed -1000|length 10\.1) .*tether_length 200.0 m, at least 10\.19 m"):
+    with pytest.raises(StepRefused, match=r"(speed -1000.0|length 10\.1) .*tether_length 200.0 m, at least 10\.19 m"):
         tether.step(0.19, **told)
     np.testing.assert_array_equal(tether.get_state(), before)
 

@@ -71,10 +71,10 @@ def properties(segments, *parameters):
     """Properties that make two tethers equal: tuples of a name and its numbers in arrays of parameters."""
     for name in _SCALARS:
         yield name, *(each[getattr(at, name.upper())] for each in parameters)
+    first = at.PARAMETER_SCALARS + at.SEGMENT_PROPERTIES * segments
+    for node in range(segments + 1):  # before the lengths, which depend on them
+        yield f"point mass [kg] at node {node}", *(each[first + node] for each in parameters)
     for place, name in _PROPERTIES.items():
         first = at.PARAMETER_SCALARS + place * segments
         for k in range(first, first + segments):
             yield name, *(each[k] for each in parameters)
-    first = at.PARAMETER_SCALARS + at.SEGMENT_PROPERTIES * segments
-    for node in range(segments + 1):
-        yield f"point mass [kg] at node {node}", *(each[first + node] for each in parameters)

@@ -10,15 +10,7 @@ from ..equations.assembly import end_force, node_masses
 from ..equations.boundary import wind_of
 from ..equations.continuation import is_continued
 from ..equations.drum import drum_of
-from ..equations.properties import (
-    chain_with_flow,
-    growing_mass,
-    in_section,
-    point_mass,
-    property_of,
-    rest_length,
-    sees_reeling,
-)
+from ..equations.properties import chain_with_flow, growing_mass, in_section, point_mass, rest_length, sees_reeling
 from ..equations.torn import is_torn
 from ..equations.winch import follows_force
 from ..flat_arrays import part
@@ -105,7 +97,7 @@ def balance_flow(chain, state, x, v, load, mass, a, energies):
 
 @kernel
 def balance_nodes(chain, x, v, mass, energies):
-    """Add energies [J] and losses [W] of nodes to `energies` (modified); for MATERIAL, their energy without point masses."""
+    """Add energies [J] and losses [W] of nodes to `energies` (modified); for MATERIAL, those of their `growing_mass`."""
     for i in range(chain.n + 1):
         free = 1.0
         if i == 0:
@@ -138,8 +130,9 @@ def balance_segments(chain, x, v, energies):
         drag = scale(2.0, segment.half_drag_between(chain, s, length, e, x_p, x_q, v_p, v_q))
         air_velocity, _, _, _ = segment.air_of(chain, s, segment.mean_height(x_p, x_q))
         energies[ENERGIES + s] = tension
-        energies[ELASTIC] += segment.elastic_energy(k, length - rest)
-        energies[MATERIAL] -= 0.0 if property_of(chain, s, at.SHARE) > 0.0 else segment.elastic_energy(k, length - rest)
+        elastic = segment.elastic_energy(k, length - rest)
+        energies[ELASTIC] += elastic
+        energies[MATERIAL] -= elastic - in_section(chain, s, elastic)
         energies[WINCH] -= tension * length * growth
         energies[WIND] += dot(drag, air_velocity)
         energies[DAMPING_LOSS] += c * segment.seen_rate(chain, s, length, rate) * (rate - growth * length)
