@@ -35,14 +35,19 @@ for code in {blocks!r}:
 """
 
 
-def ran(page, folder):
+def by_python(code, folder):
+    """The finished process of a new Python that runs code in a folder."""
+    clean = {**os.environ, "PYTHONPATH": str(ROOT / "fmu_sources")}
+    return subprocess.run([sys.executable, "-c", code], cwd=folder, env=clean, capture_output=True, text=True, check=False)
+
+
+def ran(page, folder, run=by_python):
     """What each block of a lesson prints, run in a folder that has `dist`; its picture is picture.svg there."""
     path = [str(DOCS / "make"), str(ROOT / "fmu_sources")]
     code = RUN.format(path=path, look=LOOK, blocks=CODE.findall(page.read_text("utf-8")), name=page.name, cell=CELL)
     if not (folder / "examples").exists():
         (folder / "examples").symlink_to(ROOT / "examples", target_is_directory=True)
-    clean = {**os.environ, "PYTHONPATH": path[1]}
-    done = subprocess.run([sys.executable, "-c", code], cwd=folder, env=clean, capture_output=True, text=True, check=False)
+    done = run(code, folder)
     if done.returncode:
         raise RuntimeError(f"{page.name}: {done.stderr}")
     return [WARNING.sub("", text) for text in done.stdout.split(CELL)[:-1]]

@@ -150,6 +150,26 @@ def test_a_wrong_model_description(run, tmp_path):
     assert run(broken)[0] == 1
 
 
+@pytest.mark.parametrize(
+    ("name", "is_legal"),
+    [
+        ("a[1,20]._b.c3", True),
+        ("der(a,2)", True),
+        ("'a b'", True),
+        ("a b", False),
+        ("a[1", False),
+        ("a[-1]", False),
+        ("2a", False),
+    ],
+)
+def test_names_of_variables_are_those_of_the_grammar(tmp_path, fmu_folder, name, is_legal):
+    def rename(file, content):
+        return content.replace(b'"reel_out_speed"', f'"{name}"'.encode()) if file == "modelDescription.xml" else content
+
+    (found, *_) = inspection.description(changed(fmu_folder / "TetherStraight.fmu", tmp_path / "TetherStraight.fmu", rename))
+    assert (found.level == "ok", "is not a legal variable name" in found.text) == (is_legal, not is_legal)
+
+
 @pytest.mark.parametrize("character", "+#%()[]',&;=@!ä")
 def test_characters_that_crash_pythonfmu(tmp_path, character):
     assert inspection.crashing_characters(tmp_path / f"a{character}b") == [character]

@@ -9,6 +9,7 @@ import pytest
 import make_course
 import tetherfmu
 from course_pages import CODE, lessons, notebook
+from running import run_code
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 LESSONS = lessons(DOCS)
@@ -72,7 +73,7 @@ def printed(fmu_folder, tmp_path):
 
     def run(number):
         (path,) = (path for path in LESSONS if path.stem.startswith(number))
-        texts = make_course.ran(path, tmp_path)
+        texts = make_course.ran(path, tmp_path, lambda code, folder: run_code(code, cwd=folder))
         page = path.read_text(encoding="utf-8")
         without_times = [re.sub(r"[\d.]+ µs", "µs", text) for text in (page, make_course.with_outputs(page, texts))]
         assert without_times[0] == without_times[1]

@@ -2,11 +2,8 @@
 
 import csv
 import importlib
-import os
 import re
 import shutil
-import subprocess
-import sys
 import tomllib
 from pathlib import Path
 
@@ -19,6 +16,7 @@ import make_fmu_table
 import tetherfmu
 from named_functions import MODULES, NAME, PAGES
 from real_signatures import parameters_of
+from running import EXAMPLES, run_code, run_python
 from tetherfmu.runtime.variants import EVERY_VARIANT, VARIANTS, class_name
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -126,7 +124,7 @@ def test_address_of_the_project_stands_once():
 
 def test_python_in_the_readme_prints_what_stands_below_it(tmp_path):
     code, shown = re.search(r"```python\n(.*?)```\n\n```text\n(.*?)```", README, re.DOTALL).groups()
-    assert ran([sys.executable, "-c", code], tmp_path) == shown
+    assert ran(code, tmp_path) == shown
 
 
 def test_readme_has_the_two_commands_of_the_ci():
@@ -138,22 +136,23 @@ def blocks(text):
     return re.findall(r"^```(python|bash|toml|csv)\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
 
 
-def ran(command, folder):
-    """What a command prints, in a folder where the package can be imported."""
-    path = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path), "MPLBACKEND": "Agg"}
-    done = subprocess.run(command, cwd=folder, env=path, capture_output=True, text=True, check=False, timeout=900)
+def printed_by(done):
+    """What a finished process printed; it must have ended cleanly."""
     assert done.returncode == 0, done.stderr
     return done.stdout
 
 
-def as_here(command):
-    """A line of a page for a shell as a command of this Python."""
+def ran(code, folder):
+    """What Python code prints, in a folder where the package can be imported, and no example."""
+    return printed_by(run_code(f"import sys\nsys.path.remove({str(EXAMPLES)!r})\n{code}", cwd=folder))
+
+
+def ran_here(command, folder):
+    """What a line of a page for a shell prints, with this Python, in a folder."""
     program, *arguments = command.split()
     is_script = arguments[0].endswith(".py")
-    return [
-        sys.executable,
-        *([str(ROOT / arguments[0]), *arguments[1:]] if is_script else ["-m", Path(program).name, *arguments]),
-    ]
+    line = [ROOT / arguments[0], *arguments[1:]] if is_script else ["-m", Path(program).name, *arguments]
+    return printed_by(run_python(*line, cwd=folder))
 
 
 @pytest.mark.parametrize(("text", "prints"), [(README, 1), (page("start"), 4)], ids=["README", "start"])
@@ -161,7 +160,7 @@ def test_blocks_run_one_after_the_other(fmu_folder, tmp_path, text, prints):
     """As a reader does it in an empty folder with the FMUs; the first page after the README flies a CSV file."""
     shutil.copytree(fmu_folder, tmp_path / "dist")
     log = next(code for language, code in blocks(page("start")) if "savetxt" in code)
-    ran([sys.executable, "-c", log], tmp_path)
+    ran(log, tmp_path)
     printed = []
     for language, code in blocks(text):
         if language == "toml":
@@ -169,9 +168,9 @@ def test_blocks_run_one_after_the_other(fmu_folder, tmp_path, text, prints):
         elif language == "csv":
             (tmp_path / "winch.csv").write_text(code, encoding="utf-8")
         elif language == "bash":
-            printed += [ran(as_here(line), tmp_path) for line in code.splitlines()]
+            printed += [ran_here(line, tmp_path) for line in code.splitlines()]
         else:
-            printed.append(ran([sys.executable, "-c", code], tmp_path))
+            printed.append(ran(code, tmp_path))
     assert len([each for each in printed if each.strip()]) >= prints
     assert (tmp_path / "result.csv").exists() is ("write_csv" in text)
 
@@ -180,7 +179,7 @@ def test_the_tether_on_the_page_of_the_ground_breaks(fmu_folder, tmp_path):
     """When the catenary, which cannot break, has the tension of the `breaking_force` at its kite end."""
     code, shown = re.search(r"```python\n(.*?)```\n\n```text\n(.*?)```", page("ground"), re.DOTALL).groups()
     shutil.copytree(fmu_folder, tmp_path / "dist")
-    assert ran([sys.executable, "-c", code], tmp_path).splitlines()[-1] == shown.strip()
+    assert ran(code, tmp_path).splitlines()[-1] == shown.strip()
     catenary = tetherfmu.TetherCatenary()
     catenary.initialize(reel_out_speed=-0.5)
     flown = catenary.fly(tetherfmu.inputs_along(750, 0.02, kite=(300.0, 0.0, 400.0), reel_out_speed=-0.5), 0.02)
@@ -199,13 +198,13 @@ fmu.enterInitializationMode()
 fmu.exitInitializationMode()
 print(len(fmu.serializeFMUstate(fmu.getFMUstate())))
 """
-    size = int(ran([sys.executable, "-c", code], tmp_path).splitlines()[-1])
+    size = int(ran(code, tmp_path).splitlines()[-1])
     assert float(re.search(r"([\d.]+) kB for 20 segments", page("fmi"))[1]) == pytest.approx(size / 1e3, abs=0.05)
 
 
 def test_blocks_of_the_python_api(tmp_path):
     """A force, a system, a time and a tension from a log, a tension in turbulence."""
-    printed = [ran([sys.executable, "-c", code], tmp_path) for language, code in blocks(page("api")) if language == "python"]
+    printed = [ran(code, tmp_path) for language, code in blocks(page("api")) if language == "python"]
     _, system, log, turbulence = printed
     hoisted, passed, let_go = map(float, system.splitlines()[0].split())
     assert (hoisted, let_go) == pytest.approx((-0.4, 1.0))  # 2 s at 0.2 m/s; the beginning of step 50
@@ -219,7 +218,7 @@ def test_blocks_for_users_of_tethers_jl(tmp_path):
     (tmp_path / "examples").symlink_to(ROOT / "examples", target_is_directory=True)
     ((_, commands),) = blocks(page("from_tethers_jl"))
     for line in commands.splitlines():
-        ran(as_here(line), tmp_path)
+        ran_here(line, tmp_path)
     assert all((tmp_path / name).exists() for name in ("settings.toml", "moored.toml"))
 
 
@@ -227,8 +226,8 @@ def test_blocks_of_cranes_and_drones(tmp_path):
     """At rest the tip carries load and wire; both versions of FMI give the same pull."""
     printed = []
     for language, code in blocks(page("cranes_and_drones")):
-        commands = [as_here(line) for line in code.splitlines()] if language == "bash" else [[sys.executable, "-c", code]]
-        printed += [ran(command, tmp_path) for command in commands]
+        is_for_shell = language == "bash"
+        printed += [ran_here(line, tmp_path) for line in code.splitlines()] if is_for_shell else [ran(code, tmp_path)]
     wire, text = tetherfmu.tether_of("steel", 0.012), "".join(printed)
     hanging = (500.0 + wire.mass_per_length * 80.0) * 9.81
     found = re.search(r"tension at rest: (\d+) N, largest tension: (\d+) N", text).groups()
@@ -291,10 +290,10 @@ def test_first_flight_prints_what_the_readme_shows(fmu_folder, tmp_path):
     shutil.copytree(fmu_folder, tmp_path / "dist")
     eight, circle = re.findall(r"^\.venv/bin/(tetherfmu fly .*)$", README, re.MULTILINE)
     shown = re.search(r"```text\n(TetherDynamic: .*; )\d+ times real time\n```", README)[1]
-    printed = ran(as_here(eight), tmp_path)
+    printed = ran_here(eight, tmp_path)
     assert printed.startswith(shown)
     assert (tmp_path / "plots" / "eight" / "forces.png").exists()
-    pulls = re.findall(r"(\d+\.\d) N, \|kite\| (\d+\.\d) N", ran(as_here(circle.replace("all", "dynamic")), tmp_path))
+    pulls = re.findall(r"(\d+\.\d) N, \|kite\| (\d+\.\d) N", ran_here(circle.replace("all", "dynamic"), tmp_path))
     assert [40.0 < float(each) < 60.0 for each in pulls[0]] == [True, True]
     assert "{} N at the ground, {} N at the kite".format(*(f"{float(each):.0f}" for each in pulls[0])) in page("start")
 

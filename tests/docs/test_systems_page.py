@@ -1,13 +1,12 @@
 """The pages on systems: the file of the first is read, its lines run; the table of the second has every key."""
 
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from running import run_python
 from tetherfmu.files.system_files import KEYS_OF_A_POINT
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.outputs import PLACES
@@ -43,8 +42,7 @@ def test_the_examples_of_the_page_run(tmp_path, monkeypatch):
     assert np.isclose(names["outputs"].lines["rope"].break_time, 0.2)  # the beginning of step 10
     assert np.isclose(names["outputs"].points["load"].velocity[2], -9.81 * 0.8, rtol=1e-3)  # free fall since then
     (advice,) = re.findall(r"^tetherfmu (advise .*)$", PAGE, re.MULTILINE)
-    command = [sys.executable, "-m", "tetherfmu", *advice.split(), "--set", "duration=2"]
-    said = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    said = run_python("-m", "tetherfmu", *advice.split(), "--set", "duration=2").stdout
     assert "\n  use       Crane.fmu\n            lines.rope.segments = " in said
 
 

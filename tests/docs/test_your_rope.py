@@ -1,13 +1,12 @@
 """The page on ropes: its example runs, and its table follows from the sources that it names."""
 
 import re
-import subprocess
-import sys
 from math import pi
 from pathlib import Path
 
 import pytest
 
+from running import run_code
 from tetherfmu import MATERIALS, Tether
 
 PAGE = (Path(__file__).parents[2] / "docs" / "use" / "your_rope.md").read_text(encoding="utf-8")
@@ -19,7 +18,7 @@ ROWS = [
 
 def test_the_example_prints_what_stands_below_it():
     code, shown = re.search(r"```python\n(.*?)```\n\n```text\n(.*?)```", PAGE, re.DOTALL).groups()
-    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == shown
+    assert run_code(code).stdout == shown
 
 
 @pytest.mark.parametrize("name", MATERIALS)

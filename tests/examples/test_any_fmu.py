@@ -5,8 +5,8 @@ import sys
 from importlib import import_module
 
 import pytest
-from running import EXAMPLES, run, run_code, run_python
 
+from running import EXAMPLES, run, run_code, run_python
 from study.scenes_of_tests import SCENE, written
 from tetherfmu.commands.build import main as build
 

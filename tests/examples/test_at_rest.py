@@ -3,6 +3,7 @@
 import re
 
 import numpy as np
+
 from running import assert_is_drawn, run
 
 HALF_NODE = 0.08925189330624916 * 853.0240324867758 / 44.0  # weight of an end node of 22 segments [N]

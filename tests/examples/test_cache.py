@@ -4,6 +4,7 @@ import sys
 from pathlib import Path
 
 import pytest
+
 from running import EXAMPLES
 
 sys.path.append(str(EXAMPLES))

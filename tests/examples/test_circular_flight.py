@@ -7,7 +7,8 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
-from running import EXAMPLES, run_code, run_python
+
+from running import EXAMPLES, new_python, run_code, run_python
 
 CIRCLE = r"circle: 500 m away at 4\.34 m/s in still air, on a tether of 525 m that sags: .+\n"
 LINE = r"TetherDynamic: \|ground\| (\d+\.\d) N, \|kite\| (\d+\.\d) N at most; (\d+) steps; (\d+) times real time\n"
@@ -93,7 +94,7 @@ def test_writes_a_self_contained_page(fmu_folder, tmp_path):
 
 def test_says_that_plotly_is_missing(tmp_path):
     code = "import sys; sys.modules['plotly'] = None; from first_flight import circular_flight as e; e.main(['--html'])"
-    done = run_python("-c", code)
+    done = new_python("-c", code)
     assert done.stderr == 'plotly is not installed: pip install "tetherfmu[html]"\n'
 
 

@@ -13,9 +13,9 @@ from math import atan2, cos, pi, remainder, sin
 
 import numpy as np
 import pytest
-from running import EXAMPLES
 
 from native.programs import available
+from running import EXAMPLES
 from tetherfmu import TetherDynamicFree
 from tetherfmu.export.build_options import BuildOptions
 from tetherfmu.export.native.fmus import build

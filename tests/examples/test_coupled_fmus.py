@@ -5,7 +5,8 @@ import sys
 
 import numpy as np
 import pytest
-from running import EXAMPLES, assert_is_drawn, run, run_python
+
+from running import EXAMPLES, assert_is_drawn, new_python, run, run_python
 
 sys.path.append(str(EXAMPLES))
 
@@ -108,6 +109,6 @@ MISSING = [("mooring", "scipy", "examples"), ("coupling_limits", "tabulate", "st
 @pytest.mark.parametrize(("example", "package", "extra"), MISSING)
 def test_a_missing_package_is_named_in_one_line(example, package, extra):
     code = f"import sys; sys.modules[{package!r}] = None; from coupling import {example}; sys.exit({example}.main([]))"
-    done = run_python("-c", code)
+    done = new_python("-c", code)
     assert done.returncode == 2
     assert done.stderr == f'{package} is not installed: pip install "tetherfmu[{extra}]"\n'

@@ -2,13 +2,12 @@
 
 import ast
 import re
-import subprocess
 import sys
 
 import numpy as np
 import pytest
-from running import EXAMPLES, run
 
+from running import EXAMPLES, run, run_python
 from tetherfmu.runtime.parameters import Tether
 
 SCRIPT = EXAMPLES / "first_flight" / "fly_your_kite.py"
@@ -80,7 +79,7 @@ def test_a_refusal_ends_it_in_words(fmu_folder, tmp_path, good, bad, time, why):
     text = SCRIPT.read_text(encoding="utf-8")
     assert text.count(good) == 1
     (tmp_path / "mine.py").write_text(text.replace(good, bad), encoding="utf-8")
-    done = subprocess.run([sys.executable, "mine.py"], cwd=tmp_path, capture_output=True, text=True, check=False)
+    done = run_python("mine.py", cwd=tmp_path)
     assert done.returncode == 1
     assert why in done.stdout
     assert "Traceback" not in done.stderr

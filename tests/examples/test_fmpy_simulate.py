@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
+
 from running import EXAMPLES
 
 PAGE = EXAMPLES.parent / "docs" / "use" / "start.md"

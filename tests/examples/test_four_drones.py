@@ -4,6 +4,7 @@ import sys
 
 import numpy as np
 import pytest
+
 from running import EXAMPLES, assert_is_drawn
 
 sys.path.append(str(EXAMPLES))

@@ -5,6 +5,7 @@ import warnings
 
 import numpy as np
 import pytest
+
 from running import EXAMPLES, assert_is_drawn, run_code
 
 pytest.importorskip("gymnasium")

@@ -5,6 +5,7 @@ import sys
 
 import numpy as np
 import pytest
+
 from running import EXAMPLES, assert_is_drawn, run_python
 
 sys.path.append(str(EXAMPLES))

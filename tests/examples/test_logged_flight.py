@@ -8,9 +8,9 @@ import shutil
 
 import numpy as np
 import pytest
-from running import EXAMPLES, assert_is_drawn, run_code
 
 from ended import status_of
+from running import EXAMPLES, assert_is_drawn, run_code
 from tetherfmu.__main__ import main as tetherfmu
 
 LOG = EXAMPLES / "scenes" / "logged_flight.csv"  # 20 s at 4 Hz, with reel-out speed and wind

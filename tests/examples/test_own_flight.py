@@ -3,6 +3,7 @@
 import sys
 
 import numpy as np
+
 from running import EXAMPLES, run_python
 
 sys.path.append(str(EXAMPLES))

@@ -4,6 +4,7 @@ import re
 
 import numpy as np
 import pytest
+
 from running import assert_is_drawn, run
 
 SHORT = "{**kite_power_system.START, 'longest_length': 225.0}"  # a cycle of half a minute

@@ -6,8 +6,8 @@ import shlex
 import numpy as np
 import pandas as pd
 import pytest
-from running import assert_is_drawn, run_code
 
+from running import assert_is_drawn, run_code
 from scenes import hanging_load
 from tetherfmu.__main__ import main as tetherfmu
 from tetherfmu.files.scene_files import load

@@ -4,8 +4,8 @@ import re
 
 import numpy as np
 import pytest
-from running import EXAMPLES, assert_is_drawn, run_code
 
+from running import EXAMPLES, assert_is_drawn, run_code
 from tetherfmu.__main__ import main as tetherfmu
 from tetherfmu.files.named import named_systems
 from tetherfmu.libraries.examples import example

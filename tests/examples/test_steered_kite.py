@@ -3,6 +3,7 @@
 import sys
 
 import numpy as np
+
 from running import EXAMPLES, assert_is_drawn
 
 sys.path.append(str(EXAMPLES))

@@ -7,8 +7,8 @@ import sys
 from pathlib import Path
 
 import pytest
-from running import assert_is_drawn, run
 
+from running import assert_is_drawn, run
 from tetherfmu.__main__ import main as tetherfmu
 from tetherfmu.libraries.examples import EXAMPLES, example
 

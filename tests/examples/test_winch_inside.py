@@ -7,9 +7,9 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from running import EXAMPLES, assert_is_drawn, run
 
 from isolation import own_process
+from running import EXAMPLES, assert_is_drawn, run
 from tetherfmu.export.build_options import BuildOptions
 from tetherfmu.export.documents import OSP_FOLDER
 from tetherfmu.libraries.examples import example

@@ -6,6 +6,7 @@ import string
 import sys
 import sysconfig
 import zipfile
+from contextlib import contextmanager
 from importlib.metadata import version
 from pathlib import Path, PurePosixPath
 
@@ -22,6 +23,9 @@ ICONS = {"2": "model.png", "3": "terminalsAndIcons/icon.png"}
 MOST_PROBLEMS = 20  # of its validation that are shown
 HARMLESS = frozenset(string.ascii_letters + string.digits + "_-.~ ")  # in a path that PythonFMU's library must understand
 
+PART = r"[A-Za-z_][A-Za-z_0-9]*(\[[0-9]+(,[0-9]+)*\])?"  # of a structured name, with its indices
+PLAIN = re.compile(rf"{PART}(\.{PART})*")
+
 
 def machine():
     """Python and FMPy that check the FMU."""
@@ -37,11 +41,26 @@ def fmi_version(path):
     return found[1].decode() if found else ""
 
 
+@contextmanager
+def plain_names_at_once():
+    """FMPy parses the name of each variable by a grammar, in some ms; here a name that is plainly right is not parsed."""
+    from lark import Lark
+
+    parse = Lark.parse
+    Lark.parse = lambda self, text, *more, **options: PLAIN.fullmatch(text) or parse(self, text, *more, **options)
+    try:
+        yield
+    finally:
+        Lark.parse = parse
+
+
 def description(path):
     """Whether the model description obeys FMPy's validation, which begins with the XML schema of its version of FMI."""
     from fmpy.validation import validate_fmu
 
-    if problems := validate_fmu(str(path)):
+    with plain_names_at_once():
+        problems = validate_fmu(str(path))
+    if problems:
         found = [Finding(PROBLEM, f"FMPy's validation: {one_line(problem)}") for problem in problems[:MOST_PROBLEMS]]
         return found + [Finding(PROBLEM, f"and {len(problems) - MOST_PROBLEMS} more")] * (len(problems) > MOST_PROBLEMS)
     validity = f"valid by the XML schema of FMI {fmi_version(path)}.0, and FMPy finds no problem"

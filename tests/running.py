@@ -1,4 +1,4 @@
-"""Run the examples in processes of their own, and look at what they draw."""
+"""Run examples and the code of pages in processes of their own, and look at what they draw."""
 
 import atexit
 import json
@@ -20,12 +20,12 @@ TIMEOUT = 900.0  # seconds, for what hangs
 
 
 def environment():
-    """That of Python with the rooms of the examples."""
-    return {**os.environ, "PYTHONPATH": os.pathsep.join([str(EXAMPLES), *sys.path])}
+    """That of Python with the rooms of the examples, which opens no window."""
+    return {**os.environ, "PYTHONPATH": os.pathsep.join([str(EXAMPLES), *sys.path]), "MPLBACKEND": "Agg"}
 
 
-def run_python(*arguments, cwd=None):
-    """Run Python with the rooms of the examples, in a folder; the finished process."""
+def new_python(*arguments, cwd=None):
+    """Start Python with the rooms of the examples, in a folder; the finished process."""
     return subprocess.run(
         [sys.executable, *map(str, arguments)],
         env=environment(),
@@ -37,10 +37,22 @@ def run_python(*arguments, cwd=None):
     )
 
 
-def run_code(code, *arguments, cwd=None):
-    """As `run_python` with `-c`; where the system can fork, the process is forked from one that has imported packages."""
+def run_python(*arguments, cwd=None):
+    """As `new_python` with a script, or with `-m` and a module; forked where the system can do so, see `run_code`."""
     if not hasattr(os, "fork"):
-        return run_python("-c", code, *arguments, cwd=cwd)
+        return new_python(*arguments, cwd=cwd)
+    first, *given = map(str, arguments)
+    if first == "-m":
+        module, *given = given
+        return run_code(f"import runpy; runpy.run_module({module!r}, run_name='__main__', alter_sys=True)", *given, cwd=cwd)
+    place = f"sys.argv[0], sys.path[0] = {first!r}, {str(Path(first).parent)!r}"
+    return run_code(f"import runpy, sys; {place}; runpy.run_path({first!r}, run_name='__main__')", *given, cwd=cwd)
+
+
+def run_code(code, *arguments, cwd=None):
+    """As `new_python` with `-c`; where the system can fork, the process is forked from one that has imported packages."""
+    if not hasattr(os, "fork"):
+        return new_python("-c", code, *arguments, cwd=cwd)
     with tempfile.TemporaryDirectory() as folder:
         printed, errors = Path(folder, "printed"), Path(folder, "errors")
         request = {

@@ -1,21 +1,20 @@
-"""A process that has imported what all examples need, and none of them; it forks one for each piece of code it is given.
+"""A process that has imported what examples and pages need, and none of them; it forks one for each piece of code.
 
 Run by `running`. Each line that it reads is a request in JSON: code, arguments, folder, and the files for what the code
 prints and for its errors. The answer is a line with the exit status; a negative one is a signal.
 """
 
+import contextlib
 import ctypes
 import gc
+import importlib
 import json
 import os
 import sys
 from types import ModuleType
 
-import fmpy.simulation  # noqa: F401
-import matplotlib.pyplot  # noqa: F401
-import scipy.integrate  # noqa: F401
-
-import tetherfmu.export.archive  # noqa: F401
+IMPORTED = ("fmpy.simulation", "matplotlib.pyplot", "scipy.integrate", "scipy.interpolate", "tetherfmu.export.archive")
+IMPORTED += ("pandas", "plotly.graph_objects")  # whoever lacks an extra goes without
 
 
 def run(code, arguments, folder, printed, errors):
@@ -33,6 +32,9 @@ def run(code, arguments, folder, printed, errors):
 
 
 def main():
+    for module in IMPORTED:
+        with contextlib.suppress(ImportError):
+            importlib.import_module(module)
     gc.freeze()  # what was imported before the fork need not be looked through when a process ends
     for line in sys.stdin:
         process = os.fork()
