@@ -73,18 +73,19 @@ def estimated_rates(now, last, recent, times, longest, step):
 def centripetal_accelerations(ground, kite, step):
     """Accelerations [m/s2] of two ends that revolve around each other, for a first step [s] without a last velocity.
 
-    Together w^2/|r| along the chord r [m], with the relative velocity w [m/s] across it; the ends share it in
-    proportion to their squared speeds, so an end at rest stays. Otherwise the first step would move a turning kite
+    w^2/|r| along the chord r [m], with the relative velocity w [m/s] across it, of the kite end; of the ground end only if
+    the kite rests: so an observer who moves uniformly sees the same. Otherwise the first step would move a turning kite
     along its tangent, outwards by w^2 h^2/(2 |r|). ground, kite : position [m], velocity [m/s], ... of an end.
     """
     chord, velocity = sub(kite[0], ground[0]), sub(kite[1], ground[1])
     square = dot(chord, chord)
-    speeds = dot(ground[1], ground[1]) + dot(kite[1], kite[1])
-    if square <= 0.0 or speeds <= 0.0:
+    if square <= 0.0:
         return ZERO_VECTOR, ZERO_VECTOR
     across = add_scaled(velocity, -dot(chord, velocity) / square, chord)
-    turning = scale(min(dot(across, across) / square, (LARGEST_ANGLE / step) ** 2) / speeds, chord)
-    return scale(dot(ground[1], ground[1]), turning), scale(-dot(kite[1], kite[1]), turning)
+    turning = scale(min(dot(across, across) / square, (LARGEST_ANGLE / step) ** 2), chord)
+    if dot(kite[1], kite[1]) > 0.0:
+        return ZERO_VECTOR, scale(-1.0, turning)
+    return turning, ZERO_VECTOR
 
 
 @kernel
