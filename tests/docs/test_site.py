@@ -225,7 +225,7 @@ def test_the_sidebar_shows_some_twenty_pages_and_the_open_one(site, chromium_of_
         "return [[...menu.querySelectorAll('.sidebar-tree a')].filter(inside).length, here === null || inside(here)]"
     )
     for page in ("index.html", *PAGES):
-        browser.get(f"{site}/manual/{page}")
+        opened(browser, f"{site}/manual/{page}")
         chromium.wait_until(browser, f"(() => {{{shown}}})()[1]")  # until fonts and the script that scrolls are there
         if page == "index.html":
             count, _ = browser.execute_script(shown)
