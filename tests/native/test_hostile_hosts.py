@@ -288,7 +288,7 @@ def test_10_000_instances(dynamic):
     memory = resident()
     tethers = [fmu.started() for _ in range(10_000)]
     each = (resident() - memory) / len(tethers)
-    assert each < 64e3
+    assert each < 64e3, each
     for tether in tethers:
         fmu.FreeInstance(tether)
     del tethers

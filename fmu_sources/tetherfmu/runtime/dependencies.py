@@ -20,13 +20,14 @@ AIR_AT_REST = (
 )
 AIR = ("kite_velocity", "ground_velocity", "end_velocities", *AIR_AT_REST)
 GROUND = ("ground_contact", "ground_height", "ground_friction", "ground_sink")
-FORM = (*STRETCH, *AIR, *GROUND, "segments", "initial_shape", "slack_stiffness_ratio")
 REELING = ("reel_out_speed",)
+# rope that the winch pays out slides along the ground
+FORM = (*STRETCH, *AIR, *GROUND, *REELING, "segments", "initial_shape", "slack_stiffness_ratio")
 WHERE_KITE_RESTS = (
     *(*STRETCH, *AIR_AT_REST, *GROUND, "segments", "slack_stiffness_ratio"),
     *("kite_load", "kite_mass", "kite_start"),  # these of a free kite alone
 )
-FORCE = (*FORM, "axial_damping", "slack_damping_ratio", *REELING)
+FORCE = (*FORM, "axial_damping", "slack_damping_ratio")
 
 
 def depends_on(variant, output, element, shape_points, wind_points=0):
@@ -46,7 +47,7 @@ def depends_on(variant, output, element, shape_points, wind_points=0):
     if wind_points and "wind_velocity" in declared:
         blown = {name for vector in WITHOUT_EFFECT for name in _components(variant, vector, component)}
         names = (*(name for name in names if name not in blown), *wind_at_names(wind_points))
-    reeling_is_felt = variant.has_waves or declared == REELING
+    reeling_is_felt = variant.has_nodes or declared == REELING
     unused = {*variant.ignored, *(() if reeling_is_felt else REELING)}
     return tuple(name for name in names if name not in unused)
 
