@@ -151,8 +151,9 @@ Copy a class of `examples/fmus`, with its inputs, outputs and parameters and the
   steering, which moves the path by centimetres.
 - Do not use FMPy's `simulate_ssp`: it sets all connected inputs to 0 in the first step. Kites refuse it, circles start with
   a false tension of over 4e5 N.
-- `extra/com.open-simulation-platform` is for `CosimExecution.from_osp_config_file`: each FMU may have its own step. """
-  VARIABLES = """# Variables of the example FMUs
+- `extra/com.open-simulation-platform` is for `CosimExecution.from_osp_config_file`: each FMU may have its own step.
+"""
+VARIABLES = """# Variables of the example FMUs
 
 <!-- Written by docs/make/make_example_fmus.py from the sources: edit those, and run it again. -->
 
