@@ -29,9 +29,9 @@ TEXT = """# Example FMUs
 
 <!-- Written by docs/make/make_example_fmus.py from the sources: edit those, and run it again. -->
 
-For those who need partners for a tether. `tetherfmu build --examples` builds them and five systems of them as SSP files.
-They are PythonFMU slaves of 70 to 150 lines (`examples/fmus/`), with [equations and
-variables](../reference/variables_of_examples.md) on a separate page; `TurbulentWind` needs numpy.
+For those who need partners for a tether. `tetherfmu build --examples` builds them and five systems of them as SSP
+files. They are PythonFMU slaves (`examples/fmus/`; [equations and variables](../reference/variables_of_examples.md));
+`TurbulentWind` needs numpy.
 
 | FMU | in | out | for |
 |---|---|---|---|
@@ -67,10 +67,9 @@ Two cycles (`--cycles 2`) in a wind of 8 m/s at 10 m, by default 20 ms and 10 se
 | `--segments 30` | 4036 | 1807 | 3529 |
 | `--segments 1` | 4165 | 1817 | 3692 |
 
-The kite load is delayed, which limits the step ([Coupling](coupling.md#the-ways)): with the Jacobi exchange to 30 ms at 8
-m/s (35 ms diverge), and to 20 ms at 10 to 14 m/s (30 ms diverge). The example works in 6 to 14 m/s; from 11 m/s on it
-prints for how long the motor is too weak. The work over a cycle balances within 1 %
-(`tests/physics/test_pumping_energy.py`).
+The kite load is delayed, which limits the step ([Coupling](coupling.md#the-ways)): with the Jacobi exchange to 30 ms at
+8 m/s (35 ms diverge), and to 20 ms at 10 to 14 m/s (30 ms diverge). The example works in 6 to 14 m/s; from 11 m/s on
+the motor is sometimes too weak. The work over a cycle balances within 1 % (`tests/physics/test_pumping_energy.py`).
 
 ## The winch inside the tether
 
@@ -87,9 +86,9 @@ force) and `WinchMotor`. Mean power over a cycle in 8 m/s [W]:
 
 ![Reel-out speed over a cycle in three steps: the winch FMU swings in 200 ms](../figures/winch_inside.svg)
 
-The delayed kite load makes steps of 100 ms diverge, unless tether and kite iterate. The delayed tension saturates the motor
-of the `Winch` FMU at 200 ms, and the speed oscillates during reel-in; a drum inside the tether avoids this delay. Set
-`shortest_length` and `longest_length` of the tether to 0: `FlightController` has the limits.
+The delayed kite load makes steps of 100 ms diverge, unless tether and kite iterate. The delayed tension saturates the
+motor of the `Winch` FMU at 200 ms; a drum inside the tether avoids this delay. Set `shortest_length` and
+`longest_length` of the tether to 0: `FlightController` has the limits.
 
 ## Turbulent wind
 
@@ -104,13 +103,13 @@ of the `Winch` FMU at 200 ms, and the speed oscillates during reel-in; a drum in
 | `.npz` | `numpy.savez` (not `savez_compressed`) | `velocity` (along, across, up, 3) [m/s] and `spacing` (3,) [m] |
 
 Set the String parameter `file` before the initialization, or build the FMU with it (`build("TurbulentWind", folder,
-[("file", path)])` of `examples/shared/example_fmus.py`). A path that begins with `resources/` refers to the FMU; without a
-file there is only the mean wind.
+[("file", path)])` of `examples/shared/example_fmus.py`). A path that begins with `resources/` is inside the FMU. The
+default is the mean wind alone.
 
 - **Wiring.** Connect `kite_position`, and `shape` and `wind_at` of a tether built with `--wind-points 21` (set
-  `wind_points` to 2). Without `shape` the points are on the straight line from the origin to the kite. `wind_velocity` is
-  the mean along the tether, for tethers with `wind_profile` = uniform. `kite_wind` is for `wind_velocity` of a kite with a
-  uniform profile.
+  `wind_points` to 2). Without `shape` the points are on the straight line from the origin to the kite. `wind_velocity`
+  is the mean along the tether, for tethers with `wind_profile` = uniform. `kite_wind` is for kites with a uniform
+  profile.
 - **Axes.** x of the box is downwind, y to the left when looking downwind; `wind_direction` is where the wind blows *to*.
   `box_origin` is the middle of its front at the start. The lowest row is at the height of the TurbSim file, otherwise 0,
   plus `box_origin[3]`.
@@ -152,8 +151,7 @@ Copy a class of `examples/fmus`, with its inputs, outputs and parameters and the
   steering, which moves the path by centimetres.
 - Do not use FMPy's `simulate_ssp`: it sets all connected inputs to 0 in the first step. Kites refuse it, circles start with
   a false tension of over 4e5 N.
-- `extra/com.open-simulation-platform` has the system for `CosimExecution.from_osp_config_file`, where each FMU may have its
-  own step.
+- `extra/com.open-simulation-platform` is for `CosimExecution.from_osp_config_file`: each FMU may have its own step.
 """
 VARIABLES = """# Variables of the example FMUs
 

@@ -76,7 +76,7 @@ def test_order_2_on_the_ground():
 
 
 def test_rope_that_rests_while_nodes_move_through_it():
-    """Where the pull of the winch has not come yet, the rope lies without tension: such steps fall back, but stay as exact."""
+    """Where the pull of the winch has not come yet, the rope has no tension: steps fall back, and stay as exact."""
     errors, fallbacks, _ = errors_of(reeled)
     assert fallbacks[0] < 0.15
     assert max(fallbacks[1:]) < 0.02

@@ -6,7 +6,7 @@ import pytest
 from kernels.chain_problem import ChainProblem
 from kernels.interleaved import interleaved
 from tetherfmu.kernels.equations import assembly
-from tetherfmu.kernels.equations.properties import chain_in_motion
+from tetherfmu.kernels.equations.properties import chain_in_motion, chain_with_flow
 from tetherfmu.kernels.line import contact
 from tetherfmu.kernels.line.strand_room import Rope
 from tetherfmu.runtime import layout as at
@@ -37,7 +37,6 @@ def contact_found(problem, chain, x, v):
         place[:] = interleaved(x)
     for place in (w.start_v, w.stage_v):
         place[:] = interleaved(v)
-    contact.pass_rope(chain, w)
     contact.find(problem.conditions, chain, x, v, w)
     return w
 
@@ -110,11 +109,9 @@ def test_pull_of_friction_differentiates_to_row_and_corner(end):
     rates = rng.normal(size=2)
 
     def with_rates(length, rates, x, v):
-        chain = chain_in_motion(n, problem.parameters, length, rates[0] + rates[1], 0.0, problem.wind)
-        w = contact_found(problem, chain, x, v)
-        w.passing[1:-1] = (weights[0] * rates[0] + weights[1] * rates[1])[1:-1]
-        contact.find(problem.conditions, chain, x, v, w)
-        return chain, w
+        motion = length, rates[0] + rates[1], 0.0, (-rates[1], 0.0)
+        chain = chain_with_flow(n, problem.parameters, *motion, problem.wind, False)
+        return chain, contact_found(problem, chain, x, v)
 
     def pull(length, rates, x, v):
         chain, w = with_rates(length, rates, x, v)

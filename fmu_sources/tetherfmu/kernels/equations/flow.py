@@ -36,10 +36,7 @@ def passing_at(chain, i):
     """c_i [m/s] of an inner node, 0 at the ends, where rope leaves the ground."""
     if not 0 < i < chain.n or (chain.reeling == 0.0 and chain.leaving == 0.0):
         return 0.0
-    part = 1.0
-    for s in range(i):
-        part -= property_of(chain, s, at.SHARE)
-    return part * chain.reeling + chain.leaving
+    return max(1.0 - i * property_of(chain, 0, at.SHARE), 0.0) * chain.reeling + chain.leaving
 
 
 @kernel

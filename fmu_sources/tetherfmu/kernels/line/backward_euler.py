@@ -36,24 +36,24 @@ WHOLE, STAGE, EXPECTED = 0, 1, 2  # steps, stages of `second_order.py`, stages w
 
 FixedSteps = namedtuple("FixedSteps", "size method")
 FixedSteps.__doc__ = "Fixed steps: their size [s], 0 for adaptive ones, and `fixed_step_method`, as an enumeration."
-VECTORS = "x trial old free drag slope move acceleration flow along slide"
+VECTORS = "x trial old free drag slope move acceleration flow along"
 Workspace = namedtuple("Workspace", f"{VECTORS} matrix mass modes held pressed")
 Workspace.__doc__ = """Scratch arrays of a step; 3 (n + 1) numbers unless stated otherwise.
 
 x : iterate [m].  trial : positions to try [m].  old : positions before the step [m].
 free : y, positions after free flight [m].  drag : half drags F of the segments [N].  slope : their slopes A [N s/m],
-9 (n + 1).  move : minus the gradient of Phi [N], then the node displacements [m].  matrix, mass : see
+9 n.  move : minus the gradient of Phi [N], then the node displacements [m].  matrix, mass : see
 `arrays.shared_arrays`; masses at the end of the step.  modes : n, damping mode of each segment, see `segment.TAUT`.
 held : n, l - l0 for which the matrix was built [m]: its sign is the mode of the spring.  acceleration : of the nodes in a
-stage [m/s2], before it the expected value.  flow : forces of flowing rope in the iteration [N].  along : segment directions
-of the iteration, in which dampers pull in a stage.
-pressed : n + 1, a_n of the friction on the ground [m/s2].  slide : velocity of the rope past the nodes there [m/s]."""
+stage [m/s2], before it the expected value.  flow : forces of flowing rope in the iteration [N].  along : 3 n, segment
+directions of the iteration, in which dampers pull in a stage.
+pressed : n + 1, a_n of the friction on the ground [m/s2]."""
 
 
 @kernel
 def workspace_size(n):
     """Length of the room for `workspace`, in addition to `arrays.shared_arrays`."""
-    return 10 * 3 * (n + 1) + 10 * (n + 1) + 2 * n
+    return 25 * (n + 1) + 14 * n
 
 
 @view
@@ -61,11 +61,10 @@ def workspace(n, shared, room):
     """Cut a room into the arrays of `Workspace`; shared : an array that begins with `arrays.shared_arrays`."""
     blocks, _, mass, _ = shared_arrays(n, shared)
     x, trial, old, free, drag, move, room = node_arrays(n, room)
-    flow, along, room = part(room, 0, 3 * (n + 1)), part(room, 3 * (n + 1), 3 * (n + 1)), behind(6 * (n + 1), room)
-    acceleration, slope, room = part(room, 0, 3 * (n + 1)), part(room, 3 * (n + 1), 9 * (n + 1)), behind(12 * (n + 1), room)
-    slide, room = part(room, 0, 3 * (n + 1)), behind(3 * (n + 1), room)
+    flow, acceleration, room = part(room, 0, 3 * (n + 1)), part(room, 3 * (n + 1), 3 * (n + 1)), behind(6 * (n + 1), room)
+    along, slope, room = part(room, 0, 3 * n), part(room, 3 * n, 9 * n), behind(12 * n, room)
     modes, held, pressed = part(room, 0, n), part(room, n, n), part(room, 2 * n, n + 1)
-    vectors = x, trial, old, free, drag, slope, move, acceleration, flow, along, slide
+    vectors = x, trial, old, free, drag, slope, move, acceleration, flow, along
     return Workspace(*vectors, Matrix(*blocks), mass, modes, held, pressed)
 
 
@@ -105,7 +104,6 @@ def start(attempt, before, time, kind, x, w):
             put(w.old, i, add_scaled(end, -h, get(w.free, i)))
             put(w.free, i, end)
     clear(w.pressed)
-    clear(w.slide)
     if kind == STAGE:
         take_directions(n, x, w)
     if kind != EXPECTED:

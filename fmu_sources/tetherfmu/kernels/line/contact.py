@@ -20,45 +20,32 @@ from .taut_slack import TRANSITION
 
 
 @kernel
-def pass_rope(chain, w):
-    """c of all nodes [m/s] into w.passing (modified)."""
-    for i in range(chain.n + 1):
-        w.passing[i] = flow.passing_at(chain, i)
-
-
-@kernel
 def direction(chain, i, x):
     """t [-] of inner node i from interleaved positions [m]."""
     return flow.along_ground(chain, i, get_node(chain.n, i - 1, x), get_node(chain.n, i + 1, x))
 
 
 @kernel
-def state_at(chain, i, x, v, w):
+def state_at(chain, i, x, v):
     """Position [m] of node i and the velocity (u_x, u_y, v_z) of its rope [m/s], from interleaved arrays."""
-    u = get_node(chain.n, i, v)
-    if w.passing[i] != 0.0:
-        u = add_scaled(u, w.passing[i], direction(chain, i, x))
+    u, c = get_node(chain.n, i, v), flow.passing_at(chain, i)
+    if c != 0.0:
+        u = add_scaled(u, c, direction(chain, i, x))
     return get_node(chain.n, i, x), u
-
-
-@kernel
-def velocity_of_rope(chain, i, x, v, w):
-    """(u_x, u_y, v_z) [m/s] of the rope at node i, from flat arrays."""
-    return add(get(v, i), flow.slide(chain, i, w.passing[i], x))
 
 
 @kernel
 def find(conditions, chain, x, v, w):
     """Free nodes in ground contact at x [m] with velocities v [m/s] into w.touching, and m da/dv into w.grip.
 
-    Both are modified; w.passing is known.
+    Both are modified.
     """
     ground = earth.ground_of(chain.parameters)
     for i in range(chain.n + 1):
         w.touching[i] = 0.0
         if conditions.first <= i <= conditions.last and earth.touches(ground, get(x, i), get(v, i)):
             w.touching[i] = 1.0
-            _, by_velocity = earth.derivatives(ground, get(x, i), velocity_of_rope(chain, i, x, v, w))
+            _, by_velocity = earth.derivatives(ground, get(x, i), flow.velocity_of_rope(chain, i, x, v))
             put_matrix(w.grip, 9 * i, scale_matrix(w.mass[i], by_velocity))
 
 
@@ -73,11 +60,11 @@ def add_rate(chain, acceleration, w, force_rate):
     ground, part = earth.ground_of(chain.parameters), 1.0
     for i in range(chain.n + 1):
         if w.touching[i] > 0.0:
-            here = state_at(chain, i, w.start_x, w.start_v, w)
+            here = state_at(chain, i, w.start_x, w.start_v)
             rate = scale(growing_mass(chain, i, w.mass[i]) * chain.growth, earth.acceleration(ground, *here))
             if 0 < i < chain.n:
                 turned = chain.reeling * (property_of(chain, i - 1, at.SHARE) + property_of(chain, i, at.SHARE))
-                gained = part * acceleration - w.passing[i] * turned * flow.per_node(chain, i)
+                gained = part * acceleration - flow.passing_at(chain, i) * turned * flow.per_node(chain, i)
                 rate = add(rate, apply(get_matrix(w.grip, 9 * i), scale(gained, direction(chain, i, w.start_x))))
             put(force_rate, i, add(get(force_rate, i), rate))
         if i < chain.n:
@@ -90,8 +77,8 @@ def add_end_motion(conditions, chain, time, w, force_rate):
     for end in range(2):
         i, curve = (1, conditions.ground) if end == 0 else (chain.n - 1, conditions.kite)
         is_driven = conditions.first == 1 if end == 0 else conditions.last == chain.n - 1
-        if is_driven and w.touching[i] > 0.0 and w.passing[i] != 0.0:
-            turned = scale((2.0 * end - 1.0) * w.passing[i] * flow.per_node(chain, i), velocity_at(curve, time))
+        if is_driven and w.touching[i] > 0.0 and flow.passing_at(chain, i) != 0.0:
+            turned = scale((2.0 * end - 1.0) * flow.passing_at(chain, i) * flow.per_node(chain, i), velocity_at(curve, time))
             turned = turned[0], turned[1], 0.0
             put(force_rate, i, add(get(force_rate, i), apply(get_matrix(w.grip, 9 * i), turned)))
 
@@ -102,12 +89,12 @@ def subtract_slopes(chain, d, x, v, w):
     ground, (diagonal, lower, upper) = earth.ground_of(chain.parameters), w.matrix
     for i in range(chain.n + 1):
         if w.touching[i] > 0.0:
-            by_z, _ = earth.derivatives(ground, get(x, i), velocity_of_rope(chain, i, x, v, w))
+            by_z, _ = earth.derivatives(ground, get(x, i), flow.velocity_of_rope(chain, i, x, v))
             for row in range(9 * i, 9 * i + 9):
                 diagonal[row] -= w.grip[row]
             subtract_column(diagonal, 9 * i + 2, scale(d * w.mass[i], by_z))
-            if w.passing[i] != 0.0:
-                factor = d * w.passing[i] * flow.per_node(chain, i)
+            if flow.passing_at(chain, i) != 0.0:
+                factor = d * flow.passing_at(chain, i) * flow.per_node(chain, i)
                 for row in range(9 * i, 9 * i + 9, 3):
                     for place in range(row, row + 2):
                         upper[place] -= factor * w.grip[place]
@@ -126,7 +113,7 @@ def subtract_column(blocks, place, a):
 def force_at(chain, i, w):
     """Ground force [N] on node i in contact at a stage."""
     ground = earth.ground_of(chain.parameters)
-    return scale(w.stage_mass[i], earth.acceleration(ground, *state_at(chain, i, w.stage_x, w.stage_v, w)))
+    return scale(w.stage_mass[i], earth.acceleration(ground, *state_at(chain, i, w.stage_x, w.stage_v)))
 
 
 @kernel
@@ -166,11 +153,11 @@ def add_to_column(chain, d, weights, growth, w, own):
     ground = earth.ground_of(chain.parameters)
     for i in range(chain.n + 1):
         if w.touching[i] > 0.0:
-            a, by_rate = earth.acceleration(ground, *state_at(chain, i, w.start_x, w.start_v, w)), ZERO_VECTOR
+            a, by_rate = earth.acceleration(ground, *state_at(chain, i, w.start_x, w.start_v)), ZERO_VECTOR
             by_length = scale(mass_by_length(chain, i, growth), a)
             if 0 < i < chain.n:
                 along = apply(get_matrix(w.grip, 9 * i), direction(chain, i, w.start_x))
-                by_length = add_scaled(by_length, -w.passing[i] * turn(chain, i, growth), along)
+                by_length = add_scaled(by_length, -flow.passing_at(chain, i) * turn(chain, i, growth), along)
                 by_rate = scale(weights[i], along)
             add_at(own.by_rate, i, by_rate)
             add_at(own.solved, i, add_scaled(by_rate, d, by_length))
@@ -183,13 +170,13 @@ def add_to_row(chain, d, weights, w, own):
     for i in range(1, chain.n):
         if w.touching[i] > 0.0:
             t, part = direction(chain, i, w.start_x), weights[i]
-            here, u = state_at(chain, i, w.start_x, w.start_v, w)
+            here, u = state_at(chain, i, w.start_x, w.start_v)
             by_z, _ = earth.derivatives(ground, here, u)
             by_velocity = scale(part, transposed_apply(t, get_matrix(w.grip, 9 * i)))
             add_at(own.by_velocity, i, by_velocity)
             add_at(own.row, i, add(by_velocity, (0.0, 0.0, d * part * w.mass[i] * dot(t, by_z))))
             force = scale(part * w.mass[i], earth.acceleration(ground, here, u))
-            turned = scale(d * flow.per_node(chain, i), add_scaled(force, w.passing[i], by_velocity))
+            turned = scale(d * flow.per_node(chain, i), add_scaled(force, flow.passing_at(chain, i), by_velocity))
             turned = turned[0], turned[1], 0.0
             add_at(own.row, i + 1, turned)
             add_at(own.row, i - 1, scale(-1.0, turned))
@@ -205,10 +192,10 @@ def corner(chain, weights, others, growth, w):
     for i in range(1, chain.n):
         if w.touching[i] > 0.0:
             t, turned = direction(chain, i, w.start_x), turn(chain, i, growth)
-            a = earth.acceleration(ground, *state_at(chain, i, w.start_x, w.start_v, w))
+            a = earth.acceleration(ground, *state_at(chain, i, w.start_x, w.start_v))
             along = dot(t, apply(get_matrix(w.grip, 9 * i), t))
             of_force = mass_by_length(chain, i, growth) - turned * w.mass[i]
-            by_length += weights[i] * (of_force * dot(t, a) - turned * w.passing[i] * along)
+            by_length += weights[i] * (of_force * dot(t, a) - turned * flow.passing_at(chain, i) * along)
             by_rate += weights[i] * others[i] * along
     return by_length, by_rate
 

@@ -106,14 +106,14 @@ def ground_potential(attempt, x, w):
     of_ground = ground.ground_of(attempt.chain.parameters)
     total = 0.0
     for i in range(attempt.conditions.first, attempt.conditions.last + 1):
-        frozen = w.pressed[i], get(w.slide, i)
+        frozen = w.pressed[i], slide_at(attempt.chain, i, w.x)
         total += w.mass[i] * ground.potential_of_step(of_ground, get(w.old, i), get(x, i), attempt.h, *frozen)
     return total
 
 
 @kernel
 def slide_at(chain, i, x):
-    """Velocity [m/s] of the rope relative to node i."""
+    """Velocity [m/s] of the rope relative to node i at x [m], or its change by displacements x [m]."""
     return flow.slide(chain, i, flow.passing_at(chain, i), x)
 
 
@@ -121,16 +121,13 @@ def slide_at(chain, i, x):
 def add_ground(attempt, x, is_held, w):
     """Add the ground to the iteration matrix, and minus its gradient to w.move (both modified).
 
-    is_held : whether a_n of the friction and the velocity of the rope past the nodes are frozen.
+    is_held : whether the a_n of the friction is frozen.
     """
-    if not is_held:
-        for i in range(attempt.chain.n + 1):
-            put(w.slide, i, slide_at(attempt.chain, i, x))
     of_ground, h, diagonal = ground.ground_of(attempt.chain.parameters), attempt.h, w.matrix.diagonal
     for i in range(attempt.conditions.first, attempt.conditions.last + 1):
         if not is_held:
             w.pressed[i], _ = ground.normal_of_step(of_ground, get(w.old, i), get(x, i), h)
-        frozen = w.pressed[i], get(w.slide, i)
+        frozen = w.pressed[i], slide_at(attempt.chain, i, x)
         force, by_position = ground.force_of_step(of_ground, get(w.old, i), get(x, i), h, *frozen)
         put(w.move, i, add_scaled(get(w.move, i), w.mass[i], force))
         block = get_matrix(diagonal, 9 * i)
@@ -172,11 +169,10 @@ def rests_on_ground(attempt, x, w):
         if abs(normal - w.pressed[i]) > PRESSED * (w.pressed[i] + attempt.chain.gravity):
             return False
         if w.pressed[i] > 0.0:
-            frozen = get(w.slide, i)
-            _, way = ground.slide_of_step(old, new, attempt.h, frozen)
+            _, way = ground.slide_of_step(old, new, attempt.h, slide_at(attempt.chain, i, x))
             if move[0] ** 2 + move[1] ** 2 > (SLID * way) ** 2:
                 return False
-            if norm(sub(slide_at(attempt.chain, i, x), frozen)) * attempt.h > SLID * way:
+            if norm(slide_at(attempt.chain, i, w.move)) * attempt.h > SLID * way:
                 return False
     return True
 

@@ -43,7 +43,7 @@ from .rodas4p import ALPHA, GAMMA, GAMMA_I, INERTIA, R_BY_GAMMA, STAGES, A, P
 Workspace = namedtuple(
     "Workspace",
     "x v q velocity_error start_x start_v stage_x stage_v r inertia_velocity force force_rate "
-    "velocities matrix segments records mass stage_mass modes dampings touching passing grip",
+    "velocities matrix segments records mass stage_mass modes dampings touching grip",
 )
 Workspace.__doc__ = """Scratch arrays of a step.
 
@@ -59,15 +59,14 @@ velocities : V of all stages [m/s], two nodes side by side: number STAGES k + st
 matrix, records, mass : see `arrays.shared_arrays`; at the start of the step.  segments : see `assembly.find_segments`.
 stage_mass : node masses at the stage [kg], n + 1.  modes : n, stiffness mode of each segment, see `segment.TAUT`.
 dampings : b of `flow.slopes` at the start of the step [N s/m], n, where rope flows.
-touching, passing, grip : nodes in ground contact and c of the rope there [m/s], n + 1, and their dF/dv [N s/m], 9 (n + 1);
-see `contact.py`."""
+touching, grip : nodes in ground contact, n + 1, and their dF/dv [N s/m], 9 (n + 1); see `contact.py`."""
 
 
 @kernel
 def workspace_size(n):
     """Length of the work array that `workspace` needs."""
     vectors = (8 + STAGES) * interleaved_size(n) + 4 * 3 * (n + 1)
-    return shared_size(n) + vectors + assembly.segments_size(n) + 14 * n + 12
+    return shared_size(n) + vectors + assembly.segments_size(n) + 13 * n + 11
 
 
 @view
@@ -83,7 +82,7 @@ def workspace(n, work):
     x, v, q, room = split(flat, room)
     error, stage_mass, modes = part(room, 0, flat), part(room, flat, n + 1), part(room, flat + n + 1, n)
     dampings, room = part(room, flat + 2 * n + 1, n), behind(flat + 3 * n + 1, room)
-    on_ground = part(room, 0, n + 1), part(room, n + 1, n + 1), part(room, 2 * n + 2, 9 * (n + 1))
+    on_ground = part(room, 0, n + 1), part(room, n + 1, 9 * (n + 1))
     vectors = x, v, q, error, start_x, start_v, stage_x, stage_v, r, inertia_velocity, force, force_rate, velocities
     return Workspace(*vectors, Matrix(*blocks), segments, records, mass, stage_mass, modes, dampings, *on_ground)
 
@@ -135,7 +134,6 @@ def assemble(conditions, chain, d, x, v, w):
         flow.subtract_slopes(chain, 1.0, d, w.matrix)
         flow.put_dampings(chain, w.dampings)
     if has_ground(chain.parameters):
-        contact.pass_rope(chain, w)
         contact.find(conditions, chain, x, v, w)
         contact.subtract_slopes(chain, d, x, v, w)
 
@@ -154,8 +152,6 @@ def stage_force(conditions, chain, time, w):
     """Forces at a stage [N] into w.force (modified), for the `Chain` at its time [s]."""
     assembly.node_forces(chain, w.modes, w.stage_x, w.stage_v, w.stage_mass, w.segments, w.force)
     if has_ground(chain.parameters):
-        if chain.reeling != 0.0 or w.passing[1] != 0.0:
-            contact.pass_rope(chain, w)
         contact.add_forces(chain, w)
     put_interleaved(w.force, 0, add(get_interleaved(w.force, 0), pair(NEUTRAL_VECTOR, load_during(conditions, time))))
 

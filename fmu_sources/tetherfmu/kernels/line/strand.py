@@ -87,21 +87,12 @@ def residual(strand, chain, time):
     take_pulls(strand, chain)
     if feels_rope(chain.parameters):
         if has_ground(chain.parameters):
-            pass_rope(strand)
             contact.add_forces(chain, w)
             add_friction(strand, chain)
         load = pair(NEUTRAL_VECTOR, load_during(strand.conditions, time))
         put_interleaved(w.force, 0, add(get_interleaved(w.force, 0), load))
     else:
         rosenbrock.stage_force(strand.conditions, chain, time, w)
-
-
-@kernel
-def pass_rope(strand):
-    """c of the rope at all inner nodes at the stage [m/s] into w.passing (modified)."""
-    rate, last = strand.numbers[RATE], strand.numbers[RATE + 1]
-    for i in range(1, strand.n):
-        strand.w.passing[i] = strand.weights.first[i] * rate + strand.weights.last[i] * last
 
 
 @kernel
@@ -188,17 +179,8 @@ def begin(strand, chain, time, x, v):
     copy(w.mass, w.stage_mass)
     assembly.find_slopes(chain, w.start_x, w.start_v, w.modes, w.segments, w.records)
     if has_ground(chain.parameters):
-        find_contact(strand, chain, x, v)
+        contact.find(strand.conditions, chain, x, v, w)
     begin_residual(strand, chain, time)
-
-
-@kernel
-def find_contact(strand, chain, x, v):
-    """Nodes on the ground at x [m] with velocities v [m/s] (modified); w.mass is known."""
-    w = strand.w
-    w.passing[0] = w.passing[strand.n] = 0.0
-    pass_rope(strand)
-    contact.find(strand.conditions, chain, x, v, w)
 
 
 @kernel
@@ -211,7 +193,7 @@ def evaluate(strand, chain, time, x, v):
     clear(w.modes)
     if has_ground(chain.parameters):
         copy(w.stage_mass, w.mass)
-        find_contact(strand, chain, x, v)
+        contact.find(strand.conditions, chain, x, v, w)
     begin_residual(strand, chain, time)
 
 

@@ -82,7 +82,6 @@ def evaluate_plain(conditions, w, time, x, v):
     assembly.node_masses(chain, w.stage_mass)
     clear(w.modes)
     if has_ground(conditions.parameters):
-        contact.pass_rope(chain, w)
         contact.find(conditions, chain, x, v, w)
     rosenbrock.stage_force(conditions, chain, time, w)
 

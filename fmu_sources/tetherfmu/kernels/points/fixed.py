@@ -24,7 +24,7 @@ from ..equations.lines import conditions_of, lines_of, motion_of, parameters_of,
 from ..equations.node_loads import free_acceleration
 from ..equations.properties import property_of
 from ..equations.rope import feels_rope
-from ..line import backward_euler, incremental_potential, strand
+from ..line import backward_euler, contact, incremental_potential, strand
 from ..line.strand_room import (
     BY_GAIN,
     BY_LENGTH,
@@ -226,7 +226,7 @@ def take_rope(system, k, step):
     copy(w.mass, own.w.stage_mass)
     if has_ground(chain.parameters):
         copy(w.mass, own.w.mass)
-        strand.find_contact(own, chain, w.x, own.w.v)
+        contact.find(conditions, chain, w.x, own.w.v, own.w)
     assembly.find_slopes(chain, own.w.start_x, own.w.start_v, own.w.modes, own.w.segments, own.w.records)
     strand.take_pulls(own, chain)
     if has_ground(chain.parameters) and feels_rope(chain.parameters):

@@ -598,7 +598,7 @@ def section_now(system, k):
 def chain_at_stage(system, k):
     """`Chain` of line k with rope coordinates at a stage, without flow forces."""
     numbers, conditions = numbers_of(system, k), conditions_of(system, k)
-    motion = numbers[LENGTH], numbers[RATE] + numbers[RATE + 1], 0.0, (-0.0, -0.0)
+    motion = numbers[LENGTH], numbers[RATE] + numbers[RATE + 1], 0.0, (-numbers[RATE + 1], -0.0)
     return chain_with_flow(conditions.n, conditions.parameters, *motion, conditions.wind, False)
 
 
