@@ -101,7 +101,15 @@ def of_variants():
 def of_arrays():
     """Places in the flat arrays that the page reads, see `runtime.layout`, and in the plan of one line."""
     wanted = ("INPUTS", "SHAPE", "LENGTH", "TORN_SEGMENT", "TORN_AT", "WARNINGS", "WARNED_VALUES", "WINCH_FRICTION")
-    wanted += ("SHORTEST_LENGTH", "LONGEST_LENGTH", "RELATIVE_TOLERANCE", "FIXED_STEP", "NO_STOP", "ITERATION_BUDGET")
+    wanted += (
+        "SHORTEST_LENGTH",
+        "LEAST_LENGTH",
+        "LONGEST_LENGTH",
+        "RELATIVE_TOLERANCE",
+        "FIXED_STEP",
+        "NO_STOP",
+        "ITERATION_BUDGET",
+    )
     of_line = ("SEGMENTS", "START_POINT", "END_POINT", "SHAPE_POINTS")
     plan = {name: places.PLAN_HEADER + getattr(places, name) for name in of_line} | {"LINES": places.LINES}
     plan |= {name: getattr(places, name) for name in ("PARAMETERS_SIZE", "STATE_SIZE", "OUTPUTS_SIZE", "WORK_SIZE")}

@@ -194,6 +194,7 @@ export class Tether {
       winch_length: input("winch_length"),
       friction: parameter("WINCH_FRICTION"),
       shortest_stop: parameter("SHORTEST_LENGTH"),
+      least_length: parameter("LEAST_LENGTH"),
       longest_stop: longest === this.arrays.NO_STOP ? Infinity : longest,
       length: numbers[this.state / 8 + this.arrays.LENGTH],
       distance: Math.hypot(...ends),
