@@ -7,9 +7,9 @@ All forces are proportional to the node mass, so they are written as acceleratio
 
 At rest a node lies `ground_sink` deep; motion about this depth is critically damped. The damping grows with the depth, so
 the force is continuous at touchdown, and a node that hits the ground at any speed leaves it with less than 1/a: it rises by
-no more than ground_sink/8. Friction opposes the horizontal velocity u of the rope, which passes the
-node at c while the winch reels (`flow.slide`). A lying node creeps with v_r T/sqrt(F^2 - T^2) under a pull T below its
-friction F. The ground does not act on driven ends. In `acceleration` and its derivatives v is (u_x, u_y, v_z).
+no more than ground_sink/8. Friction opposes the horizontal velocity u of the rope, which passes the node at c while the
+winch reels (`flow.slide`). A lying node creeps with v_r T/sqrt(F^2 - T^2) under a pull T below its friction F. The ground
+does not act on driven ends. In `acceleration` and its derivatives v is (u_x, u_y, v_z).
 
 Source: Hunt and Crossley, Coefficient of restitution interpreted as damping in vibroimpact, J. Appl. Mech. 42 (1975) 440;
 docs/models/theory.md, "Ground".

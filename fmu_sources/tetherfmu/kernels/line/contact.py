@@ -3,7 +3,7 @@
 All stages treat the nodes that touch the ground at the start of the step as in contact, and no others, so the step sees
 smooth equations. A step in which a node goes too far beyond the transition is rejected (`transition_error`), as for a
 segment that goes slack (`taut_slack.py`). The law: `equations/ground.py`. Friction F acts on the rope, which passes a node
-at c t, t = r/l0 (`flow.along_ground`): it also pulls on the rope coordinates of the line ends, with W t . F (`add_to_end`).
+at c t, t = r/l0 (`flow.along_ground`): it also pulls on the rope coordinates of the ends, with W t . F (`pull_of_friction`).
 """
 
 from tetherfmu.runtime import layout as at
