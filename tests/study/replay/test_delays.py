@@ -12,7 +12,8 @@ from tetherfmu.libraries.examples import EXAMPLES
 from tetherfmu.study.replay import checks, delays, log
 from tetherfmu.study.replay.readings import POSITION
 
-LOGGED = EXAMPLES / "flights" / "kitepower_20191008_0031.csv"
+CYCLES = [EXAMPLES / "flights" / f"kitepower_20191008_{number}.csv" for number in ("0012", "0031", "0064")]
+LOGGED = CYCLES[1]
 KITE = ("kite_position", "kite_velocity")
 
 
@@ -49,6 +50,20 @@ def test_the_clock_of_a_load_cell(seconds):
     found = float(said.partition(f"{pair[0]} is ")[2].split()[0])
     assert abs(found - abs(seconds)) < 0.15  # with two digits
     assert f"set delay.ground_tension = {np.sign(seconds) * found:.2g} s" in said
+
+
+@pytest.mark.parametrize("seconds", [0.0, 5.0])
+@pytest.mark.parametrize("part", [-0.6, 0.0, 0.6])
+@pytest.mark.parametrize("cycle", CYCLES, ids=lambda path: path.stem)
+def test_the_zero_of_a_load_cell(cycle, part, seconds):
+    """Logged cycles as they were published, and with a part of the median tension added, also on a late clock."""
+    made = log.read(cycle, "kitepower")
+    tension = made.table["ground_tension"]
+    made = replace(made, table=made.table.assign(ground_tension=tension + part * tension.median()))
+    said = doubts(late(made, ("ground_tension",), seconds)).partition("ground_tension would be ")[2]
+    assert bool(said) == (part != 0.0)
+    if part:
+        assert abs(float(said.split()[0]) / tension.median() - part) < 0.2  # of which the flight itself has up to 0.12
 
 
 KNOWN = {  # what is done to the columns of a sound log, and what is said; seconds by which the winch is late

@@ -32,6 +32,7 @@ TAUT = 10.0  # tension over weight above which the tether is nearly straight
 LEAST_TAUT = 0.97  # median of distance over length while it is
 SLACK = 3.0  # tension over the weight of the tether, median, below which it is hardly taut
 FORCE_COEFFICIENTS = 0.2, 1.0  # of a soft kite: tension over dynamic pressure and area, median; kgf for N is outside
+ZERO = 0.3  # doubtful tension without airspeed over the median of the rest; flights of soft kites have up to 0.2
 AIRSPEEDS = 0.4, 2.5  # airspeed over the speed of the kite in the wind, median; km/h for m/s is outside
 FLYING = 3.0  # m/s, minimum airspeed of a flying kite
 WINDS = 0.33, 3.0  # factor between wind and airspeed; km/h for m/s is outside
@@ -267,7 +268,23 @@ def compare_tension(log, position):
             "kite.area",
             of_unit=True,
         )
+    judge_zero_of_tension(log, tension, pressure)
     return True
+
+
+def judge_zero_of_tension(log, tension, pressure):
+    """Doubt a tension that does not vanish with the dynamic pressure [N] while the winch pays out."""
+    if "reel_out_speed" not in log.table:
+        return
+    out = np.isfinite(tension) & np.isfinite(pressure) & (log.table["reel_out_speed"].to_numpy() > REELING)
+    if out.sum() < MANY or np.corrcoef(tension[out], pressure[out])[0, 1] < delays.LEAST:
+        return
+    ((factor,), (zero,)), (_, noise) = robust(np.stack([pressure[out], np.ones(out.sum())], axis=1), tension[out, None])
+    if abs(zero) > ZERO * factor * np.median(pressure[out]) + NOISE * noise:
+        log.report.doubt(
+            f"ground_tension would be {zero:.2g} N without airspeed, by its change with the dynamic pressure while the "
+            "winch pays out; check its zero"
+        )
 
 
 def judge_small_tension(log, position):

@@ -182,8 +182,8 @@ def in_words(delay):
 
 
 def with_one_clock(log, delays):
-    """The log with its columns shifted by clear delays, so that they can be compared; kite_position is unchanged."""
-    moved = {"kite_position": 0.0}
+    """The log with its columns shifted by clear delays, so that they can be compared; what the kite carries is unchanged."""
+    moved = {"kite_position": 0.0, "airspeed": 0.0}
     for each in delays:
         pair = (each.late.column, each.early.column)
         for one, other, sign in ((*pair, 1.0), (*pair[::-1], -1.0)):
