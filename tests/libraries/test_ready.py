@@ -23,7 +23,7 @@ def compiled():
 def test_equal_sources_give_equal_bytes_whatever_was_compiled_together(tmp_path, capfd, monkeypatch):
     """And it is said what is compiled, how long it took, and what is not yet; other platforms follow without numba."""
     alone = ready.compiled_in(tmp_path, ["straight"], HERE)["straight"]
-    first, second, third = capfd.readouterr().err.splitlines()
+    first, *_, second, third = capfd.readouterr().err.splitlines()  # on a slow machine with lines of progress
     assert first == f"compiling kernels for {this_platform()}, once: straight"
     assert second.startswith("  straight after ")
     others = "catenary, quasi_steady, dynamic, systems of tethers, tetherfmu web"

@@ -80,9 +80,9 @@ SHAPE = np.outer(PLACES, END) + np.outer(PLACES * (1.0 - PLACES), (0.6, -1.2, 0.
 
 
 @cache
-def reference(masses, control):
+def reference(masses, by_force):
     """Positions of all nodes [m] and the length [m] of the solver with scipy."""
-    told = {"force": lambda t: FORCE} if control == "force" else {"speed": lambda t: (SPEED, 0.0)}
+    told = {"force": lambda t: FORCE} if by_force else {"speed": lambda t: (SPEED, 0.0)}
     chain = Sections(SERIES, MASSES[masses], DRUM)
     return chain.fly(SHAPE, 15.0, DURATION, lambda t: (END, np.zeros(3), np.zeros(3)), **told)
 
@@ -96,7 +96,7 @@ def errors(masses, control, solver):
     outputs, step = tether.initialize(positions=SHAPE, velocities=0.0 * SHAPE, **first), 0.01
     for k in range(round(DURATION / step)):
         outputs = tether.step(step, **told.get(control, {"winch_length": 15.0 + SPEED * k * step}))
-    positions, length = reference(masses, control)
+    positions, length = reference(masses, control == "force")
     return max(np.abs(tether.positions - positions).max(), abs(outputs.tether_length - length))
 
 

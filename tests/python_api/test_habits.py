@@ -86,6 +86,13 @@ def test_enumerations_have_names():
         Tether(damping_law="rate")
 
 
+@pytest.mark.parametrize("name", ["ground_contact", "segments", "axial_damping"])
+def test_a_truth_value_is_no_number(name):
+    """`ground_contact=True` would be choice 1, which is "none"."""
+    with pytest.raises(ValueError, match=f"{name} is True; it must be "):
+        TetherDynamic(**{name: True})
+
+
 @every_model
 def test_slack_is_a_share_of_the_distance(model):
     tether = model(initial_length=123.0)

@@ -21,8 +21,10 @@ from functools import partial
 from itertools import groupby
 from multiprocessing import get_context
 from pathlib import Path
+from time import monotonic
 
 from tetherfmu.libraries import processors
+from tetherfmu.libraries.intermediate_code import PAUSE
 from tetherfmu.libraries.linking import link
 from tetherfmu.libraries.llvm_modules import Target, check_names, for_target, machine_of, optimize, whole_module
 from tetherfmu.runtime.kernel_library import file_name, verbs
@@ -43,20 +45,19 @@ def object_files(folder, variant, platforms, code=None):
     """Object files of a variant: pairs (platform, bytes); RuntimeError if they depend on more than mathematics.
 
     code : `intermediate_code.Code`, generated once per folder and cached there: kernels for other
-    platforms need no numba, and platforms with the same processor share the optimized code. Equal code yields equal bytes.
+    platforms need no numba, and platforms of an architecture share the optimized code. Equal code yields equal bytes.
     """
     plain = _kept(folder, CODE, lambda: whole_module(code))
     for platform in platforms:
-        architecture, cpu = platform.partition("-")[0], TARGETS[platform].cpu
-        optimized = partial(_second_round, plain, architecture, cpu, names_of(variant))
-        text = _kept(folder, f"{architecture}_{cpu}.ll.gz", optimized)
+        architecture = platform.partition("-")[0]
+        text = _kept(folder, f"{architecture}.ll.gz", partial(_second_round, plain, architecture, names_of(variant)))
         machine = machine_of(TARGETS[platform])
         yield platform, machine.emit_object(for_target(text, TARGETS[platform], machine))
 
 
-def _second_round(plain, architecture, cpu, exported):
-    """A module optimized for a processor, be it made for whichever of its platforms first."""
-    target = next(each for platform, each in TARGETS.items() if platform.startswith(architecture) and each.cpu == cpu)
+def _second_round(plain, architecture, exported):
+    """A module optimized for an architecture, be it made for whichever of its platforms first."""
+    target = next(each for platform, each in TARGETS.items() if platform.startswith(architecture))
     machine = machine_of(target)
     module = for_target(plain, target, machine)
     optimize(module, machine, level=3)
@@ -115,13 +116,15 @@ def main(arguments, more=None):
     at_once = signal.SIGINT, signal.SIG_DFL  # Ctrl-C ends a process also while LLVM works
     signal.signal(*at_once)
     with ProcessPoolExecutor(os.cpu_count(), get_context("spawn"), signal.signal, at_once) as pool:
-        waiting, left = [], Counter()  # number of remaining tasks of each variant
+        waiting, left, began = [], Counter(), monotonic()  # number of remaining tasks of each variant
         folders = {variant: Path(place) for variant, _, place in (each.partition("=") for each in variants)}
         has_code = {variant: (folder / CODE).exists() for variant, folder in folders.items()}
         for variant in sorted(folders, key=has_code.get, reverse=True):  # those that need no numba first
             folder = folders[variant]
             folder.mkdir(parents=True, exist_ok=True)
             code = None if has_code[variant] else code_of(variant)
+            if monotonic() - began > PAUSE:
+                print(f"{variant} written, being optimized", flush=True)
             for group in alike(platforms.split(",")):
                 waiting.append(pool.submit(write_libraries, folder, variant, group, code))
                 left[variant] += 1

@@ -15,7 +15,10 @@ This requires a separate process: nothing compiled there can be called. The inte
 import gc
 from functools import cache
 from importlib import import_module
+from time import monotonic
 from typing import NamedTuple
+
+PAUSE = 15.0  # s between lines of progress
 
 
 class Code(NamedTuple):
@@ -30,7 +33,7 @@ def write_only():
     """Change numba in this process: it writes intermediate code and no machine code. Call it before kernels are imported."""
     from numba.core import codegen
 
-    keep_texts()
+    tell_progress(keep_texts())
     codegen.JITCPUCodegen.set_env = lambda self, name, environment: None
     gc.disable()  # nearly all objects live until the end
 
@@ -64,6 +67,21 @@ def keep_texts():
     codegen.JITCPUCodegen._library_class = Library
     Function.get_call_type = get_call_type
     return Library
+
+
+def tell_progress(library):
+    """Make a library class (modified) print every `PAUSE` s how many functions are written."""
+    finalize, written, told = library.finalize, 0, monotonic()
+
+    def finalize_and_tell(self):
+        nonlocal written, told
+        finalize(self)
+        written += 1
+        if monotonic() - told > PAUSE:
+            told = monotonic()
+            print(f"{written} functions written", flush=True)
+
+    library.finalize = finalize_and_tell
 
 
 @cache

@@ -47,8 +47,8 @@ class Quantity:
         return "; ".join(found) or self.range()
 
     def allows(self, value):
-        """Whether a value is in the allowed range; never for NaN, infinities and texts."""
-        if isinstance(value, str | bytes):
+        """Whether a value is in the allowed range; never for NaN, infinities, texts and truth values."""
+        if isinstance(value, str | bytes | bool):
             return False
         try:
             number = float(value)
