@@ -33,6 +33,7 @@ PREFIXES = {"ssd": "Description", "ssc": "Common", "ssv": "ParameterValues"}
 TOOL = f"TetherFMU {__version__}"
 FMU = "application/x-fmu-sharedlibrary"
 STEP, STOP = 0.02, 200.0  # of the default experiment [s]
+OMS_NAMESPACE = "https://raw.githubusercontent.com/OpenModelica/OMSimulator/master/schema/oms.xsd"
 OSP_NAMESPACE = "http://opensimulationplatform.com/MSMI/OSPSystemStructure"
 OSP_STRUCTURE = f"{OSP_FOLDER}/OspSystemStructure.xml"  # as libcosim looks for it
 PAGE = "<h1>{name}</h1>\n<p>{name} of TetherFMU {version}. {about}</p>"
@@ -122,7 +123,8 @@ def _output_for(place, wiring):
 def _structure(name, fidelity, fmus, variables, values, wiring):
     """Element of a system structure; variables : by instance.  values : of the fidelity, as in `write`."""
     spaces = {f"xmlns:{prefix}": f"{NAMESPACE}{what}" for prefix, what in PREFIXES.items()}
-    root = Element("ssd:SystemStructureDescription", spaces, name=f"{name}, {fidelity}", version="1.0", generationTool=TOOL)
+    spaces["xmlns:oms"] = OMS_NAMESPACE
+    root = Element("ssd:SystemStructureDescription", spaces, name=f"{name}_{fidelity}", version="1.0", generationTool=TOOL)
     system = SubElement(root, "ssd:System", name=name)
     elements, connections = SubElement(system, "ssd:Elements"), SubElement(system, "ssd:Connections")
     inputs_of = _connections(variables, wiring)
@@ -137,9 +139,17 @@ def _structure(name, fidelity, fmus, variables, values, wiring):
         for each, (giver, output) in inputs.items():
             ends = {"startElement": giver, "endElement": instance}
             SubElement(connections, "ssd:Connection", ends, startConnector=output, endConnector=each)
+    _for_omsimulator(system)
     _units(root)
     SubElement(root, "ssd:DefaultExperiment", startTime="0", stopTime=number_text(STOP))
     return root
+
+
+def _for_omsimulator(system):
+    """Add to an element of a system what OMSimulator imports no system without: the method, and its step."""
+    own = SubElement(SubElement(system, "ssd:Annotations"), "ssc:Annotation", type="org.openmodelica")
+    method = SubElement(SubElement(own, "oms:Annotations"), "oms:SimulationInformation")
+    SubElement(method, "oms:FixedStepMaster", description="oms-ma", stepSize=number_text(STEP))
 
 
 def osp_structure(sources, connections, step, steps):

@@ -47,7 +47,9 @@ def test_is_valid(ssp_folder, name):
     with zipfile.ZipFile(path) as archive:
         structures = [entry for entry in archive.namelist() if entry.endswith(".ssd")]
         for entry in structures:
-            validate_tree(etree.fromstring(archive.read(entry)), "SystemStructureDescription.xsd")
+            structure = etree.fromstring(archive.read(entry))
+            validate_tree(structure, "SystemStructureDescription.xsd")
+            assert structure.get("name").isidentifier()  # as OMSimulator wants it
     if name != "circular_flight":
         assert len(structures) == len(FIDELITIES)
         for fidelity, segments in FIDELITIES.items():
