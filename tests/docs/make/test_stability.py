@@ -221,6 +221,19 @@ def test_slack_ratios_are_an_axis():
     assert flight_of_points.start_strain(chosen._replace(segments=1, slack=0.1, slack_stiffness_ratio=0.01)) > 0.009
 
 
+@pytest.mark.parametrize("number", [24, 543])
+def test_a_drum_whose_damper_pulls_with_more_than_ea_is_not_refused(number):
+    """As they were, at any tolerance; 543 at its communication step of 0.8 s, not at a tenth of it."""
+    assert fly(point(1, number, at.WINCH_BY_FORCE, slack_ratio=0.0), calls=2)[0].refusal == ""
+
+
+@pytest.mark.parametrize("control", [at.WINCH_BY_SPEED, at.WINCH_BY_FORCE, at.WINCH_BY_LENGTH])
+def test_stiff_rope_that_does_not_push_stays_above_the_ground(control):
+    """As it was: 37 m under the ground with 40 times the largest tension, since no small enough displacement was tried."""
+    found, _ = fly(point(1, 67, control, ground=True, slack_ratio=0.0))
+    assert max(found.tension_ratio, found.depth_ratio) < 0.1
+
+
 def test_slack_ratios_are_compared_on_the_points_of_both():
     """In rows of their own, without variants that are never compressed."""
     usual, other = results_of(POINTS[:60], Verdict("converged", 0.0)), results_of(RATIO_0[20:90], Verdict("bounded", 0.1))
