@@ -227,6 +227,12 @@ def test_a_drum_whose_damper_pulls_with_more_than_ea_is_not_refused(number):
     assert fly(point(1, number, at.WINCH_BY_FORCE, slack_ratio=0.0), calls=2)[0].refusal == ""
 
 
+@pytest.mark.parametrize(("number", "ratio"), [(295, 0.01), (424, 0.0), (456, 0.0), (510, 0.01)])
+def test_fixed_steps_of_drums_that_overflow_are_divided(number, ratio):
+    """They were refused ("the motion overflowed"): 1 % of all flights with fixed steps and a winch by force."""
+    assert fly(point(1, number, at.WINCH_BY_FORCE, slack_ratio=ratio))[0].refusal == ""
+
+
 @pytest.mark.parametrize("control", [at.WINCH_BY_SPEED, at.WINCH_BY_FORCE, at.WINCH_BY_LENGTH])
 def test_stiff_rope_that_does_not_push_stays_above_the_ground(control):
     """As it was: 37 m under the ground with 40 times the largest tension, since no small enough displacement was tried."""

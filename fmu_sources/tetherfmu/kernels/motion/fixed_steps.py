@@ -133,14 +133,15 @@ def take_step(system, step, most, in_any_case):
 def take_in_any_case(system, time, h):
     """A backward Euler step of h [s] of all lines (modified) at a time [s] with bounded iterations; returns their number.
 
-    If it does not converge with coordinates, the lines step alone, with speeds limited to the earlier ones, in as many
-    iterations again. Energy made from nothing is then taken from all speeds.
+    If it does not converge with coordinates, or overflows, the lines step alone, with speeds limited to the earlier ones, in
+    as many iterations again. Energy made from nothing is then taken from all speeds.
     """
     iterations = 0
     if count_of(system) > 0:
         taken, iterations = take_step(system, Step(time, h, WHOLE, True), LAST_ITERATIONS, False)
-        if taken or iterations < 0:
+        if taken:
             return iterations
+        iterations = max(iterations, 0)
         note_unconverged(system, True, 0.0)
         fixed.keep_lengths(system, Step(time, h, WHOLE, False))
     save_start(system)
