@@ -113,6 +113,17 @@ def by_slack_ratio(whole):
     return both.reset_index("slack ratio").set_index("variant").reset_index()
 
 
+def side_by_side(table):
+    """Shares of `by_slack_ratio` that converge or are refused, with a row for each variant."""
+    rows, ratios = table.groupby("variant", sort=False), table["slack ratio"].unique()
+    shares = {
+        f"{name}, ratio {ratio:g}": table[table["slack ratio"] == ratio].set_index("variant")[name]
+        for name in ("converged %", "refused %")
+        for ratio in ratios
+    }
+    return pd.DataFrame({"points": rows.points.first(), **shares}).reset_index()
+
+
 def by_request(whole):
     """Table with a row for each of `REQUESTS`: how many points ask for it, and how many of these are refused in each map."""
     rows = []
@@ -247,7 +258,8 @@ def write(results, folder, with_figure, others=()):
     if with_figure:
         draw(files["by_region"], folder / "figures" / "stability.svg")
     found = {"points": points, "variants": by_variant(points), "held": held, "whole": whole, "fixed": fixed}
-    found |= {"ratios": files.get("slack_ratios"), "maps": files["by_map"], "failed": forbidden(whole)}
+    ratios = side_by_side(files["slack_ratios"]) if "slack_ratios" in files else None
+    found |= {"ratios": ratios, "compared": with_each_ratio(whole), "maps": files["by_map"], "failed": forbidden(whole)}
     found |= {"longest_call": LONGEST_CALL, "with_figure": with_figure}
     (pages / "stability.md").write_text(page("page.md.j2", Path(__file__).parent, **found), encoding="utf-8")
     return f"{markdown(found['variants'])}\n{held}"

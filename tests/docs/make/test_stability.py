@@ -30,7 +30,17 @@ from stability.flight import (
     table,
 )
 from stability.points import AXES, CALLS, FREE, VARIANTS, VARIANTS_ON_GROUND, ground_height, kite, point
-from stability.report import by_map, by_request, by_slack_ratio, common, compared, kinds, refusals_by_map, regions
+from stability.report import (
+    by_map,
+    by_request,
+    by_slack_ratio,
+    common,
+    compared,
+    kinds,
+    refusals_by_map,
+    regions,
+    side_by_side,
+)
 from stability.requests import POSSIBLE, request
 from tetherfmu.runtime import layout as at
 
@@ -251,6 +261,8 @@ def test_slack_ratios_are_compared_on_the_points_of_both():
     assert tuple(rows.loc[("all", 0.01), ["points", "converged %", "bounded %"]]) == (len(slack), 100.0, 0.0)
     assert tuple(rows.loc[("all", 0.0), ["points", "converged %", "bounded %"]]) == (len(slack), 0.0, 100.0)
     assert not {"catenary", "straight"} & {name for name, _ in rows.index}
+    wide = side_by_side(by_slack_ratio(whole)).set_index("variant")
+    assert tuple(wide.loc["all", ["points", "converged %, ratio 0.01", "converged %, ratio 0"]]) == (len(slack), 100.0, 0.0)
     refused = results_of(RATIO_0[:1], Verdict("refused", refusal="no length"))
     assert refusals_by_map(kinds(usual, refused)).columns[-1] == "speed, ground none, slack ratio 0"
 
