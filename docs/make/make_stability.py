@@ -12,6 +12,7 @@ from pathlib import Path
 from new_file import new_file
 from tetherfmu.console.ending import command
 from tetherfmu.console.options import Parser, file, folder, number
+from tetherfmu.runtime.parameters import Tether
 
 
 def parse(arguments):
@@ -25,13 +26,15 @@ def parse(arguments):
     parser.add_choice("--control", ("speed", "force", "length"), default="speed", metavar="CONTROL", help=about)
     about = "with a ground, and free kites instead of the straight tethers, which ignore it"
     option("--ground", action="store_true", help=about)
+    about = "slack_stiffness_ratio of all tethers (default: that of a tether, 0.01)"
+    option("--slack-ratio", type=number(0.0, 1.0), default=Tether().slack_stiffness_ratio, metavar="RATIO", help=about)
     about = "folder for measurements/, data/ and figures/ (default: docs)"
     option("--out", type=folder, default=Path("docs"), metavar="DIR", help=about)
-    about = "file of finished points (default: stability_SEED.jsonl, _CONTROL and _ground added, in the folder of --out)"
+    about = "file of finished points (default: stability_SEED.jsonl, with _CONTROL, _ground, _RATIO, in the folder of --out)"
     option("--results", type=new_file(".jsonl"), metavar="FILE", help=about)
     about = "file of finished points of another version, to print a comparison with"
     option("--before", type=file, metavar="FILE", help=about)
-    about = "files of finished points with another --control or --ground, for tables of all of them"
+    about = "files of finished points with another --control, --ground or --slack-ratio, for tables of all of them"
     option("--others", type=file, nargs="+", default=(), metavar="FILE", help=about)
     parser.add_workers()
     option("--quick", action="store_true", help="smoke test: a few points and no figure")

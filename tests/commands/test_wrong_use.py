@@ -175,6 +175,7 @@ WRONG = {  # what is typed, what must be said
     "make_stability --dask nonsense": ("--dask", "'nonsense'", "tcp://127.0.0.1:8786"),
     "make_stability --points many": ("make_stability.py", "--points", "'many'", "whole number"),
     "make_stability --seed -1": ("--seed", "'-1'", "at least 0"),
+    "make_stability --slack-ratio 2": ("--slack-ratio", "'2'", "at most 1"),
     "make_stability --before none.jsonl": ("--before", "none.jsonl"),
     "make_stability --point 1.5": ("--point", "'1.5'", "whole number"),
     "make_stability --results folder": ("--results", "'folder'", "is a folder"),

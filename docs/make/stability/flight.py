@@ -61,7 +61,7 @@ from .points import CALLS, FREE, MOST_REELED, MapPoint, ground_height, kite
 AMPLIFICATION = 6.0
 ROUND_OFF = 1e-9  # strain that the rounding of positions makes; the bounds of a tether at rest
 # quantities of points and tethers
-SAME = ("segments", "axial_stiffness", "axial_damping", "gravity", "initial_shape")
+SAME = ("segments", "axial_stiffness", "axial_damping", "slack_stiffness_ratio", "gravity", "initial_shape")
 DRUM = ("winch_mass", "winch_damping", "winch_friction")
 GROUND = ("ground_friction", "ground_sink")
 MOST_WORK = 300_000  # segments times internal steps, after which a flight ends
@@ -153,7 +153,7 @@ def start_strain(point):
     """eps_slack [-]: of a tether that starts straight, as one of a single segment does whatever its shape."""
     if point.initial_shape != at.STRAIGHT and point.segments > 1:
         return 0.0
-    return sqrt(DEFAULT.slack_stiffness_ratio) * max(0.0, point.slack / (1.0 + point.slack))
+    return sqrt(point.slack_stiffness_ratio) * max(0.0, point.slack / (1.0 + point.slack))
 
 
 def free_strain_and_speed(point):

@@ -1,7 +1,8 @@
 """Points of the stability map: random tethers, flights and solvers at the extremes of what an importer may ask for.
 
-A point is made from a seed and its number alone: the same point whatever the number of points. The path: a circle on the
-sphere around the ground station, whose radius follows the reeled length, so that slack stays.
+A point is made from a seed and its number alone: the same point whatever the number of points, the control of the winch,
+the ground and the slack stiffness ratio, which are axes with few values: each combination is a map of its own. The path: a
+circle on the sphere around the ground station, whose radius follows the reeled length, so that slack stays.
 
 With ground, its height is below both ends wherever they are led; a tether with a free kite stands for the straight one,
 which ignores it: the kite begins on the circle and is then pulled along the tether by a constant force, or by none.
@@ -14,6 +15,7 @@ from types import SimpleNamespace
 import numpy as np
 
 from tetherfmu.runtime.layout import MAX_SEGMENTS, MIN_SEGMENT_LENGTH, WINCH_BY_SPEED
+from tetherfmu.runtime.parameters import Tether
 
 CALLS = 30  # communication steps of a flight
 SHARPEST_TURN = 0.3  # [rad] of the kite on its circle in one communication step
@@ -23,6 +25,7 @@ VARIANTS = ("dynamic", "dynamic_fixed_step", "quasi_steady", "catenary", "straig
 FREE = "dynamic_free"
 VARIANTS_ON_GROUND = ("dynamic", "dynamic_fixed_step", FREE, "quasi_steady", "catenary")
 EARTH = 9.81  # [m/s2] where there is ground but no gravity
+SLACK_RATIO = Tether().slack_stiffness_ratio  # [-]
 
 
 def segments_of(p):
@@ -78,10 +81,11 @@ AXES = {
 }
 
 
-class MapPoint(namedtuple("MapPoint", ("seed", "number", "control", "ground", *AXES))):
-    """One flight. `number`, `seed`, `control` of its winch (`winch_control`), and `ground` make it again.
+class MapPoint(namedtuple("MapPoint", ("seed", "number", "control", "ground", "slack_stiffness_ratio", *AXES))):
+    """One flight. `number`, `seed`, `control` of its winch (`winch_control`), `ground` and slack ratio make it again.
 
-    ground : whether there is a ground (`ground_contact`).
+    ground : whether there is a ground (`ground_contact`).  slack_stiffness_ratio : of the tether [-]; 0 also removes the
+    damping of slack segments.
     """
 
     @property
@@ -113,10 +117,13 @@ def draw(random, p, scale, low, high, *instead):
     return value
 
 
-def point(seed, number, control=WINCH_BY_SPEED, ground=False):
-    """Point `number` of the map with this seed; the same flight whatever controls the winch, with ground or without."""
+def point(seed, number, control=WINCH_BY_SPEED, ground=False, slack_ratio=SLACK_RATIO):
+    """Point `number` of the map with this seed; the same flight in each map, see the head of this file.
+
+    slack_ratio : its `slack_stiffness_ratio` [-].
+    """
     random = np.random.default_rng((seed, number))
-    p = SimpleNamespace(seed=seed, number=number, control=control, ground=ground)
+    p = SimpleNamespace(seed=seed, number=number, control=control, ground=ground, slack_stiffness_ratio=slack_ratio)
     for name, axis in AXES.items():
         setattr(p, name, draw(random, p, *axis))
     fewest, most = segments_of(p)

@@ -20,7 +20,7 @@ from tetherfmu.study.measuring.tables import markdown, page
 
 from .figure import DYNAMIC, FREE_KITE, QUANTITIES, REGIONS, STATIC, UNDAMPED, bands, draw
 from .flight import FORBIDDEN, HELD, LONGEST_CALL, VERDICTS, judge, judge_all, read
-from .points import VARIANTS, VARIANTS_ON_GROUND, MapPoint, point
+from .points import SLACK_RATIO, VARIANTS, VARIANTS_ON_GROUND, MapPoint, point
 from .requests import POSSIBLE, REQUESTS, request
 
 QUICK = 60  # points
@@ -28,8 +28,10 @@ STARTS = ("start: static", "start: quasi-steady", "start: straight")  # of `init
 WORST = QUANTITIES.worst.dropna().to_dict()
 ON_GROUND = dict(zip(VARIANTS_ON_GROUND, (*DYNAMIC, FREE_KITE, *STATIC[:2]), strict=True))  # names for people
 OVER = dict(zip(VARIANTS, (*DYNAMIC, *STATIC), strict=True))
+COMPRESSED = {key: name for key, name in (OVER | ON_GROUND).items() if name not in STATIC[1:]}  # segments may be slack
 FACTS = QUANTITIES.column.dropna().to_dict()  # heads of the table of the worst
 CORE = "segments of 0.1 m and more, damped, EA up to 1e8 N"
+MAP = ["winch", "ground", "slack_ratio"]  # columns of `kinds` that say which map a point is of
 CONTROLS = dict(zip((at.WINCH_BY_SPEED, at.WINCH_BY_FORCE, at.WINCH_BY_LENGTH), ("speed", "force", "length"), strict=True))
 
 
@@ -53,23 +55,40 @@ def asked(results):
 
 
 def kinds(*tables):
-    """Results of several maps in one table; `winch` and `ground` say which map a point is of."""
+    """Results of several maps in one table; `winch`, `ground` and `slack_ratio` say which map a point is of (`MAP`)."""
     whole = pd.concat([table for table in tables if len(table)], ignore_index=True)
+    ratios = whole.slack_stiffness_ratio
     return whole.assign(
         winch=pd.Categorical(whole.control.map(CONTROLS), [*CONTROLS.values()]),
         ground=pd.Categorical(np.where(whole.ground, "flat", "none"), ("none", "flat")),
+        slack_ratio=pd.Categorical(ratios, sorted(ratios.unique(), reverse=True)),
         asks=asked(whole),
     )
 
 
+def maps(whole):
+    """Pairs of a map in `whole`, of `kinds`, and its results: (winch, ground, slack ratio), table."""
+    return whole.groupby(MAP, observed=True)
+
+
+def name_of_map(winch, ground, slack_ratio):
+    """Name of a map: the slack ratio only where it is not the default."""
+    return f"{winch}, ground {ground}" + ("" if slack_ratio == SLACK_RATIO else f", slack ratio {slack_ratio:g}")
+
+
+def names_of_maps(whole):
+    """Name of the map of each point, array."""
+    return np.array([name_of_map(*each) for each in whole[MAP].itertuples(index=False, name=None)])
+
+
 def by_map(whole):
-    """Table with a row for each winch and ground of `kinds`: verdicts, and refusals of points that ask for what can be."""
+    """Table with a row for each map of `kinds`: verdicts, and refusals of points that ask for what can be."""
     rows = []
-    for (winch, ground), mine in whole.groupby(["winch", "ground"], observed=True):
+    for (winch, ground, slack_ratio), mine in maps(whole):
         shares = mine.verdict.value_counts(normalize=True)
         can = mine[mine.asks == POSSIBLE]
         rows.append(
-            {"winch control": winch, "ground": ground, "points": len(mine)}
+            {"winch control": winch, "ground": ground, "slack ratio": slack_ratio, "points": len(mine)}
             | {f"{verdict} %": 100.0 * shares.get(verdict, 0.0) for verdict in VERDICTS[:3]}
             | {verdict: int((mine.verdict == verdict).sum()) for verdict in FORBIDDEN}
             | {"given up %": 100.0 * (mine.unresolved & mine.verdict.isin(HELD)).mean()}
@@ -78,28 +97,53 @@ def by_map(whole):
     return pd.DataFrame(rows)
 
 
+def with_each_ratio(whole):
+    """Results of `kinds` of the points that each of its slack ratios has been flown with."""
+    same = whole.groupby(["seed", "number", "control", "ground"], observed=True).slack_ratio
+    return whole[same.transform("nunique") == whole.slack_ratio.nunique()]
+
+
+def by_slack_ratio(whole):
+    """Table of the verdicts on `with_each_ratio`: rows for each variant that knows slack segments, and for all of these."""
+    chosen = with_each_ratio(whole[whole.variant.isin(COMPRESSED)])
+    names = pd.Categorical(chosen.variant.map(COMPRESSED), [*COMPRESSED.values()])
+    every = prepared_again(chosen).assign(variant=names)
+    tables = {ratio: by_variant(mine) for ratio, mine in every.groupby("slack_ratio", observed=True)}
+    both = pd.concat(tables, names=["slack ratio", "row"]).sort_index(level="row", sort_remaining=False, kind="stable")
+    return both.reset_index("slack ratio").set_index("variant").reset_index()
+
+
+def side_by_side(table):
+    """Shares of `by_slack_ratio` that converge or are refused, with a row for each variant."""
+    rows, ratios = table.groupby("variant", sort=False), table["slack ratio"].unique()
+    shares = {
+        f"{name}, ratio {ratio:g}": table[table["slack ratio"] == ratio].set_index("variant")[name]
+        for name in ("converged %", "refused %")
+        for ratio in ratios
+    }
+    return pd.DataFrame({"points": rows.points.first(), **shares}).reset_index()
+
+
 def by_request(whole):
     """Table with a row for each of `REQUESTS`: how many points ask for it, and how many of these are refused in each map."""
-    maps = {f"{winch}, ground {ground}": mine for (winch, ground), mine in whole.groupby(["winch", "ground"], observed=True)}
     rows = []
     for words in REQUESTS:
-        those = {name: mine[mine.asks == words] for name, mine in maps.items()}
+        those = {name_of_map(*each): mine[mine.asks == words] for each, mine in maps(whole)}
         counts = {name: f"{(mine.verdict == 'refused').sum()} of {len(mine)}" for name, mine in those.items()}
         rows.append({"asks for": words} | counts)
     return pd.DataFrame(rows)
 
 
 def refusals_by_map(whole):
-    """Table of refusals of all maps by their sentence, and when: a column for each winch and ground."""
+    """Table of refusals of all maps by their sentence, and when: a column for each map."""
     refused = whole[whole.refusal != ""]
     when = np.where(refused.calls == 0, "at the start", "in flight")
-    names = refused.winch.astype(str) + ", ground " + refused.ground.astype(str)
     rows = [
         refused.variant.map(OVER | ON_GROUND),
         refused.refusal.rename("sentence"),
         pd.Series(when, refused.index, name="when"),
     ]
-    return pd.crosstab(rows, names).reset_index()
+    return pd.crosstab(rows, names_of_maps(refused)).reset_index()
 
 
 def counted(results, name, *labellings):
@@ -155,8 +199,7 @@ def compared(both):
 
 def prepared_again(whole):
     """Results of all maps of `kinds` as `prepared` makes them, with `of_map` in words."""
-    names = whole.winch.astype(str) + ", ground " + whole.ground.astype(str)
-    return prepared(whole.assign(of_map=names, ground=whole.ground == "flat"))
+    return prepared(whole.assign(of_map=names_of_maps(whole), ground=whole.ground == "flat"))
 
 
 def with_fixed_steps(whole):
@@ -188,17 +231,17 @@ def forbidden(whole):
 def regions(whole):
     """Table of the verdicts by region in all maps of `kinds`: of the dynamic tethers, a row for each map and region."""
     tables = {}
-    for (winch, ground), mine in whole.groupby(["winch", "ground"], observed=True):
-        points = prepared(mine.assign(ground=ground == "flat"))
-        tables |= {(winch, ground, name): by_region(points, name) for name in DYNAMIC}
-    names = ["winch", "ground", "variant"]
+    for each, mine in maps(whole):
+        points = prepared(mine.assign(ground=mine.ground == "flat"))
+        tables |= {(*each, name): by_region(points, name) for name in DYNAMIC}
+    names = [*MAP, "variant"]
     return pd.concat(tables, names=names).reset_index(names)
 
 
 def write(results, folder, with_figure, others=()):
     """Write the page, its CSV files, and if asked for the figure, to a folder (Path); returns the summary as text.
 
-    others : tables of results with other winches and grounds.
+    others : tables of results with other winches, grounds and slack ratios.
     """
     pages, data = folder / "measurements", folder / "data"
     for each in (pages, data):
@@ -208,12 +251,16 @@ def write(results, folder, with_figure, others=()):
     held = f"{100.0 * core.held.mean():.1f} % of {len(core)} flights are converged or bounded."
     files = {"by_region": regions(whole), "by_map": by_map(whole), "refusals": refusals_by_map(whole)}
     files |= {"requests": by_request(whole), "fixed_steps": by_map_and_core(fixed), "worst": worst(points)}
+    if whole.slack_ratio.nunique() > 1:
+        files["slack_ratios"] = by_slack_ratio(whole)
     for name, table in files.items():
         table.to_csv(data / f"stability_{name}.csv", index=False, float_format="%.3g")
     if with_figure:
         draw(files["by_region"], folder / "figures" / "stability.svg")
     found = {"points": points, "variants": by_variant(points), "held": held, "whole": whole, "fixed": fixed}
-    found |= {"maps": files["by_map"], "failed": forbidden(whole), "longest_call": LONGEST_CALL, "with_figure": with_figure}
+    ratios = side_by_side(files["slack_ratios"]) if "slack_ratios" in files else None
+    found |= {"ratios": ratios, "compared": with_each_ratio(whole), "maps": files["by_map"], "failed": forbidden(whole)}
+    found |= {"longest_call": LONGEST_CALL, "with_figure": with_figure}
     (pages / "stability.md").write_text(page("page.md.j2", Path(__file__).parent, **found), encoding="utf-8")
     return f"{markdown(found['variants'])}\n{held}"
 
@@ -228,16 +275,17 @@ def run(options):
         return 0
     control = dict(quantities(Winch))["winch_control"].numbers[options.control]
     if options.point is not None:
-        chosen = point(options.seed, options.point, control, options.ground)
+        chosen = point(options.seed, options.point, control, options.ground, options.slack_ratio)
         for name, value in (chosen._asdict() | judge(chosen)._asdict()).items():
             print(f"{name:20} {value}")
         return 0
     numbers = range(QUICK if options.quick else options.points)
-    points = [point(options.seed, number, control, options.ground) for number in numbers]
+    points = [point(options.seed, number, control, options.ground, options.slack_ratio) for number in numbers]
     for model in (*MODELS.values(), TetherDynamicFree):
         model()  # compiles, so that not each process has to
     name = f"stability_{options.seed}" + ("" if options.control == "speed" else f"_{options.control}")
     name += "_ground" if options.ground else ""
+    name += "" if options.slack_ratio == SLACK_RATIO else f"_{options.slack_ratio:g}"
     file = options.results or options.out / f"{name}.jsonl"
     with keeping():
         results = judge_all(points, file, options.processes, options.dask)

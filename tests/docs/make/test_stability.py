@@ -30,7 +30,17 @@ from stability.flight import (
     table,
 )
 from stability.points import AXES, CALLS, FREE, VARIANTS, VARIANTS_ON_GROUND, ground_height, kite, point
-from stability.report import by_map, by_request, common, compared, kinds, refusals_by_map, regions
+from stability.report import (
+    by_map,
+    by_request,
+    by_slack_ratio,
+    common,
+    compared,
+    kinds,
+    refusals_by_map,
+    regions,
+    side_by_side,
+)
 from stability.requests import POSSIBLE, request
 from tetherfmu.runtime import layout as at
 
@@ -196,6 +206,7 @@ def test_maps_of_other_winches_and_grounds_are_counted_apart():
     whole = kinds(speed, force, ground)
     rows = by_map(whole).set_index(["winch control", "ground"])
     assert rows.points.to_dict() == {("speed", "none"): 31, ("speed", "flat"): 20, ("force", "none"): 1}
+    assert set(rows["slack ratio"]) == {0.01}
     assert tuple(rows.loc[("force", "none"), ["refused %", "possible"]]) == (100.0, 0)
     assert rows["given up %"].tolist() == [0.0, 100.0, 0.0]
     requests = by_request(whole).set_index("asks for")
@@ -203,6 +214,57 @@ def test_maps_of_other_winches_and_grounds_are_counted_apart():
     assert refusals_by_map(whole)[["force, ground none"]].to_numpy().tolist() == [[1]]
     found = regions(whole)
     assert set(zip(found.winch, found.ground, strict=True)) == {("speed", "none"), ("speed", "flat"), ("force", "none")}
+
+
+RATIO_0 = [point(1, number, slack_ratio=0.0) for number in range(400)]
+
+
+def test_slack_ratios_are_an_axis():
+    """The same points with another ratio, which the tethers get; a straight slack start has no energy with ratio 0."""
+    for usual, other in zip(POINTS, RATIO_0, strict=True):
+        assert usual.slack_stiffness_ratio == 0.01
+        assert other == usual._replace(slack_stiffness_ratio=0.0)
+        assert key_of(other) != key_of(usual)
+    chosen = next(p for p in RATIO_0 if p.variant == "dynamic")
+    assert flight_of_points.model_of(chosen, 1)._parameters[at.SLACK_STIFFNESS_RATIO] == 0.0
+    assert flight_of_points.start_strain(chosen._replace(segments=1, slack=0.1)) == 0.0
+    assert flight_of_points.start_strain(chosen._replace(segments=1, slack=0.1, slack_stiffness_ratio=0.01)) > 0.009
+
+
+@pytest.mark.parametrize("number", [24, 543])
+def test_a_drum_whose_damper_pulls_with_more_than_ea_is_not_refused(number):
+    """As they were, at any tolerance; 543 at its communication step of 0.8 s, not at a tenth of it."""
+    assert fly(point(1, number, at.WINCH_BY_FORCE, slack_ratio=0.0), calls=2)[0].refusal == ""
+
+
+@pytest.mark.parametrize(("number", "ratio"), [(295, 0.01), (424, 0.0), (456, 0.0), (510, 0.01)])
+def test_fixed_steps_of_drums_that_overflow_are_divided(number, ratio):
+    """They were refused ("the motion overflowed"): 1 % of all flights with fixed steps and a winch by force."""
+    assert fly(point(1, number, at.WINCH_BY_FORCE, slack_ratio=ratio))[0].refusal == ""
+
+
+@pytest.mark.parametrize("control", [at.WINCH_BY_SPEED, at.WINCH_BY_FORCE, at.WINCH_BY_LENGTH])
+def test_stiff_rope_that_does_not_push_stays_above_the_ground(control):
+    """As it was: 37 m under the ground with 40 times the largest tension, since no small enough displacement was tried."""
+    found, _ = fly(point(1, 67, control, ground=True, slack_ratio=0.0))
+    assert max(found.tension_ratio, found.depth_ratio) < 0.1
+
+
+def test_slack_ratios_are_compared_on_the_points_of_both():
+    """In rows of their own, without variants that are never compressed."""
+    usual, other = results_of(POINTS[:60], Verdict("converged", 0.0)), results_of(RATIO_0[20:90], Verdict("bounded", 0.1))
+    whole = kinds(usual, other)
+    assert by_map(whole)["slack ratio"].tolist() == [0.01, 0.0]
+    rows = by_slack_ratio(whole).set_index(["variant", "slack ratio"])
+    slack = [p for p in POINTS[20:60] if p.variant not in ("straight", "catenary")]
+    assert 0 < len(slack) < 40
+    assert tuple(rows.loc[("all", 0.01), ["points", "converged %", "bounded %"]]) == (len(slack), 100.0, 0.0)
+    assert tuple(rows.loc[("all", 0.0), ["points", "converged %", "bounded %"]]) == (len(slack), 0.0, 100.0)
+    assert not {"catenary", "straight"} & {name for name, _ in rows.index}
+    wide = side_by_side(by_slack_ratio(whole)).set_index("variant")
+    assert tuple(wide.loc["all", ["points", "converged %, ratio 0.01", "converged %, ratio 0"]]) == (len(slack), 100.0, 0.0)
+    refused = results_of(RATIO_0[:1], Verdict("refused", refusal="no length"))
+    assert refusals_by_map(kinds(usual, refused)).columns[-1] == "speed, ground none, slack ratio 0"
 
 
 def test_a_free_kite_gets_no_faster_than_its_bound():

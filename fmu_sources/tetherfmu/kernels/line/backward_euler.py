@@ -27,7 +27,7 @@ from ..linear_algebra.block_tridiagonal import Matrix
 from ..linear_algebra.matrices import ZERO_MATRIX, put_matrix
 from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, get, norm, put, sub
 
-MOST_HALVINGS = 8  # of a step that does not reduce Phi
+MOST_HALVINGS, MOST_IN_WHOLE = 8, 16  # of a displacement that does not reduce Phi, in stages and in whole steps
 CLOSE = 1e-6  # largest node displacement in the last iteration, over the segment length; the error after it is its square,
 # in the tension EA times the square: above `STIFF`, CLOSE falls with the root of EA
 CLOSE_IN_STAGE = 1e-5  # `CLOSE` in a stage of `second_order.py`

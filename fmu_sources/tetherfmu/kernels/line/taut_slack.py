@@ -70,7 +70,7 @@ def transition_error(conditions, chain, h, w):
 
 
 @kernel
-def part_to_transition(conditions, before, after, h, x, v, speed, w):
+def part_to_transition(conditions, before, after, h, x, v, speed, mass_of_rope, w):
     """Fraction of a step of h [s] that ends with the first segment just beyond the transition; inf if none needs this.
 
     Beyond the transition the damper of a segment is wrong by |c - c'| times its rate, in total by the impulse
@@ -78,12 +78,14 @@ def part_to_transition(conditions, before, after, h, x, v, speed, w):
     times its tolerance `speed` [m/s]. l - l0 is modelled as a parabola, and the step ends at half of the permitted l - l0.
 
     before, after : `Chain` at the start and at the end of the step.  x, v : nodes at the start [m], [m/s].
+    mass_of_rope : see `events.mass_of_rate` [kg].
     """
     least, rounding = inf, ROUNDING * max(norm(get(x, 0)), norm(get(x, after.n)))
     for s in range(after.n):
         if went_over(s, after, w):
             over = norm(sub(get(w.x, s + 1), get(w.x, s))) - rest_length(after, s)
-            wrong, harmless = abs(excess(s, after, w)[1]), OVERSHOOT * speed * lighter_free_node(s, conditions, w)
+            mass = min(lighter_free_node(s, conditions, w), mass_of_rope)
+            wrong, harmless = abs(excess(s, after, w)[1]), OVERSHOOT * speed * mass
             if wrong * abs(over) > harmless and abs(over) > rounding:
                 allowed = copysign(0.5 * max(harmless / wrong, rounding), over)
                 length, e = segment.geometry(sub(get(x, s + 1), get(x, s)))

@@ -129,11 +129,11 @@ def part_to_slack(system, time, h, weight):
     """
     least = inf
     for k in range(lines_of(system)):
-        after = chain_in_step(system, k, time + h)
-        if moves(system, k) and has_free_nodes(system, k) and after.slack_damping_ratio != 1.0:
+        after, mass = chain_in_step(system, k, time + h), events.mass_of_rate(system, k)
+        if (has_free_nodes(system, k) or mass < inf) and after.slack_damping_ratio != 1.0:
             w, (x, v), conditions = integrator_of(system, k), motion_of(system, k), conditions_of(system, k)
             _, speed = allowed_errors(conditions, v)
-            part = part_to_transition(conditions, chain_of_state(system, k, time), after, h, x, v, speed, w)
+            part = part_to_transition(conditions, chain_of_state(system, k, time), after, h, x, v, speed, mass, w)
             if part < inf:
                 least = min(least, max(SHORTEST_PART, min(LONGEST_PART, weight * part)))
     return least

@@ -389,6 +389,15 @@ def mobility_of_rate(system, k):
 
 
 @kernel
+def mass_of_rate(system, k):
+    """Mass [kg] that entering rope has to move in line k if it is a single segment; inf in another, or if no rope enters."""
+    if not has_rope(system, k) or segments_of(system, k) > 1:
+        return inf
+    mobility = mobility_of_rate(system, k)
+    return 1.0 / mobility if mobility > 0.0 else inf
+
+
+@kernel
 def mobility_of_ends(system, k, w):
     """Change of the end velocities of line k, a single segment, per impulse [1/kg]: 0 for driven ends."""
     conditions = conditions_of(system, k)

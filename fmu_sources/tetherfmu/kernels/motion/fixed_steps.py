@@ -133,14 +133,15 @@ def take_step(system, step, most, in_any_case):
 def take_in_any_case(system, time, h):
     """A backward Euler step of h [s] of all lines (modified) at a time [s] with bounded iterations; returns their number.
 
-    If it does not converge with coordinates, the lines step alone, with speeds limited to the earlier ones, in as many
-    iterations again. Energy made from nothing is then taken from all speeds.
+    If it does not converge with coordinates, or overflows, the lines step alone, with speeds limited to the earlier ones, in
+    as many iterations again. Energy made from nothing is then taken from all speeds.
     """
     iterations = 0
     if count_of(system) > 0:
         taken, iterations = take_step(system, Step(time, h, WHOLE, True), LAST_ITERATIONS, False)
-        if taken or iterations < 0:
+        if taken:
             return iterations
+        iterations = max(iterations, 0)
         note_unconverged(system, True, 0.0)
         fixed.keep_lengths(system, Step(time, h, WHOLE, False))
     save_start(system)
@@ -154,7 +155,7 @@ def subdivided_step(system, time, h):
     """One step of h [s] of all lines (modified) at a time [s], subdivided if it does not converge as a whole.
 
     Returns the number of iterations, at most `limits.WORST_SUBDIVIDED`, with drums WORST_SUBDIVIDED_WITH_DRUM; negative if
-    a matrix is singular.
+    a matrix is singular in a finest part. In longer ones the terms of flowing rope may let the solution overflow.
     """
     iterations, done, size = 0, 0, FINEST
     while done < FINEST:
@@ -165,11 +166,11 @@ def subdivided_step(system, time, h):
             more = take_in_any_case(system, own.time, own.h)
         else:
             taken, more = take_step(system, own, MOST_ITERATIONS, False)
-        if more < 0:
+        if more < 0 and size == 1:
             return more
         if taken:
             turning.end_whole_step(system, own.time, own.h)
-        iterations += more
+        iterations += max(more, 0)
         done, size = backward_euler.next_part(done, size, taken)
     return iterations
 

@@ -21,7 +21,7 @@ from ..equations.ground import has_ground
 from ..equations.lines import lines_of, parameters_of, segments_of
 from ..equations.properties import rest_length
 from ..line import incremental_potential
-from ..line.backward_euler import MOST_HALVINGS, WHOLE
+from ..line.backward_euler import MOST_HALVINGS, MOST_IN_WHOLE, WHOLE
 from ..line.strand_room import GOAL
 from ..linear_algebra import condensed
 from ..linear_algebra.vectors import dot, get, sub
@@ -32,6 +32,7 @@ from .room import attempt_of, columns_of, moves, numbers_of, scratch_of
 # ground friction is frozen at the previous iteration
 EARLY, LATE, HELD = 0, 1, 2
 STUCK = -1.0  # in place of the step fraction: no fraction lowers Phi
+LEAST_JUDGED = 0.5**MOST_HALVINGS  # a displacement that is shortened further is judged as if it were not
 
 # --- potential and its minimum
 
@@ -150,13 +151,18 @@ def try_part(system, taken):
 
 @kernel
 def go_along(system, step, taken, before):
-    """Move all lines (modified) by this fraction, halved until Phi decreases; returns the results of `descend`."""
-    for _ in range(MOST_HALVINGS + 1):
+    """Move all lines (modified) by this fraction, halved until Phi decreases; returns the results of `descend`.
+
+    In a whole step, near the transition of a stiff segment that does not push, only a small fraction may lower Phi.
+    """
+    most = MOST_IN_WHOLE if step.kind == WHOLE else MOST_HALVINGS
+    judged = LEAST_JUDGED * taken
+    for _ in range(most + 1):
         try_part(system, taken)
         now, rounding = potential(system, step, True)
         if now <= before + rounding:
             take_trial(system)
-            return now, taken
+            return now, max(taken, judged)
         taken *= 0.5
     return before, STUCK
 

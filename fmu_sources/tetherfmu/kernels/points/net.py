@@ -9,7 +9,7 @@ assembles the contributions of the lines: blocks between their points, and a wei
 coordinates. The matrix is stored by profile (`linear_algebra.profile`); the row of a held coordinate is a unit row.
 """
 
-from math import atan2, exp
+from math import atan2, exp, inf
 
 from tetherfmu.runtime import layout as at
 
@@ -59,6 +59,7 @@ from .room import (
 )
 
 MOST_CORRECTIONS, BALANCED = 8, 1e-13  # Newton's method for u': iterations; relative residual at convergence
+SLOWEST, STALLED = 0.5, 1e-9  # residual over the last one, and its size, above which the matrix is assembled again
 OVERLOAD = 1e-8  # fraction of the forces by which the load must exceed friction to start a coordinate
 TINY = 1e-200  # avoids 0/0
 
@@ -455,15 +456,20 @@ def acceleration_of_point(system, point):
 
 @kernel
 def correct_accelerations(system, time):
-    """Newton's method for the accelerations of all global unknowns (modified); its matrix is assembled once."""
-    whole, points = globals_of(system), 3 * free_points(system)
+    """Newton's method for the accelerations of all global unknowns (modified).
+
+    Its matrix is assembled once, and again if the residual does not fall: dT/dR changes where dampers pull with EA or more.
+    """
+    whole, points, last = globals_of(system), 3 * free_points(system), inf
     for correction in range(MOST_CORRECTIONS):
-        if take_residuals(system, time) <= BALANCED:
+        left = take_residuals(system, time)
+        if left <= BALANCED:
             break
-        if correction == 0:
+        if correction == 0 or left > max(SLOWEST * last, STALLED):
             place_masses(system)
             if not factorize(system):
                 break
+        last = left
         solve(system)
         for i in range(points):
             whole.accelerations[i] += whole.solution[i]
