@@ -50,6 +50,7 @@ MOST_PIECES = 100_000  # of a communication step
 SHARES = 4  # of the budget of iterations
 FARTHEST = 0.02  # relative change of the length between evaluations: each shape starts from the last one
 MOST_FAILURES = 2  # failed pieces before it gives up
+MOST_SHORT = 8  # pieces in a row that end before an event, until the next one is at least twice as long as the last
 SHORTEST_ARRIVAL = 1e-4  # of the communication step: a piece that ends at a stop is no longer
 
 Step = namedtuple("Step", "n parameters ground kite drum most fixed")
@@ -249,7 +250,7 @@ def advance_with(settle, tension, largest):
             h = state[at.SOLVER_STEP]
         longest = h if step.fixed.size > 0.0 else LARGEST_GROWTH * duration
         start = Instant(0.0, state[at.LENGTH], state[at.REELING], tension(n, parameters, state))
-        direction, is_new, is_held, beyond, room, weight = HELD, True, False, 0.0, inf, 1.0
+        direction, is_new, is_held, beyond, room, weight, short, least = HELD, True, False, 0.0, inf, 1.0, 0, 0.0
         for _ in range(MOST_PIECES):
             if state[at.ITERATIONS] > most:
                 return STEP_BUDGET_SPENT
@@ -276,7 +277,9 @@ def advance_with(settle, tension, largest):
             event, part, shortest = find_event(drum, piece, end, weight)
             if event != NOTHING and h_now > shortest * duration:
                 room = h_now * part
-                weight *= 0.5  # if the next piece is too long again, the one after it will not be
+                if event == WITHIN:
+                    room = max(room, min(least, 0.5 * h_now)) if short > MOST_SHORT else room
+                    weight *= 0.5  # if the next piece is too long again, the one after it will not be
                 beyond = beyond if event == TURNED_BACK else piece.end
                 continue
             is_new, is_held = True, event == TURNED_BACK  # immediately held by friction
@@ -285,7 +288,8 @@ def advance_with(settle, tension, largest):
             turned_round = turns_round(drum.friction, direction, end.speed)
             is_held = turned_round and event != AT_STOP and drum.mass == 0.0
             start = Instant(end.time, end.length, 0.0 if event == AT_STOP or turned_round else end.speed, end.pull)
-            beyond = 0.0 if event != NOTHING else beyond
+            is_before = event == NOTHING and beyond > end.time
+            beyond, short, least = (beyond, short + 1, 2.0 * h_now) if is_before else (0.0, 0, 0.0)
             state[at.STEPS] += 1.0
             proposal = h_now * min(LARGEST_GROWTH, SAFETY * max(error, LEAST_ERROR) ** (-1.0 / 3.0))
             h = min(longest, proposal if h_now == h_even else max(h, proposal))
