@@ -97,14 +97,3 @@ def direction_of(drum, length, speed, tension, time):
 def stop_ahead(drum, direction):
     """Unstretched length [m] of the stop in a direction."""
     return drum.longest if direction > 0.0 else drum.shortest
-
-
-@kernel
-def freedom(drum, length, tension, time):
-    """Force [N] that is missing to turn a held drum at a length [m] under a tension [N]; below 0: it turns."""
-    excess = tension - force_at(drum, time)
-    if is_at_stop(drum, length, OUTWARDS):
-        return drum.friction + excess
-    if is_at_stop(drum, length, INWARDS):
-        return drum.friction - excess
-    return drum.friction - abs(excess)

@@ -32,11 +32,17 @@ def flows(chain):
 
 
 @kernel
+def part_at(chain, i):
+    """c_i/L' [-] of node i with rope from the winch: all segments of its section grow alike, none beyond it."""
+    return max(1.0 - i * property_of(chain, 0, at.SHARE), 0.0)
+
+
+@kernel
 def passing_at(chain, i):
     """c_i [m/s] of an inner node, 0 at the ends, where rope leaves the ground."""
     if not 0 < i < chain.n or (chain.reeling == 0.0 and chain.leaving == 0.0):
         return 0.0
-    return max(1.0 - i * property_of(chain, 0, at.SHARE), 0.0) * chain.reeling + chain.leaving
+    return part_at(chain, i) * chain.reeling + chain.leaving
 
 
 @kernel

@@ -57,18 +57,16 @@ def add_rate(chain, acceleration, w, force_rate):
     """
     if chain.reeling == 0.0 and acceleration == 0.0:
         return
-    ground, part = earth.ground_of(chain.parameters), 1.0
+    ground = earth.ground_of(chain.parameters)
     for i in range(chain.n + 1):
         if w.touching[i] > 0.0:
             here = state_at(chain, i, w.start_x, w.start_v)
             rate = scale(growing_mass(chain, i, w.mass[i]) * chain.growth, earth.acceleration(ground, *here))
             if 0 < i < chain.n:
-                turned = chain.reeling * (property_of(chain, i - 1, at.SHARE) + property_of(chain, i, at.SHARE))
-                gained = part * acceleration - flow.passing_at(chain, i) * turned * flow.per_node(chain, i)
+                turned = turn(chain, i, property_of(chain, i - 1, at.SHARE), property_of(chain, i, at.SHARE))
+                gained = flow.part_at(chain, i) * acceleration - flow.passing_at(chain, i) * chain.reeling * turned
                 rate = add(rate, apply(get_matrix(w.grip, 9 * i), scale(gained, direction(chain, i, w.start_x))))
             put(force_rate, i, add(get(force_rate, i), rate))
-        if i < chain.n:
-            part -= property_of(chain, i, at.SHARE)
 
 
 @kernel
@@ -135,9 +133,9 @@ def pull_of_friction(chain, weights, w):
 
 
 @kernel
-def turn(chain, i, growth):
-    """-1/t dt/dq [1/m] of inner node i, q : rope that enters over an end; growth : its g."""
-    return (growth[i - 1] + growth[i]) * flow.per_node(chain, i)
+def turn(chain, i, before, after):
+    """-1/t dt/dq [1/m] of inner node i, q : rope that enters over an end; before, after : g of both segments at the node."""
+    return (before + after) * flow.per_node(chain, i)
 
 
 @kernel
@@ -157,7 +155,8 @@ def add_to_column(chain, d, weights, growth, w, own):
             by_length = scale(mass_by_length(chain, i, growth), a)
             if 0 < i < chain.n:
                 along = apply(get_matrix(w.grip, 9 * i), direction(chain, i, w.start_x))
-                by_length = add_scaled(by_length, -flow.passing_at(chain, i) * turn(chain, i, growth), along)
+                turned = turn(chain, i, growth[i - 1], growth[i])
+                by_length = add_scaled(by_length, -flow.passing_at(chain, i) * turned, along)
                 by_rate = scale(weights[i], along)
             add_at(own.by_rate, i, by_rate)
             add_at(own.solved, i, add_scaled(by_rate, d, by_length))
@@ -191,7 +190,7 @@ def corner(chain, weights, others, growth, w):
     ground, by_length, by_rate = earth.ground_of(chain.parameters), 0.0, 0.0
     for i in range(1, chain.n):
         if w.touching[i] > 0.0:
-            t, turned = direction(chain, i, w.start_x), turn(chain, i, growth)
+            t, turned = direction(chain, i, w.start_x), turn(chain, i, growth[i - 1], growth[i])
             a = earth.acceleration(ground, *state_at(chain, i, w.start_x, w.start_v))
             along = dot(t, apply(get_matrix(w.grip, 9 * i), t))
             of_force = mass_by_length(chain, i, growth) - turned * w.mass[i]

@@ -33,7 +33,7 @@ from ..equations.lines import (
 )
 from ..equations.rope import feels_rope
 from ..equations.winch import from_length
-from ..line.drum_events import SLOW, part_of_piece
+from ..line.drum_events import part_of_piece, room_to_rest, turns_round
 from ..line.massless_drum import Instant, project, tension_at_rest
 from ..line.rodas4p import GAMMA
 from ..line.step_control import DrumError, allowed_errors
@@ -467,7 +467,8 @@ def room_until(system, j, event, is_after):
     if event == RESTS:
         if not is_free(system, j) or own[room.SIGN] == 0.0 or own[room.IS_MASSLESS] != 0.0:
             return inf
-        return speed * own[room.SIGN] / (SLOW * numbers_of(system, line_of(system, j))[LENGTH])
+        left, margin = room_to_rest(own[room.SIGN], speed, numbers_of(system, line_of(system, j))[LENGTH])
+        return left / margin
     forwards, backwards, margin = urges_now(system, j)
     if is_free(system, j) or not may_move(system, j, sign) or margin == 0.0:
         return inf
@@ -536,8 +537,8 @@ def accept(system, time):
     for j in range(count_of(system)):
         own = coordinate_at(system, j)
         if is_free(system, j):
-            turns_round = own[room.FRICTION] != 0.0 and own[room.SIGN] * own[room.SPEED_NOW] < 0.0
-            own[room.PASSED], own[room.SPEED] = own[room.PASSED_NOW], 0.0 if turns_round else own[room.SPEED_NOW]
-            own[room.TURNED_BACK] = 1.0 if turns_round else 0.0  # for a massless drum
+            turned_round = turns_round(own[room.FRICTION], own[room.SIGN], own[room.SPEED_NOW])
+            own[room.PASSED], own[room.SPEED] = own[room.PASSED_NOW], 0.0 if turned_round else own[room.SPEED_NOW]
+            own[room.TURNED_BACK] = 1.0 if turned_round else 0.0  # for a massless drum
     go_to_state(system, time)
     stop(system, time)

@@ -21,7 +21,7 @@ from ..equations.free_points import free_points, is_at_point, load_at, point_at,
 from ..equations.lines import conditions_of, lines_of, parameters_of, segments_of
 from ..equations.properties import property_of
 from ..equations.ropes import comes_from, has_sheaves
-from ..line import strand
+from ..line import drum_events, strand
 from ..line.rodas4p import GAMMA_I
 from ..line.strand_room import (
     BY_GAIN,
@@ -60,7 +60,6 @@ from .room import (
 
 MOST_CORRECTIONS, BALANCED = 8, 1e-13  # Newton's method for u': iterations; relative residual at convergence
 SLOWEST, STALLED = 0.5, 1e-9  # residual over the last one, and its size, above which the matrix is assembled again
-OVERLOAD = 1e-8  # fraction of the forces by which the load must exceed friction to start a coordinate
 TINY = 1e-200  # avoids 0/0
 
 # --- terms of a coordinate itself
@@ -132,9 +131,8 @@ def urges(system, j, behind, ahead, loss):
     """
     own = coordinate_at(system, j)
     if is_drum(system, j):
-        pull, friction = ahead - behind, own[room.FRICTION]
-        return pull - friction, -pull - friction, OVERLOAD * own[room.MAGNITUDE]
-    margin = OVERLOAD * (abs(behind) + abs(ahead))
+        return drum_events.urges(ahead - behind, own[room.FRICTION], own[room.MAGNITUDE])
+    margin = drum_events.OVERLOAD * (abs(behind) + abs(ahead))
     return ahead - behind - (loss - 1.0) * max(behind, 0.0), behind - ahead - (loss - 1.0) * max(ahead, 0.0), margin
 
 

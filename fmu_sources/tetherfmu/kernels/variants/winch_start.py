@@ -6,6 +6,9 @@ T decreases with L if the tether is taut; in a tether that hangs from its winch 
 balance it. The search begins at `initial_length`, then at the length d/(1 + W/EA) of a straight line over the distance d.
 """
 
+from collections import namedtuple
+from math import inf
+
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import plausibility as limits
 from tetherfmu.runtime.status import NO_BALANCE_AT_START, OK
@@ -15,11 +18,13 @@ from ..equations import winch
 from ..equations.boundary import distance_of_ends
 from ..equations.drum import HELD, INWARDS, OUTWARDS, balance, direction_of, drum_of
 from ..equations.properties import chain_of, property_of
-from ..motion import secant
-from ..motion.drum_in_equilibrium import EXACT, LONGEST, MOST_EVALUATIONS, NARROW, ROUNDING
+from ..motion.balanced_length import Stage, search_with
 from ..notes import note
 
 FARTHEST = 0.2  # relative change of the length between evaluations
+
+Start = namedtuple("Start", "n parameters inputs")
+Start.__doc__ = """A tether that starts: number of segments, parameters and inputs."""
 
 
 @kernel
@@ -38,27 +43,22 @@ def winch_start(settle, tension):
     """
 
     @kernel
+    def tension_with(start, length, state, work):
+        """A status, and the tension [N] at an unstretched length [m], which is written to the state (modified)."""
+        state[at.LENGTH] = length
+        status = settle(start.n, start.parameters, start.inputs, state, work)
+        return status, tension(start.n, start.parameters, state)
+
+    find_balance = search_with(tension_with, FARTHEST)
+
+    @kernel
     def search(n, parameters, inputs, guess, state, work):
         """Whether a balanced length was found, from a guess [m]; stores it in the state (modified)."""
         drum, speed = drum_of(parameters, inputs[at.WINCH_FORCE], 0.0), state[at.REELING]
         direction = HELD if speed == 0.0 else (OUTWARDS if speed > 0.0 else INWARDS)
-        stiffness = property_of(chain_of(n, parameters, state), 0, at.STIFFNESS)
-        exact = EXACT * (abs(drum.force) + drum.friction) + ROUNDING * stiffness
-        found, length = secant.begin(drum.shortest, min(drum.longest, LONGEST), guess, stiffness / guess)
-        for _ in range(MOST_EVALUATIONS):
-            state[at.LENGTH] = length
-            if settle(n, parameters, inputs, state, work) != OK:
-                return False
-            residual = -balance(drum, direction, tension(n, parameters, state), speed, 0.0)
-            if abs(residual) <= exact:
-                return True
-            if length == (found.highest if residual < 0.0 else found.lowest):  # the drum is at its stop
-                return length != LONGEST
-            found, onward = secant.go_on(found, length, residual, FARTHEST * length)
-            if onward == length:
-                break
-            length = onward
-        return secant.has_interval(found) and found.high - found.low <= NARROW * found.high
+        stage = Stage(direction, 0.0, inf, guess, speed)
+        _, _, status = find_balance(Start(n, parameters, inputs), drum, stage, guess, inf, state, work)
+        return status == OK
 
     @kernel
     def find(n, parameters, inputs, state, work):
