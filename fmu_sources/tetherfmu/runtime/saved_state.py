@@ -15,7 +15,7 @@ from . import refusals
 from .parameters import DEFAULT_TOLERANCE
 from .plausibility import bits
 
-MAGIC = b"tether18"  # with the version
+MAGIC = b"tether19"  # with the version
 HEADER = struct.Struct("<8sII")  # magic, length and checksum of what follows
 FACTS = struct.Struct("<16sIIdd")  # the first five of `SavedState`
 BEFORE, INITIALIZING, STEPPING, TERMINATED = range(4)  # phases of an instance; from STEPPING on it has a state array
@@ -37,6 +37,9 @@ STATE_RANGES = {  # smallest and largest number at a place of the state array; a
     at.TORN_AT: NOT_NEGATIVE,
     at.LET_GO_AT: NOT_NEGATIVE,
     at.CLOCK: NOT_NEGATIVE,
+    at.FIRST_PART: NOT_NEGATIVE,
+    at.FIRST_LUMP: NOT_NEGATIVE,
+    at.SECOND_LUMP: NOT_NEGATIVE,
     **{at.WARNED_VALUES + kind: NOT_NEGATIVE for kind in range(at.WARNING_KINDS)},
 }
 

@@ -143,7 +143,7 @@ SENTENCES = {
         "damping_law is 2 (stretch_rate) for a line over sheaves, or with force control beside such lines or at a winch "
         "that holds several; it must be 1 (strain_rate)"
     ),
-    SHEAVES_THAT_BREAK: "breaking_force is given for a line over sheaves, which cannot break: it must be 0",
+    SHEAVES_THAT_BREAK: "breaking_force is given for a line over sheaves; it must have at least 3 segments to break",
     NO_SHARES: (
         "no lengths of the portions were found at which each sheave has equal tensions on both sides, and, with "
         "winch_start 2 (equilibrium), the line pulls with winch_force; give them as initial_portions, set winch_start to 1 "

@@ -13,7 +13,7 @@ from ..equations.lines import conditions_of, lines_of, motion_of, segments_of, s
 from ..equations.rope import feels_rope, tension_of
 from ..equations.ropes import goes_on, has_coordinates, is_freed, is_portion
 from ..line import contact, rosenbrock, strand
-from ..line.strand_room import CORNER, DRUM, GAIN, HELD_GAIN, LENGTH, PULL, RATE, SHEAVE, TENSION, rope_in
+from ..line.strand_room import CORNER, DRUM, FIRST_PART, GAIN, HELD_GAIN, LATE, LENGTH, PULL, RATE, SHEAVE, TENSION, rope_in
 from ..linear_algebra.both_ends import interleave
 from ..linear_algebra.vectors import dot, get, put_at
 from ..notes import note
@@ -103,6 +103,9 @@ def end_lengths(system, time):
         if is_rope(system, k):
             numbers, state = numbers_of(system, k), state_of(system, k)
             state[at.LENGTH], state[at.REELING] = numbers[LENGTH], numbers[RATE] + numbers[RATE + 1]
+            state[at.FIRST_PART] = numbers[FIRST_PART]
+            if numbers[LATE] != 0.0:
+                state[at.REELING] += numbers[LATE]
 
 
 @kernel

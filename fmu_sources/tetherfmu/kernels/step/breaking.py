@@ -9,11 +9,11 @@ from tetherfmu.runtime import plausibility as limits
 from tetherfmu.runtime.status import OK, RELEASED_WITHOUT_MASS
 
 from ..compilation import kernel
-from ..equations import torn
+from ..equations import parts, torn
 from ..equations.free_points import is_at_point, point_at
 from ..equations.lines import inputs_of, lines_of, motion_of, parameters_of, segments_of, state_of, with_states
 from ..equations.properties import chain_of, point_mass_in, property_of, rest_length
-from ..equations.ropes import first_of, goes_on, is_freed
+from ..equations.ropes import first_of, goes_on, is_freed, is_portion
 from ..linear_algebra.vectors import dot, get
 from ..notes import note
 
@@ -25,6 +25,23 @@ def mark_freed(system, k, freed):
 
 
 @kernel
+def tear(system, k, s):
+    """Part line k in its parameters (modified) at segment s."""
+    n, freed = segments_of(system, k), 1 if is_freed(system, k) else 0
+    if not is_portion(system, k):
+        torn.tear(n, s, parameters_of(system, k))
+    elif 0 < s < n - freed - 1:  # in each state that is not forged
+        parts.divide(n, freed, state_of(system, k), parameters_of(system, k))
+
+
+@kernel
+def mend(system, k):
+    """Undo `tear` (parameters modified)."""
+    parts.unite(segments_of(system, k), parameters_of(system, k))
+    torn.mend(segments_of(system, k), parameters_of(system, k))
+
+
+@kernel
 def fit(system):
     """Adapt parameters and plan (modified) of all lines to their states."""
     for k in range(lines_of(system)):
@@ -33,14 +50,16 @@ def fit(system):
             mark_freed(system, k, 1)
         broken = state_of(system, k)[at.TORN_SEGMENT]
         if 1.0 <= broken <= segments_of(system, k):
-            torn.tear(segments_of(system, k), int(broken) - 1, parameters_of(system, k))
+            tear(system, k, int(broken) - 1)
+            parts.brake(parameters_of(system, first_of(system, k)))
 
 
 @kernel
 def unfit(system):
     """Restore parameters and plan (modified) of the whole lines."""
     for k in range(lines_of(system)):
-        torn.mend(segments_of(system, k), parameters_of(system, k))
+        mend(system, k)
+        parts.release_brake(parameters_of(system, k))
         if is_freed(system, k):
             torn.remove_segment(segments_of(system, k) - 1, parameters_of(system, k))
             mark_freed(system, k, 0)
@@ -102,11 +121,11 @@ def let_go(system, before):
             torn.add_node(n, state)
             torn.add_node(n, state_of(with_states(system, before), k))
             broken = int(parameters_of(system, k)[at.TORN_NOW])
-            torn.mend(n, parameters_of(system, k))
+            mend(system, k)
             torn.add_segment(n, parameters_of(system, k))
             mark_freed(system, k, 1)
             if broken > 0:
-                torn.tear(n + 1, broken - 1, parameters_of(system, k))
+                tear(system, k, broken - 1)
             state[at.LET_GO], state[at.LET_GO_AT] = 1.0, state[at.CLOCK]
     return OK
 

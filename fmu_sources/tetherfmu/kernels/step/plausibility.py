@@ -279,7 +279,7 @@ def note_idle_inputs(parameters, inputs, state):
     A reel-out speed that does not control the winch has an effect at the start; later, only its changes are noted. No input
     affects the winch of a broken line.
     """
-    if parameters[at.TORN_NOW] > 0.0:
+    if parameters[at.WINCH_IS_BRAKED] != 0.0:
         return
     if not winch.follows_force(parameters):
         note_idle(state, limits.IDLE_WINCH_FORCE, inputs[at.WINCH_FORCE])

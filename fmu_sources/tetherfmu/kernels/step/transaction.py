@@ -21,7 +21,7 @@ from tetherfmu.runtime.status import (
 
 from ..arrays import clear, copy, nodes_end, positions_and_velocities
 from ..compilation import kernel
-from ..equations import past, winch, wind_points
+from ..equations import parts, past, winch, wind_points
 from ..equations.boundary import are_derived, inputs_of_step, place_at_start, wind_of
 from ..equations.continuation import consume_given_derivatives
 from ..equations.ground import has_ground
@@ -125,6 +125,8 @@ def begin(n, parameters, inputs, step, is_mean, state):
 @kernel
 def check_length(n, parameters, length):
     """OK, or REELED_TOO_SHORT or WINCH_TOO_SHORT if an unstretched length [m] has too short segments."""
+    if parts.is_parted(parameters):
+        return OK
     chain = chain_at(n, parameters, length, 0.0, ZERO_VECTOR)
     least = at.MIN_SEGMENT_LENGTH - ROUNDED_LENGTH * parameters[at.LENGTH_BEYOND]
     for s in range(n):

@@ -32,7 +32,8 @@ from ..equations.lines import (
     state_of,
     with_states,
 )
-from ..equations.properties import property_in, sees_reeling
+from ..equations.parts import LEAST_SEGMENTS
+from ..equations.properties import property_in, section_of, sees_reeling
 from ..equations.rope import tension_at_winch
 from ..equations.ropes import (
     comes_from,
@@ -153,7 +154,7 @@ def write_portion(system, k, own):
     if comes_from(system, k):
         speed, share = state_of(system, k - 1)[at.SHEAVE_SPEED], property_in(parameters_of(system, k), n, 0, at.SHARE)
         density = property_in(parameters_of(system, k), n, 0, at.LINE_DENSITY)
-        push = scale(-density * speed * speed / (share * state[at.LENGTH]), sub(get(x, 1), get(x, 0)))
+        push = scale(-density * speed * speed / (share * section_of(parameters_of(system, k), state[at.LENGTH])), sub(get(x, 1), get(x, 0)))
         put_at(own, at.GROUND_FORCE, add(vector_at(own, at.GROUND_FORCE), push))
     first = at.SHAPE + 3 * number_of_line(system, k, places.SHAPE_POINTS)
     own[first + at.PORTION_LENGTH] = state[at.LENGTH]
@@ -173,7 +174,9 @@ def sum_portions(system, outputs):
             whole, own = outputs_of_line(system, first, outputs), outputs_of_line(system, k, outputs)
             for place in (at.TETHER_LENGTH, at.SLACK_SEGMENTS, at.GROUNDED_LENGTH):
                 whole[place] += own[place]
-            for place in (at.MAX_TENSION, at.PEAK_TENSION, at.BROKEN, at.BREAK_TIME):
+            if whole[at.BROKEN] == 0.0 or (own[at.BROKEN] != 0.0 and own[at.BREAK_TIME] < whole[at.BREAK_TIME]):
+                whole[at.BREAK_TIME] = own[at.BREAK_TIME]
+            for place in (at.MAX_TENSION, at.PEAK_TENSION, at.BROKEN):
                 whole[place] = max(whole[place], own[place])
 
 
@@ -246,7 +249,7 @@ def check_ropes(system):
         system.plan[places.STATUS_LINE] = k
         if is_rope(system, k) and not sees_reeling(parameters):
             return SHEAVES_WITH_STRETCH_RATE
-        if is_portion(system, k) and parameters[at.CAN_BREAK] != 0.0:
+        if is_portion(system, k) and parameters[at.CAN_BREAK] != 0.0 and segments_of(system, k) < LEAST_SEGMENTS:
             return SHEAVES_THAT_BREAK
         if goes_on(system, k) and follows_force(parameters) and has_stop(segments_of(system, k), parameters):
             return SHEAVES_WITH_STOP
