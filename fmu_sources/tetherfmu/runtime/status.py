@@ -47,6 +47,7 @@ SHEAVES_THAT_BREAK = 30
 NO_SHARES = 31
 SHEAVES_WITH_STOP = 32
 NO_BALANCE_OF_DRUMS = 33
+ROPE_RUNS_OFF = 35
 # of the wind
 UNKNOWN_WIND_LAW = 34
 
@@ -142,6 +143,9 @@ SENTENCES = {
     SHEAVES_WITH_STRETCH_RATE: (
         "damping_law is 2 (stretch_rate) for a line over sheaves, or with force control beside such lines or at a winch "
         "that holds several; it must be 1 (strain_rate)"
+    ),
+    ROPE_RUNS_OFF: (
+        "the end of the rope reached a sheave in a step of {step} s in which it broke or changed its speed; use a shorter step"
     ),
     SHEAVES_THAT_BREAK: "breaking_force is given for a line over sheaves; it must have at least 3 segments to break",
     NO_SHARES: (

@@ -72,7 +72,7 @@ def velocity_of_rope(chain, i, x, v):
 @kernel
 def first_passing(chain):
     """c/L' of the first node [-] without rope that leaves: 0 if a portion that broke has no first part."""
-    return 0.0 if chain.is_parted and chain.parameters[at.FIRST_ENDS] == 0.0 else 1.0
+    return chain.parameters[at.FIRST_PASSING] if chain.is_parted else 1.0
 
 
 @kernel

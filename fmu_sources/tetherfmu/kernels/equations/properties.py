@@ -55,7 +55,9 @@ def chain_with_flow(n, parameters, length, reeling, acceleration, leaving, wind,
     ratios = parameters[at.SLACK_STIFFNESS_RATIO], parameters[at.SLACK_DAMPING_RATIO]
     has_sections = parameters[at.LENGTH_BEYOND] != 0.0
     air = wind, is_uniform(parameters)
-    return Chain(n, parameters, *motion, *ratios, parameters[at.GRAVITY], *air, has_sections, is_parted, second, second_growth)
+    return Chain(
+        n, parameters, *motion, *ratios, parameters[at.GRAVITY], *air, has_sections, is_parted, second, second_growth
+    )
 
 
 @view

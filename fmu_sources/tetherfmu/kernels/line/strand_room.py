@@ -40,7 +40,7 @@ from ..linear_algebra.both_ends import interleaved_size
     GOAL,  # largest node displacement of a converged line [m]
     UNCONVERGED,  # number of steps in which the iteration ended unconverged
     MOVED,  # change of T in the iteration [N]
-    FIRST_PART,  # unstretched length of the first part of a portion that broke, at the start of the piece [m]
+    SECOND_PART,  # unstretched length of the second part of a portion that broke, at the start of the piece [m]
     LATE,  # rate at which the winch of a broken rope paid out until the end of the communication step [m/s]
     KEPT_REELING,  # reeling before the line broke, see `motion/breaks.py`
     _,

@@ -34,7 +34,7 @@ from ..equations.ropes import first_of, goes_on, is_freed, is_portion
 from ..equations.winch import ALL_ALONG, follows_force, length_at, rate_at, reel
 from ..line import strand
 from ..line.drum_events import OVERLOAD, part_of_piece
-from ..line.strand_room import FIRST_PART, KEPT_REELING, LATE, rope_in
+from ..line.strand_room import KEPT_REELING, LATE, SECOND_PART, rope_in
 from ..linear_algebra.both_ends import interleave
 from ..linear_algebra.vectors import add_at, dot, get, scale, sub
 from ..notes import note, note_peak
@@ -63,7 +63,8 @@ from .states import go_to_state
 @kernel
 def can_break(system, k):
     """Whether line k may break."""
-    return parameters_of(system, k)[at.CAN_BREAK] > 0.0 and not torn.is_torn(parameters_of(system, k))
+    parameters = parameters_of(system, k)
+    return parameters[at.CAN_BREAK] > 0.0 and not (torn.is_torn(parameters) or parts.is_parted(parameters))
 
 
 can_any_break = any_line(can_break)
@@ -180,47 +181,38 @@ def energy_of_motion(system, k, chain):
 
 
 @kernel
-def add_momentum(system, k, chain, sign):
-    """Add the momentum of the rope that flows past the inner nodes of line k, over their masses, to their velocities."""
-    own, (x, v), part = strand_of(system, k), motion_of(system, k), flow.first_passing(chain)
-    node_masses(chain, own.w.stage_mass)
-    for s in range(chain.n):
-        share, half, r = property_of(chain, s, at.SHARE), half_density(chain, s), sub(get(x, s + 1), get(x, s))
-        for i in range(2):
-            c, _ = flow.passing(chain, share, part - i * share)
-            if 0 < s + i < chain.n:
-                add_at(v, s + i, scale(sign * half * c / own.w.stage_mass[s + i], r))
-        part -= share
-
-
-@kernel
 def divide_portion(system, k, s, time):
     """Divide portion k (modified), whose segment s breaks at a time [s]. The momentum of each inner node with its rope is kept.
 
     Returns the kinetic energy lost [J].
     """
-    state, n = state_of(system, k), segments_of(system, k)
+    state, n, (x, v) = state_of(system, k), segments_of(system, k), motion_of(system, k)
     freed = 1 if is_freed(system, k) else 0
     go_to_state(system, time)
     chain = chain_with_rope(system, k)
     rest, before = rest_length(chain, s), energy_of_motion(system, k, chain)
-    add_momentum(system, k, chain, 1.0)
+    parts.add_momentum(chain, x, v, 1.0)
     state[at.LENGTH] = chain.length
     state[at.TORN_SEGMENT] = s + 1.0
-    state[at.FIRST_PART] = numbers_of(system, k)[FIRST_PART] = s * rest
+    state[at.SECOND_PART] = numbers_of(system, k)[SECOND_PART] = (n - freed - s - 1) * rest
     state[at.FIRST_LUMP] = state[at.SECOND_LUMP] = 0.5 * rest
     parts.divide(n, freed, state, parameters_of(system, k))
     take_weights(system, k)
     take_rates(system, k, time)
     chain = chain_with_rope(system, k)
-    add_momentum(system, k, chain, -1.0)
+    parts.add_momentum(chain, x, v, -1.0)
     return before - energy_of_motion(system, k, chain)
 
 
 @kernel
 def break_portion(system, k, s, tension, time):
     """`break_line` for a portion of a rope."""
-    n, state, chain, (x, _) = segments_of(system, k), state_of(system, k), chain_of_state(system, k, time), motion_of(system, k)
+    n, state, chain, (x, _) = (
+        segments_of(system, k),
+        state_of(system, k),
+        chain_of_state(system, k, time),
+        motion_of(system, k),
+    )
     s = parts.torn_between(n - (1 if is_freed(system, k) else 0), s)
     length, _ = segment.geometry(sub(get(x, s + 1), get(x, s)))
     elongation, stiffness = segment.spring(chain, s, length, False)
@@ -340,8 +332,8 @@ def go_back(system, step, before):
             state[at.TORN_SEGMENT], state[at.TORN_ENERGY], state[at.TORN_AT] = 0.0, first[at.TORN_ENERGY], 0.0
             state[at.WARNED_VALUES + limits.BROKE] = 0.0
             state[at.WARNINGS] -= 1 << limits.BROKE
-            state[at.FIRST_PART], state[at.FIRST_LUMP], state[at.SECOND_LUMP] = 0.0, 0.0, 0.0
-            parts.unite(segments_of(system, k), parameters_of(system, k))
+            state[at.SECOND_PART], state[at.FIRST_LUMP], state[at.SECOND_LUMP] = 0.0, 0.0, 0.0
+            parts.unite(segments_of(system, k), 1 if is_freed(system, k) else 0, parameters_of(system, k))
             torn.mend(segments_of(system, k), parameters_of(system, k))
             with_winch = first_of(system, k)
             if not is_any_torn(with_states(system, before), with_winch):

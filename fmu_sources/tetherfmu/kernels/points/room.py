@@ -43,7 +43,6 @@ from ..line.strand_room import (
     DRUM,
     FACTOR,
     FIRST_LENGTH,
-    FIRST_PART,
     GAIN,
     HELD_GAIN,
     HOLDER,
@@ -55,6 +54,7 @@ from ..line.strand_room import (
     RATE,
     REST,
     RUNS,
+    SECOND_PART,
     SHEAVE,
     WEIGHT,
     Strand,
@@ -406,7 +406,7 @@ def begin_coordinates(system):
     header[COUNT] = count
     for k in range(lines_of(system)):
         take_holders(system, k)
-        numbers_of(system, k)[FIRST_PART], numbers_of(system, k)[LATE] = state_of(system, k)[at.FIRST_PART], 0.0
+        numbers_of(system, k)[SECOND_PART], numbers_of(system, k)[LATE] = state_of(system, k)[at.SECOND_PART], 0.0
         numbers_of(system, k)[FIRST_LENGTH] = numbers_of(system, k)[LENGTH] = conditions_of(system, k).reeling[0]
         if is_rope(system, k):
             take_weights(system, k)
@@ -449,6 +449,15 @@ def hold_by(system, k, end, j, weight):
 
 
 @kernel
+def reaches(system, k, end):
+    """Whether the rope of portion k reaches the sheave at an end."""
+    parameters = parameters_of(system, k)
+    if not is_parted(parameters):
+        return True
+    return parameters[at.FIRST_ENDS] > 0.0 if end == 0 else parameters[at.SECOND_BEGINS] < segments_of(system, k)
+
+
+@kernel
 def take_holders(system, k):
     """Holders of both ends of line k (modified); their payout is not a function of time."""
     numbers, parameters = numbers_of(system, k), parameters_of(system, k)
@@ -457,16 +466,17 @@ def take_holders(system, k):
     if has_own_drum(system, k):
         hold_by(system, k, 0, numbers[DRUM], 1.0)
     elif comes_from(system, k):
-        hold_by(system, k, 0, numbers_of(system, k - 1)[SHEAVE], 1.0)
+        if reaches(system, k, 0):
+            hold_by(system, k, 0, numbers_of(system, k - 1)[SHEAVE], 1.0)
     elif is_turned(system, k):
         for i in range(at.MOST_HOLDERS):
             carrier = int(parameters[at.HELD_BY + i])
             if carrier > 0:
                 hold_by(system, k, 0, numbers_of(system, carrier - 1)[DRUM], parameters[at.HELD_RATIO + i])
-    if goes_on(system, k):
+    if goes_on(system, k) and reaches(system, k, 1):
         hold_by(system, k, 1, numbers[SHEAVE], -1.0)
     numbers[RUNS] = 1.0 if is_rope(system, k) else 0.0
-    if holders_of(system, k, 0) > 0:
+    if holders_of(system, k, 0) > 0 or comes_from(system, k):
         hold_length(system, k, conditions_of(system, k).reeling[0])
 
 
@@ -577,7 +587,7 @@ def settle(system):
             come_in, reeling = let_in_over_both(system, k, PASSED), conditions_of(system, k).reeling
             put_reeling(system, k, winch.from_length(reeling[0] + come_in, reeling))
             if is_parted(parameters_of(system, k)):
-                numbers_of(system, k)[FIRST_PART] += let_in(system, k, 0, PASSED)
+                numbers_of(system, k)[SECOND_PART] += let_in(system, k, 1, PASSED)
     for j in range(count_of(system)):
         own = coordinate_at(system, j)
         own[TOTAL] += own[PASSED]
@@ -619,10 +629,9 @@ def place_parts(system, k, length, which):
     """
     parameters = parameters_of(system, k)
     if is_parted(parameters):
-        first = numbers_of(system, k)[FIRST_PART] + let_in(system, k, 0, which)
-        most = length - parameters[at.REST_BETWEEN] - LEAST_LENGTH * shortest_of_part(system, k, 1)
-        first = max(min(first, most), LEAST_LENGTH * shortest_of_part(system, k, 0))
-        parameters[at.LENGTH_BEYOND] = length - first
+        second, rest = numbers_of(system, k)[SECOND_PART] + let_in(system, k, 1, which), parameters[at.REST_BETWEEN]
+        second = max(second, LEAST_LENGTH * shortest_of_part(system, k, 1))
+        parameters[at.LENGTH_BEYOND] = min(rest + second, length - LEAST_LENGTH * shortest_of_part(system, k, 0))
 
 
 @kernel

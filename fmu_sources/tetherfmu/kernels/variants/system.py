@@ -153,8 +153,12 @@ def write_portion(system, k, own):
     n, state, (x, _) = segments_of(system, k), state_of(system, k), motion_of(system, k)
     if comes_from(system, k):
         speed, share = state_of(system, k - 1)[at.SHEAVE_SPEED], property_in(parameters_of(system, k), n, 0, at.SHARE)
+        share = share if share > 0.0 else 1.0
         density = property_in(parameters_of(system, k), n, 0, at.LINE_DENSITY)
-        push = scale(-density * speed * speed / (share * section_of(parameters_of(system, k), state[at.LENGTH])), sub(get(x, 1), get(x, 0)))
+        push = scale(
+            -density * speed * speed / (share * section_of(parameters_of(system, k), state[at.LENGTH])),
+            sub(get(x, 1), get(x, 0)),
+        )
         put_at(own, at.GROUND_FORCE, add(vector_at(own, at.GROUND_FORCE), push))
     first = at.SHAPE + 3 * number_of_line(system, k, places.SHAPE_POINTS)
     own[first + at.PORTION_LENGTH] = state[at.LENGTH]
@@ -367,7 +371,7 @@ def advance(system, step, before):
     before (modified) : room for all states.  The plan (modified) stores the line of a status.
     """
     copy(system.state, before)
-    status = breaking.begin(system, before)
+    status = breaking.begin(system, step, before)
     if status == OK:
         status = begin(system, step, before)
     if status == OK:
@@ -375,6 +379,8 @@ def advance(system, step, before):
         status = moving_lines.advance(system, step, before)
     if status == OK:
         status = commit(system, step, before)
+    if status == OK and has_sheaves(system):
+        status = breaking.check_ends(system)
     if status != OK:
         copy(before, system.state)
     breaking.end(system)
