@@ -145,7 +145,8 @@ SENTENCES = {
         "that holds several; it must be 1 (strain_rate)"
     ),
     ROPE_RUNS_OFF: (
-        "the end of the rope reached a sheave in a step of {step} s in which it broke or changed its speed; use a shorter step"
+        "the end of the rope reached a sheave in a step of {step} s in which it broke or changed its speed, or the portion "
+        "behind the sheave has one segment only; use a shorter step or more segments"
     ),
     SHEAVES_THAT_BREAK: "breaking_force is given for a line over sheaves; it must have at least 3 segments to break",
     NO_SHARES: (

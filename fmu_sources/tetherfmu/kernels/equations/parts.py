@@ -140,14 +140,15 @@ def add_lump(n, i, lump, parameters):
 
 @kernel
 def put_lumps(n, segments, state, parameters):
-    """Masses of the inner nodes of `divide` in the parameters (modified)."""
+    """Masses of the nodes of `divide` in the parameters (modified): of the lumps, and NO_MASS where there is none."""
     torn = int(state[at.TORN_SEGMENT])
     add_lump(n, torn - 1, state[at.FIRST_LUMP], parameters)
     add_lump(n, torn, state[at.SECOND_LUMP], parameters)
     add_lump(n, 1, state[at.START_LUMP], parameters)
     add_lump(n, segments - 1, state[at.END_LUMP], parameters)
-    for i in range(1, n):
-        of_rope = property_in(parameters, n, i - 1, at.LINE_DENSITY) + property_in(parameters, n, i, at.LINE_DENSITY)
+    for i in range(n + 1):
+        of_rope = property_in(parameters, n, i - 1, at.LINE_DENSITY) if i > 0 else 0.0
+        of_rope += property_in(parameters, n, i, at.LINE_DENSITY) if i < n else 0.0
         if of_rope == 0.0 and point_mass_in(parameters, n, i) == 0.0:
             put_point_mass(n, i, NO_MASS, parameters)
 
@@ -165,8 +166,9 @@ def unite(n, freed, parameters):
             put_property(n, at.DAMPING, i, parameters[at.WHOLE_DAMPING], parameters)
             put_property(n, at.DRAG_WIDTH, i, parameters[at.WHOLE_DRAG_WIDTH], parameters)
             put_property(n, at.LINE_DENSITY, i, parameters[at.WHOLE_DENSITY], parameters)
-    for i in range(1, n):
-        put_point_mass(n, i, 0.0, parameters)
+    for i in range(n + 1):
+        if 0 < i < n or point_mass_in(parameters, n, i) == NO_MASS:
+            put_point_mass(n, i, 0.0, parameters)
     for place in range(at.TORN_NOW, at.WHOLE_DRAG_WIDTH + 1):
         parameters[place] = 0.0
     for place in range(at.IS_PARTED, at.WHOLE_DENSITY + 1):

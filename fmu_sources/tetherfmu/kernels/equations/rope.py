@@ -37,7 +37,7 @@ from ..linear_algebra.pairs import select
 from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, dot, get, norm, scale, sub, vector_at
 from . import segment
 from .boundary import spring_at_ground
-from .properties import chain_at, half_density, growth_at, property_of, rest_length, sees_reeling
+from .properties import chain_at, growth_at, half_density, property_of, rest_length, sees_reeling
 
 Piece = namedtuple("Piece", "rest per half k c growth gravity")
 Piece.__doc__ = """l0 [m], 1/l0 [1/m], mu/2 [kg/m], k [N/m] and c [N s/m] of a segment; l0'/l0 [1/s]; g [m/s2]."""

@@ -182,9 +182,9 @@ def energy_of_motion(system, k, chain):
 
 @kernel
 def divide_portion(system, k, s, time):
-    """Divide portion k (modified), whose segment s breaks at a time [s]. The momentum of each inner node with its rope is kept.
+    """Divide portion k (modified), whose segment s breaks at a time [s]; returns the kinetic energy lost [J].
 
-    Returns the kinetic energy lost [J].
+    The momentum of each inner node with its rope is kept.
     """
     state, n, (x, v) = state_of(system, k), segments_of(system, k), motion_of(system, k)
     freed = 1 if is_freed(system, k) else 0

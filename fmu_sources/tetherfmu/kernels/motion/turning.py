@@ -19,7 +19,7 @@ from ..equations.rope import feels_rope
 from ..equations.ropes import goes_on
 from ..line.massless_drum import project
 from ..line.second_order import TO_NEXT, start_of_second, start_of_third
-from ..line.strand_room import LENGTH, SHEAVE, TENSION
+from ..line.strand_room import SHEAVE, TENSION
 from ..linear_algebra.vectors import dot, get, sub
 from ..points import fixed, room
 from ..points.coordinates import has_own_drum

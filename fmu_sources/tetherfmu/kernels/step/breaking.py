@@ -18,12 +18,13 @@ from ..equations.properties import (
     half_density,
     point_mass,
     point_mass_in,
+    property_in,
     property_of,
     rest_length,
     section_of,
 )
 from ..equations.ropes import first_of, goes_on, has_sheaves, is_freed, is_portion
-from ..linear_algebra.vectors import add_scaled, dot, get, put, scale, sub
+from ..linear_algebra.vectors import ZERO_VECTOR, add, add_at, add_scaled, dot, get, put, scale, sub
 from ..notes import note
 
 EARLY = 1.5  # of the way in a step: rope that may reach its sheave runs off before
@@ -192,14 +193,28 @@ def reaches(system, k, end):
 
 
 @kernel
-def runs_out(length, count, speed, gain, step):
+def runs_out(length, count, speed, gain, step, short):
     """Whether rope of this length [m] in `count` segments, which runs out at a speed [m/s] and gains more [m/s2], ends soon.
 
-    Within a step [s], or EARLY times its way.
+    Within a step [s], or EARLY times its way; or it is shorter than `short` [m].
     """
     way = max(speed, 0.0) * step + 0.5 * max(gain, 0.0) * step * step
     least = count * at.MIN_SEGMENT_LENGTH
-    return speed >= 0.0 and length - least <= EARLY * way + STOPPED * least
+    return speed >= 0.0 and length - least <= max(EARLY * way, short) + STOPPED * least
+
+
+@kernel
+def too_short(system, k, end, other, speed):
+    """Length [m] below which rope at an end of portion k that leaves at a speed [m/s] runs off, into the portion `other`.
+
+    A segment of `other`, if the rope runs faster than its transverse waves: they then grow without limit; else 0.
+    """
+    n, state = segments_of(system, k), state_of(system, k)
+    tension = state[at.TENSION_TO] if end == 1 else state[at.TENSION_FROM]
+    if property_in(parameters_of(system, k), n, (n - 1) * end, at.LINE_DENSITY) * speed * speed <= tension:
+        return 0.0
+    n = segments_of(system, other)
+    return rest_length(chain_of(n, parameters_of(system, other), state_of(system, other)), 0 if end == 1 else n - 1)
 
 
 @kernel
@@ -211,9 +226,12 @@ def run_off(system, step):
             speed, gain = state[at.SHEAVE_SPEED], state[at.SHEAVE_ACCELERATION]
             ahead, _, count = loose_rope(system, k + 1, 0)
             behind, _, before = loose_rope(system, k, 1)
-            if count > 0 and segments_of(system, k) > 1 and runs_out(ahead, count, -speed, -gain, step):
+            ends = count > 0 and segments_of(system, k) > 1
+            if ends and runs_out(ahead, count, -speed, -gain, step, too_short(system, k + 1, 0, k, speed)):
                 run_over(system, k + 1, 0, k)
-            elif before > 0 and segments_of(system, k + 1) > 1 and runs_out(behind, before, speed, gain, step):
+                continue
+            ends = before > 0 and segments_of(system, k + 1) > 1
+            if ends and runs_out(behind, before, speed, gain, step, too_short(system, k, 1, k + 1, speed)):
                 run_over(system, k, 1, k + 1)
 
 
@@ -239,10 +257,10 @@ def run_off_again(system, step, before):
 def run_over(system, k, end, other):
     """Take the rope at an end of portion k off the sheave there, into the portion `other` (states and parameters modified).
 
-    Momentum is kept; the energy lost is noted.
+    Momentum is kept: a free point at the sheave gets what the rope loses around it. The energy lost is noted.
     """
     sheave, at_sheave = (state_of(system, other), 1) if end == 0 else (state_of(system, k), 0)
-    energy = energy_of(system, k) + energy_of(system, other)
+    energy, momentum = energy_of_all(system), add(momentum_of(system, k), momentum_of(system, other))
     length, lump, _ = loose_rope(system, k, end)
     take_in(system, other, at_sheave, length + lump)
     let_out(system, k, end, length + lump)
@@ -253,7 +271,58 @@ def run_over(system, k, end, other):
     tear(system, k)
     n, (x, v) = segments_of(system, other), motion_of(system, other)
     parts.add_momentum(chain_of(n, parameters_of(system, other), state_of(system, other)), x, v, -1.0)
-    state_of(system, other)[at.TORN_ENERGY] += energy - energy_of(system, k) - energy_of(system, other)
+    if is_at_point(system, k, end):
+        lost = sub(momentum, add(momentum_of(system, k), momentum_of(system, other)))
+        push_point(system, point_at(system, k, end), lost)
+    state_of(system, other)[at.TORN_ENERGY] += energy - energy_of_all(system)
+
+
+@kernel
+def momentum_of(system, k):
+    """Momentum [N s] of line k with its flowing rope, and with the point masses that it carries."""
+    n, parameters, state, (x, v) = (
+        segments_of(system, k),
+        parameters_of(system, k),
+        state_of(system, k),
+        motion_of(system, k),
+    )
+    chain = chain_of(n, parameters, state)
+    part, total = flow.first_passing(chain), ZERO_VECTOR
+    for s in range(n):
+        share, half, r = property_of(chain, s, at.SHARE), half_density(chain, s), sub(get(x, s + 1), get(x, s))
+        (c_p, _), (c_q, _) = flow.passing(chain, share, part), flow.passing(chain, share, part - share)
+        total = add_scaled(total, half * (c_p + c_q), r)
+        total = add_scaled(total, half * rest_length(chain, s), add(get(v, s), get(v, s + 1)))
+        part -= share
+    for i in range(n + 1):
+        total = add_scaled(total, point_mass(chain, i), get(v, i))
+    return total
+
+
+@kernel
+def push_point(system, point, impulse):
+    """Apply an impulse [N s] to a free point (modified, at the ends of all its lines)."""
+    mass = 0.0
+    for k in range(lines_of(system)):
+        chain = chain_of(segments_of(system, k), parameters_of(system, k), state_of(system, k))
+        for end in range(2):
+            if point_at(system, k, end) == point:
+                s = (chain.n - 1) * end
+                mass += half_density(chain, s) * rest_length(chain, s) + point_mass(chain, chain.n * end)
+    for k in range(lines_of(system)):
+        _, v = motion_of(system, k)
+        for end in range(2):
+            if point_at(system, k, end) == point:
+                add_at(v, segments_of(system, k) * end, scale(1.0 / mass, impulse))
+
+
+@kernel
+def energy_of_all(system):
+    """Sum of `energy_of` over all lines [J]."""
+    total = 0.0
+    for k in range(lines_of(system)):
+        total += energy_of(system, k)
+    return total
 
 
 @kernel
@@ -266,7 +335,7 @@ def stop_rate(system, k, end, speed, gain):
 
 @kernel
 def take_in(system, k, end, length):
-    """Loosen an end of portion k, over which rope of a length [m] comes in, in its state (modified); its part is not torn."""
+    """Loosen an end of portion k, over which rope of a length [m] comes in, in its state (modified)."""
     n, parameters, state, (x, v) = (
         segments_of(system, k),
         parameters_of(system, k),
@@ -314,7 +383,7 @@ def let_out(system, k, end, length):
 
 @kernel
 def energy_of(system, k):
-    """Energy [J] of portion k in its state, without its sheave, as in `power_balance`."""
+    """Energy [J] of line k in its state, without its sheave, as in `power_balance`."""
     n, parameters, state, (x, v) = (
         segments_of(system, k),
         parameters_of(system, k),

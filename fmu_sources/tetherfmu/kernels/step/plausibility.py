@@ -241,7 +241,8 @@ def note_winch_speed(before, state):
     """
     paid = state[at.LENGTH] - before[at.LENGTH] + state[at.PAYOUT] - before[at.PAYOUT]
     fastest = max(abs(paid) / state[at.LAST_STEP], abs(state[at.REELING] + state[at.SHEAVE_SPEED]))
-    note(state, limits.FAST_WINCH, fastest * fastest, limits.FASTEST_WINCH)
+    if state[at.RUN_OFF] == before[at.RUN_OFF]:
+        note(state, limits.FAST_WINCH, fastest * fastest, limits.FASTEST_WINCH)
 
 
 @kernel

@@ -153,10 +153,10 @@ def write_portion(system, k, own):
     n, state, (x, _) = segments_of(system, k), state_of(system, k), motion_of(system, k)
     if comes_from(system, k):
         speed, share = state_of(system, k - 1)[at.SHEAVE_SPEED], property_in(parameters_of(system, k), n, 0, at.SHARE)
-        share = share if share > 0.0 else 1.0
+        rest = (share if share > 0.0 else 1.0) * section_of(parameters_of(system, k), state[at.LENGTH])
         density = property_in(parameters_of(system, k), n, 0, at.LINE_DENSITY)
         push = scale(
-            -density * speed * speed / (share * section_of(parameters_of(system, k), state[at.LENGTH])),
+            -density * speed * speed / rest,
             sub(get(x, 1), get(x, 0)),
         )
         put_at(own, at.GROUND_FORCE, add(vector_at(own, at.GROUND_FORCE), push))
