@@ -377,7 +377,7 @@ def let_out(system, k, end, length):
         state[at.START_LUMP] = 0.0
     if end == 1 or state[at.TORN_SEGMENT] == 0.0:
         state[at.SECOND_PART] = parts.NO_PART
-    state[at.LENGTH] = max(state[at.LENGTH] - length, at.SHORTEST_PART * at.MIN_SEGMENT_LENGTH)
+    state[at.LENGTH] = max(state[at.LENGTH] - length, parts.EMPTY)
     parts.add_flag(state, parts.GONE, end)
 
 

@@ -32,7 +32,7 @@ from ..equations.lines import (
     state_of,
     with_states,
 )
-from ..equations.parts import LEAST_SEGMENTS
+from ..equations.parts import EMPTY, LEAST_SEGMENTS
 from ..equations.properties import property_in, section_of, sees_reeling
 from ..equations.rope import tension_at_winch
 from ..equations.ropes import (
@@ -161,7 +161,9 @@ def write_portion(system, k, own):
         )
         put_at(own, at.GROUND_FORCE, add(vector_at(own, at.GROUND_FORCE), push))
     first = at.SHAPE + 3 * number_of_line(system, k, places.SHAPE_POINTS)
-    own[first + at.PORTION_LENGTH] = state[at.LENGTH]
+    if state[at.LENGTH] == EMPTY:
+        own[at.TETHER_LENGTH] = 0.0
+    own[first + at.PORTION_LENGTH] = own[at.TETHER_LENGTH]
     own[first + at.PORTION_TENSION_FROM], own[first + at.PORTION_TENSION_TO] = state[at.TENSION_FROM], state[at.TENSION_TO]
     own[first + at.SHEAVE_PAYOUT], own[first + at.SHEAVE_RATE] = state[at.PAYOUT], state[at.SHEAVE_SPEED]
 
