@@ -17,6 +17,8 @@ from functools import cache
 from importlib import import_module
 from typing import NamedTuple
 
+from tetherfmu.runtime.kernel_library import SYSTEM
+
 
 class Code(NamedTuple):
     """Code to be linked and optimized for a variant."""
@@ -68,10 +70,11 @@ def keep_texts():
 
 @cache
 def code_of(variant):
-    """`Code` of the entry points of a variant."""
+    """`Code` of the entry points of a variant; SYSTEM needs a process of its own, as its kernels know `compilation.PARTS`."""
     write_only()
     from tetherfmu.kernels import compilation
 
+    compilation.PARTS = variant == SYSTEM
     compilation.OPTIONS |= {"no_cpython_wrapper": True, "_nrt": False}  # Python calls none of these, and they own no arrays
     functions = import_module("tetherfmu.libraries.just_in_time").compiled(variant)
     texts = {}  # without repetition, callees first

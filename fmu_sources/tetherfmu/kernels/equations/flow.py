@@ -18,7 +18,7 @@ at the first node faster than L'. Theory: docs/models/theory.md, "Rope that flow
 
 from tetherfmu.runtime import layout as at
 
-from ..compilation import kernel
+from ..compilation import PARTS, kernel
 from ..linear_algebra.both_ends import add_to_node, get_interleaved, get_two, lower_and_upper, put_interleaved, put_two
 from ..linear_algebra.pairs import broadcast, first, number_at, pair, second, select
 from ..linear_algebra.vectors import NEUTRAL_VECTOR, ZERO_VECTOR, add, add_scaled, dot, get, norm, put, scale, sub
@@ -36,7 +36,7 @@ def passing_at(chain, i):
     """c_i [m/s] of an inner node, 0 at the ends, where rope leaves the ground."""
     if not 0 < i < chain.n or (chain.reeling == 0.0 and chain.leaving == 0.0):
         return 0.0
-    if chain.is_parted:
+    if PARTS and chain.is_parted:
         ends, begins = chain.parameters[at.FIRST_ENDS], chain.parameters[at.SECOND_BEGINS]
         if i < ends:
             return (1.0 - i / ends) * (chain.reeling + chain.leaving)
@@ -72,7 +72,7 @@ def velocity_of_rope(chain, i, x, v):
 @kernel
 def first_passing(chain):
     """c/L' of the first node [-] without rope that leaves: 0 if a portion that broke has no first part."""
-    return chain.parameters[at.FIRST_PASSING] if chain.is_parted else 1.0
+    return chain.parameters[at.FIRST_PASSING] if PARTS and chain.is_parted else 1.0
 
 
 @kernel
@@ -81,7 +81,7 @@ def passing(chain, share, part):
 
     part : c/L' [-] without rope that leaves; in a portion that broke, of the rate at the end of the same part.
     """
-    if chain.is_parted:
+    if PARTS and chain.is_parted:
         into, leaving = broadcast((chain.reeling + chain.leaving, chain.leaving), share)
         gain, leaving_gain = broadcast((chain.acceleration + chain.leaving_gain, chain.leaving_gain), share)
         return part * select(share, into, leaving), part * select(share, gain, leaving_gain)
@@ -135,7 +135,7 @@ def forces_of(found, r, u):
 def last_passing(chain):
     """`passing` of the last node but one."""
     share = property_of(chain, chain.n - 1, at.SHARE)
-    return share if share >= 0.0 else 1.0 + share
+    return 1.0 + share if PARTS and share < 0.0 else share
 
 
 @kernel

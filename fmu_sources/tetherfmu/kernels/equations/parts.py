@@ -18,7 +18,7 @@ Theory: docs/models/theory.md, "Breaking and letting go".
 
 from tetherfmu.runtime import layout as at
 
-from ..compilation import kernel
+from ..compilation import PARTS, kernel
 from ..linear_algebra.vectors import add_at, get, scale, sub
 from . import flow
 from .properties import (
@@ -55,7 +55,7 @@ def add_flag(state, kind, end):
 @kernel
 def is_parted(parameters):
     """Whether a portion is in two parts."""
-    return parameters[at.IS_PARTED] != 0.0
+    return PARTS and parameters[at.IS_PARTED] != 0.0
 
 
 @kernel

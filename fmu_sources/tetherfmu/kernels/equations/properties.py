@@ -4,7 +4,7 @@ from collections import namedtuple
 
 from tetherfmu.runtime import layout as at
 
-from ..compilation import kernel, view
+from ..compilation import PARTS, kernel, view
 from ..linear_algebra.pairs import broadcast, number_at, select
 from ..linear_algebra.vectors import NEUTRAL, vector_at
 from .air import is_uniform
@@ -45,9 +45,9 @@ def chain_with_flow(n, parameters, length, reeling, acceleration, leaving, wind,
 
     leaving : the rate at which rope leaves its last node [m/s], and its derivative [m/s2].
     """
-    section, is_parted = section_of(parameters, length), parameters[at.IS_PARTED] != 0.0
+    section, is_parted = section_of(parameters, length), PARTS and parameters[at.IS_PARTED] != 0.0
     growth, second, second_growth = reeling / section, 0.0, 0.0
-    if is_parted:
+    if PARTS and is_parted:
         second = parameters[at.REST_BETWEEN] - parameters[at.LENGTH_BEYOND]
         growth, second_growth = (reeling + leaving[0]) / section, leaving[0] / second
     seen_growth = growth if sees_reeling(parameters) else 0.0
@@ -139,7 +139,9 @@ def rest_length(chain, s):
     share = property_of(chain, s, at.SHARE)
     length = share * chain.section
     if chain.has_sections:
-        length = select(share, length, share * chain.second) + property_of(chain, s, at.OFFSET)
+        if PARTS:
+            length = select(share, length, share * chain.second)
+        length = length + property_of(chain, s, at.OFFSET)
     return length
 
 
@@ -153,7 +155,7 @@ def in_section(chain, s, value):
 def in_parts(chain, s, value, other):
     """A value if segment s is in the section at the winch or in the first part, else another; for two segments as a pair."""
     share = property_of(chain, s, at.SHARE)
-    here, beyond = broadcast((value, other), share)
+    here, beyond = broadcast((value, other if PARTS else 0.0), share)
     if chain.has_sections:
         here = select(share, here, beyond)
     return here
@@ -169,7 +171,7 @@ def growth_at(chain, s):
 def part_in(parameters, n, s, length):
     """Fraction [-] of the unstretched length [m] that is in segment s of n."""
     share = property_in(parameters, n, s, at.SHARE)
-    if share < 0.0:
+    if PARTS and share < 0.0:
         return share * (parameters[at.REST_BETWEEN] - parameters[at.LENGTH_BEYOND]) / length
     in_winch = property_in(parameters, n, s, at.SHARE) * (section_of(parameters, length) / length)
     return in_winch + property_in(parameters, n, s, at.OFFSET) / length

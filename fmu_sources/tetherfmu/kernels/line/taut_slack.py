@@ -13,7 +13,7 @@ balance, because slack segments permit longer steps: an undamped tether swung it
 
 from math import copysign, inf, sqrt
 
-from ..compilation import kernel
+from ..compilation import PARTS, kernel
 from ..equations import segment
 from ..equations.properties import growth_at, in_section, rest_length
 from ..linear_algebra.vectors import add_scaled, dot, get, norm, put, sub
@@ -89,7 +89,7 @@ def part_to_transition(conditions, before, after, h, x, v, speed, w):
                 length, e = segment.geometry(sub(get(x, s + 1), get(x, s)))
                 rest = rest_length(before, s)
                 rest_rate = in_section(before, s, rest * before.reeling / before.section)
-                if before.is_parted:
+                if PARTS and before.is_parted:
                     rest_rate = rest * growth_at(before, s)
                 rate = h * (dot(e, sub(get(v, s + 1), get(v, s))) - rest_rate)
                 first = length - rest - allowed

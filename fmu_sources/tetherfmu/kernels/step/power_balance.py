@@ -4,7 +4,7 @@ from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.status import OK
 
 from ..arrays import copy, positions_and_velocities, shared_arrays
-from ..compilation import kernel
+from ..compilation import PARTS, kernel
 from ..equations import flow, motion, node_loads, segment
 from ..equations.assembly import end_force, node_masses
 from ..equations.boundary import wind_of
@@ -65,7 +65,7 @@ def balance(n, parameters, state, v, inputs, has_waves, energies, work):
         tension = state[at.TENSION_AT_DRUM]
     speed = state[at.REELING] if parameters[at.HELD_BY] == 0.0 else state[at.DRUM_SPEED]
     balance_drum(parameters, speed, tension, inputs[at.WINCH_FORCE], energies)
-    if not chain.is_parted:
+    if not (PARTS and chain.is_parted):
         energies[MATERIAL] = chain.growth * (energies[ELASTIC] + energies[MATERIAL])
     if chain.flows:
         balance_flow(chain, state, x, v, vector_at(inputs, at.KITE_LOAD), mass, part(blocks[0], 0, 3 * (n + 1)), energies)
@@ -122,7 +122,7 @@ def balance_nodes(chain, x, v, mass, energies):
         energies[WINCH] -= mass[i] * node_loads.specific_friction(chain, get(x, i), of_rope, slide)
         energies[KINETIC] += mass[i] * moving
         energies[POTENTIAL] += (tether + free * point_mass(chain, i)) * specific
-        growing = mass_rate(chain, i) if chain.is_parted else growing_mass(chain, i, mass[i])
+        growing = mass_rate(chain, i) if PARTS and chain.is_parted else growing_mass(chain, i, mass[i])
         energies[MATERIAL] += growing * (moving + specific)
         energies[CONTACT_LOSS] += mass[i] * contact
         energies[SLIDING_LOSS] += mass[i] * sliding
@@ -151,7 +151,7 @@ def balance_segments(chain, x, v, energies):
         energies[ENERGIES + s] = tension
         elastic = segment.elastic_energy(k, length - rest)
         energies[ELASTIC] += elastic
-        energies[MATERIAL] += growth * elastic if chain.is_parted else in_section(chain, s, elastic) - elastic
+        energies[MATERIAL] += growth * elastic if PARTS and chain.is_parted else in_section(chain, s, elastic) - elastic
         energies[WINCH] -= tension * length * growth
         energies[WIND] += dot(drag, air_velocity)
         energies[DAMPING_LOSS] += c * segment.seen_rate(chain, s, length, rate) * (rate - growth * length)
