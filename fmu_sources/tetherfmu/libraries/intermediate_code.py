@@ -70,7 +70,7 @@ def keep_texts():
 
 @cache
 def code_of(variant):
-    """`Code` of the entry points of a variant; SYSTEM needs a process of its own, as its kernels know `compilation.PARTS`."""
+    """`Code` of the entry points of a variant; SYSTEM needs its own process, as its kernels know `compilation.PARTS`."""
     write_only()
     from tetherfmu.kernels import compilation
 

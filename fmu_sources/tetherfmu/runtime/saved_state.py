@@ -15,7 +15,7 @@ from . import refusals
 from .parameters import DEFAULT_TOLERANCE
 from .plausibility import bits
 
-MAGIC = b"tether19"  # with the version
+MAGIC = b"tether18"  # with the version
 HEADER = struct.Struct("<8sII")  # magic, length and checksum of what follows
 FACTS = struct.Struct("<16sIIdd")  # the first five of `SavedState`
 BEFORE, INITIALIZING, STEPPING, TERMINATED = range(4)  # phases of an instance; from STEPPING on it has a state array
