@@ -4,7 +4,7 @@ from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import plausibility as limits
 
 from ..arrays import clear
-from ..compilation import kernel, view
+from ..compilation import PARTS, kernel, view
 from ..equations import assembly, segment
 from ..equations.boundary import chain_during
 from ..equations.free_points import is_at_point, point_at
@@ -117,9 +117,10 @@ def end_lengths(system, time):
         if is_rope(system, k):
             numbers, state = numbers_of(system, k), state_of(system, k)
             state[at.LENGTH], state[at.REELING] = numbers[LENGTH], numbers[RATE] + numbers[RATE + 1]
-            state[at.SECOND_PART] = numbers[SECOND_PART]
-            if numbers[LATE] != 0.0:
-                state[at.REELING] += numbers[LATE]
+            if PARTS:
+                state[at.SECOND_PART] = numbers[SECOND_PART]
+                if numbers[LATE] != 0.0:
+                    state[at.REELING] += numbers[LATE]
 
 
 @kernel

@@ -12,7 +12,7 @@ from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import plan_layout as places
 
 from ..arrays import behind, clear, places_of
-from ..compilation import kernel, view
+from ..compilation import PARTS, kernel, view
 from ..equations import winch
 from ..equations.boundary import chain_during, chain_with, portion_moving
 from ..equations.drum import drum_of
@@ -406,7 +406,8 @@ def begin_coordinates(system):
     header[COUNT] = count
     for k in range(lines_of(system)):
         take_holders(system, k)
-        numbers_of(system, k)[SECOND_PART], numbers_of(system, k)[LATE] = state_of(system, k)[at.SECOND_PART], 0.0
+        if PARTS:
+            numbers_of(system, k)[SECOND_PART], numbers_of(system, k)[LATE] = state_of(system, k)[at.SECOND_PART], 0.0
         numbers_of(system, k)[FIRST_LENGTH] = numbers_of(system, k)[LENGTH] = conditions_of(system, k).reeling[0]
         if is_rope(system, k):
             take_weights(system, k)

@@ -37,7 +37,7 @@ from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import plausibility as limits
 
 from ..arrays import positions_and_velocities
-from ..compilation import kernel
+from ..compilation import PARTS, kernel
 from ..equations import segment, winch
 from ..equations.boundary import are_derived, distance_of_ends, spring_at_ground
 from ..equations.ground import has_ground
@@ -241,7 +241,7 @@ def note_winch_speed(before, state):
     """
     paid = state[at.LENGTH] - before[at.LENGTH] + state[at.PAYOUT] - before[at.PAYOUT]
     fastest = max(abs(paid) / state[at.LAST_STEP], abs(state[at.REELING] + state[at.SHEAVE_SPEED]))
-    if state[at.RUN_OFF] == before[at.RUN_OFF]:
+    if not PARTS or state[at.RUN_OFF] == before[at.RUN_OFF]:
         note(state, limits.FAST_WINCH, fastest * fastest, limits.FASTEST_WINCH)
 
 
