@@ -26,14 +26,15 @@ class Atwood:
         whole = self.m1 + self.m2 + 2.0 * DENSITY * self.length + sheave_mass
         self.rate, self.first = np.sqrt(2.0 * DENSITY * G / whole), (self.m2 - self.m1) * G / whole
 
-    def system(self, solver=ADAPTIVE):
-        """The system, started."""
+    def system(self, solver=ADAPTIVE, tether=None, **more):
+        """The system, started; tether : another one than the heavy rope.  more : about its sheave."""
         weights = (mass + 0.5 * DENSITY * self.length for mass in (self.m1, self.m2))
         low_a, low_b = (-self.length * (1.0 + weight * G / HEAVY["axial_stiffness"]) for weight in weights)  # stretched
         points = [Point("a", (0.0, 0.0, low_a), mass=self.m1), Point("s", (0.0, 0.0, 0.0))]
         points.append(Point("b", (0.0, 0.0, low_b), mass=self.m2))
-        sheave = {"through": ["s"], "initial_portions": [self.length] * 2, "sheave_mass": self.sheave_mass}
-        system = TetherSystem(points, [Line("rope", "a", "b", rope(20.0, 10, **HEAVY), **sheave)], solver=solver)
+        sheave = {"through": ["s"], "initial_portions": [self.length] * 2, "sheave_mass": self.sheave_mass, **more}
+        line = Line("rope", "a", "b", tether or rope(20.0, 10, **HEAVY), **sheave)
+        system = TetherSystem(points, [line], solver=solver)
         system.initialize()
         return system
 

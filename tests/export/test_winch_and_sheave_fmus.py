@@ -84,7 +84,7 @@ STARTS = [
     ("drum starts", {"trim.reel_out_speed": NO_NUMBER}, "trim.reel_out_speed"),
     ("two winches", {"main.shortest_length": 50.0, "main.longest_length": 40.0}, "the line main: shortest_length is 50"),
     ("atwood", {"rope.sheave_efficiency[1]": 2.0}, "rope.sheave_efficiency"),
-    ("atwood", {"rope.breaking_force": 1e5}, "breaking_force is given for a line over sheaves"),
+    ("atwood", {"rope.breaking_force": 1e5, "rope.segments": 2}, "breaking_force is given for a line over sheaves"),
     ("atwood", {"rope.shortest_length": 5.0, "rope.winch_control": FORCE}, ENDS),
     ("atwood", {"rope.longest_length": 90.0, "rope.winch_control": FORCE}, ENDS),
 ]

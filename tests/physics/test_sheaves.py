@@ -289,7 +289,7 @@ WRONG = {
         "r.longest_length is 20.0, and r runs over",
     ),
     "a law": ({"tether": Tether(initial_length=16.0, damping_law="stretch_rate")}, {}, "damping_law is stretch_rate"),
-    "breaking": ({"tether": Tether(initial_length=16.0, breaking_force=1e4)}, {}, "breaking_force is 10000.0, and r runs"),
+    "breaking": ({"tether": Tether(segments=2, initial_length=16.0, breaking_force=1e4)}, {}, "r.segments is 2; over"),
     "no point": ({"through": ["x"]}, {}, "point x, which does not exist"),
     "itself": ({"through": ["s", "s"]}, {}, "from the point s to itself"),
     "no effect": ({"through": [], "sheave_mass": 1.0}, {}, "has no effect"),

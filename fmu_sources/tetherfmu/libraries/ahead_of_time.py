@@ -27,7 +27,7 @@ from tetherfmu.libraries import processors
 from tetherfmu.libraries.intermediate_code import PAUSE
 from tetherfmu.libraries.linking import link
 from tetherfmu.libraries.llvm_modules import Target, check_names, for_target, machine_of, optimize, whole_module
-from tetherfmu.runtime.kernel_library import file_name, verbs
+from tetherfmu.runtime.kernel_library import SYSTEM, file_name, verbs
 
 TARGETS = {
     "x86_64-linux": Target("x86_64-unknown-linux-gnu", "x86-64"),
@@ -137,7 +137,15 @@ def main(arguments, more=None):
 
 
 def code_of(variant):
-    """`intermediate_code.Code` of a variant; numba is imported where it is needed, by no other process."""
+    """`intermediate_code.Code` of a variant; of systems by a process of its own, as their kernels know more than others."""
+    if variant == SYSTEM:
+        with ProcessPoolExecutor(1, get_context("spawn"), signal.signal, (signal.SIGINT, signal.SIG_DFL)) as pool:
+            return pool.submit(code_here, variant).result()
+    return code_here(variant)
+
+
+def code_here(variant):
+    """`code_of` in this process; numba is imported where it is needed, by no other process."""
     from tetherfmu.libraries import intermediate_code
 
     return intermediate_code.code_of(variant)

@@ -18,6 +18,8 @@ from importlib import import_module
 from time import monotonic
 from typing import NamedTuple
 
+from tetherfmu.runtime.kernel_library import SYSTEM
+
 PAUSE = 15.0  # s between lines of progress
 
 
@@ -86,10 +88,11 @@ def tell_progress(library):
 
 @cache
 def code_of(variant):
-    """`Code` of the entry points of a variant."""
+    """`Code` of the entry points of a variant; SYSTEM needs its own process, as its kernels know `compilation.PARTS`."""
     write_only()
     from tetherfmu.kernels import compilation
 
+    compilation.PARTS = variant == SYSTEM
     compilation.OPTIONS |= {"no_cpython_wrapper": True, "_nrt": False}  # Python calls none of these, and they own no arrays
     functions = import_module("tetherfmu.libraries.just_in_time").compiled(variant)
     texts = {}  # without repetition, callees first

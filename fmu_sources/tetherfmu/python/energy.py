@@ -70,8 +70,8 @@ class Energy:
     )
     sliding_loss: float = _power("heat of the friction on the ground; at least 0")
     broken: float = _energy(
-        "lost with the spring of the segment that broke, less that of the half particle which a driven end leaves to the "
-        "tether when it lets go; 0 before"
+        "lost with the spring of the segment that broke, and where rope runs off a sheave, less that of the half particle "
+        "which a driven end leaves to the tether when it lets go; 0 before"
     )
 
     @property

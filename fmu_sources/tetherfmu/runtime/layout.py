@@ -48,8 +48,15 @@ TORN_NOW = GROUND_IS_FREE + 4  # number of the segment without load, from 1 on; 
 WHOLE_STIFFNESS, WHOLE_DAMPING, WHOLE_DRAG_WIDTH = TORN_NOW + 1, TORN_NOW + 2, TORN_NOW + 3  # its earlier values
 WHOLE_CONTROL = TORN_NOW + 4  # `winch_control` before the winch was braked
 CAN_BREAK = TORN_NOW + 5  # 1 if any segment has a breaking force
+WINCH_IS_BRAKED = TORN_NOW + 6  # 1 if the line, or another portion of its rope, broke
+# of a portion that broke while a kernel runs, see `kernels/equations/parts.py`
+IS_PARTED = TORN_NOW + 7  # 1 if it is in two parts, each with the rope of its own end
+FIRST_ENDS, SECOND_BEGINS = TORN_NOW + 8, TORN_NOW + 9  # nodes where the first part ends and the second one begins
+REST_BETWEEN = TORN_NOW + 10  # unstretched length in neither part [m]
+FIRST_PASSING = TORN_NOW + 11  # 1 if it has a first part, else 0
+WHOLE_SHARE, WHOLE_DENSITY = TORN_NOW + 12, TORN_NOW + 13  # earlier values of all its segments
 # of a portion of a line over sheaves, see `kernels/points/room.py`; the sheave is at its end
-IS_PORTION = TORN_NOW + 6  # 1 for the first portion, 2 for later ones, else 0
+IS_PORTION = TORN_NOW + 14  # 1 for the first portion, 2 for later ones, else 0
 BEHIND_SHEAVE = 2.0
 ROUNDED_STOP = 1e-6  # of its length: how far below the shortest one it may have stopped
 GIVEN_PORTION = IS_PORTION + 1  # its unstretched length at the start [m]; 0: as the tensions at rest share the line
@@ -151,7 +158,10 @@ DRUM_SPEED = PAYOUT + 12  # rate of it [m/s]
 DRUM_ACCELERATION = PAYOUT + 13  # rate of that [m/s2]
 # past values of quantities known by positions only, the latest first, see `kernels/equations/past.py`: times between
 # successive values [s], then for each the kite position, the ground position and the length input of the winch [m]
-PAST_TIMES = PAYOUT + 14
+# of a portion that broke or has a loose end, see `kernels/equations/parts.py`: what ran off; unstretched length of its
+# second part [m]; rope lumped where it broke at the ends of both parts, and at loose ends [m]
+RUN_OFF, SECOND_PART, FIRST_LUMP, SECOND_LUMP, START_LUMP, END_LUMP = range(PAYOUT + 14, PAYOUT + 20)
+PAST_TIMES = PAYOUT + 20
 PAST_VALUES = PAST_TIMES + MOST_PAST
 STATE_HEADER = PAST_VALUES + PAST_SIZE * MOST_PAST
 

@@ -37,6 +37,8 @@ STATE_RANGES = {  # smallest and largest number at a place of the state array; a
     at.TORN_AT: NOT_NEGATIVE,
     at.LET_GO_AT: NOT_NEGATIVE,
     at.CLOCK: NOT_NEGATIVE,
+    at.RUN_OFF: (0.0, 15.0),
+    **{place: NOT_NEGATIVE for place in range(at.SECOND_PART, at.END_LUMP + 1)},
     **{at.WARNED_VALUES + kind: NOT_NEGATIVE for kind in range(at.WARNING_KINDS)},
 }
 

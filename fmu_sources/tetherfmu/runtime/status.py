@@ -47,6 +47,7 @@ SHEAVES_THAT_BREAK = 30
 NO_SHARES = 31
 SHEAVES_WITH_STOP = 32
 NO_BALANCE_OF_DRUMS = 33
+ROPE_RUNS_OFF = 35
 # of the wind
 UNKNOWN_WIND_LAW = 34
 
@@ -143,7 +144,11 @@ SENTENCES = {
         "damping_law is 2 (stretch_rate) for a line over sheaves, or with force control beside such lines or at a winch "
         "that holds several; it must be 1 (strain_rate)"
     ),
-    SHEAVES_THAT_BREAK: "breaking_force is given for a line over sheaves, which cannot break: it must be 0",
+    ROPE_RUNS_OFF: (
+        "the end of the rope reached a sheave in a step of {step} s in which it broke or changed its speed, or the portion "
+        "behind the sheave has one segment only; use a shorter step or more segments"
+    ),
+    SHEAVES_THAT_BREAK: "breaking_force is given for a line over sheaves; it must have at least 3 segments to break",
     NO_SHARES: (
         "no lengths of the portions were found at which each sheave has equal tensions on both sides, and, with "
         "winch_start 2 (equilibrium), the line pulls with winch_force; give them as initial_portions, set winch_start to 1 "

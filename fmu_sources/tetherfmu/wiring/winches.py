@@ -23,6 +23,7 @@ BY_SPEED, BY_FORCE, BY_LENGTH = "speed", "force", "length"
 GIVEN = {BY_SPEED: "reel_out_speed", BY_FORCE: "winch_force", BY_LENGTH: "winch_length"}  # input of each control
 QUANTITIES_OF_A_WINCH = dict(quantities(Winch))
 CONTROL = QUANTITIES_OF_A_WINCH["winch_control"].numbers
+LEAST_TO_BREAK = 3  # segments of a portion that may break, see `kernels/equations/parts.py`
 SMALLEST_RATIO, LARGEST_RATIO = 1e-3, 1e3
 # quantities of a `Winch` that a shared one has, if it is controlled by force
 OF_A_DRUM = ("winch_mass", "winch_damping", "winch_friction", "winch_start")
@@ -192,9 +193,11 @@ def check_with_sheaves(lines, winches):
         check_drum(line, why)
         if line.through and line.tethers[0].damping_law != at.STRAIN_RATE:
             raise ValueError(f"{line.name}.damping_law is stretch_rate; over sheaves it must be strain_rate")
-        if line.through and line.tethers[0].breaking_force != 0.0:
-            force = line.tethers[0].breaking_force
-            raise ValueError(f"{line.name}.breaking_force is {force!r}, and {line.name} runs over sheaves; it must be 0")
+        if line.through and line.tethers[0].breaking_force != 0.0 and line.tethers[0].segments < LEAST_TO_BREAK:
+            raise ValueError(
+                f"{line.name}.segments is {line.tethers[0].segments}; over sheaves a line with breaking_force must have at "
+                f"least {LEAST_TO_BREAK}"
+            )
 
 
 def check_turned(line, why):

@@ -18,11 +18,11 @@ at the first node faster than L'. Theory: docs/models/theory.md, "Rope that flow
 
 from tetherfmu.runtime import layout as at
 
-from ..compilation import kernel
+from ..compilation import PARTS, kernel
 from ..linear_algebra.both_ends import add_to_node, get_interleaved, get_two, lower_and_upper, put_interleaved, put_two
-from ..linear_algebra.pairs import first, number_at, pair, second
+from ..linear_algebra.pairs import broadcast, first, number_at, pair, second, select
 from ..linear_algebra.vectors import NEUTRAL_VECTOR, ZERO_VECTOR, add, add_scaled, dot, get, norm, put, scale, sub
-from .properties import property_of, rest_length
+from .properties import growth_at, property_of, rest_length
 
 
 @kernel
@@ -42,6 +42,11 @@ def passing_at(chain, i):
     """c_i [m/s] of an inner node, 0 at the ends, where rope leaves the ground."""
     if not 0 < i < chain.n or (chain.reeling == 0.0 and chain.leaving == 0.0):
         return 0.0
+    if PARTS and chain.is_parted:
+        ends, begins = chain.parameters[at.FIRST_ENDS], chain.parameters[at.SECOND_BEGINS]
+        if i < ends:
+            return (1.0 - i / ends) * (chain.reeling + chain.leaving)
+        return (i - begins) / (chain.n - begins) * chain.leaving if i > begins else 0.0
     return part_at(chain, i) * chain.reeling + chain.leaving
 
 
@@ -71,12 +76,30 @@ def velocity_of_rope(chain, i, x, v):
 
 
 @kernel
+def first_passing(chain):
+    """c/L' of the first node [-] without rope that leaves: 0 if a portion that broke has no first part."""
+    return chain.parameters[at.FIRST_PASSING] if PARTS and chain.is_parted else 1.0
+
+
+@kernel
+def passing(chain, share, part):
+    """c [m/s] of a node and its rate [m/s2]; share : of the segment beside it.
+
+    part : c/L' [-] without rope that leaves; in a portion that broke, of the rate at the end of the same part.
+    """
+    if PARTS and chain.is_parted:
+        into, leaving = broadcast((chain.reeling + chain.leaving, chain.leaving), share)
+        gain, leaving_gain = broadcast((chain.acceleration + chain.leaving_gain, chain.leaving_gain), share)
+        return part * select(share, into, leaving), part * select(share, gain, leaving_gain)
+    return part * chain.reeling + chain.leaving, part * chain.acceleration + chain.leaving_gain
+
+
+@kernel
 def slopes(chain, s, part):
-    """a of node p, a of node q [N/m] and b [N s/m] of segment s; part : c_p/L' [-]."""
-    half, next_part = 0.5 * property_of(chain, s, at.LINE_DENSITY), part - property_of(chain, s, at.SHARE)
-    c = part * chain.reeling + chain.leaving, next_part * chain.reeling + chain.leaving
-    gained = part * chain.acceleration + chain.leaving_gain, next_part * chain.acceleration + chain.leaving_gain
-    return slopes_with(half, rest_length(chain, s), c, gained)
+    """a of node p, a of node q [N/m] and b [N s/m] of segment s; part : see `passing`."""
+    half, share = 0.5 * property_of(chain, s, at.LINE_DENSITY), property_of(chain, s, at.SHARE)
+    (c_p, gain_p), (c_q, gain_q) = passing(chain, share, part), passing(chain, share, part - share)
+    return slopes_with(half, rest_length(chain, s), (c_p, c_q), (gain_p, gain_q))
 
 
 @kernel
@@ -115,6 +138,13 @@ def forces_of(found, r, u):
 
 
 @kernel
+def last_passing(chain):
+    """`passing` of the last node but one."""
+    share = property_of(chain, chain.n - 1, at.SHARE)
+    return 1.0 + share if PARTS and share < 0.0 else share
+
+
+@kernel
 def end_force(chain, kite_end, x_p, x_q, v_p, v_q):
     """Contribution of flowing rope to the force on the support of an end [N], from the nodes of its segment [m, m/s].
 
@@ -122,21 +152,21 @@ def end_force(chain, kite_end, x_p, x_q, v_p, v_q):
     winch, after it has gained its speed. At the kite f_n.
     """
     if not kite_end:
-        _, _, by_rate = slopes(chain, 0, 1.0)
+        _, _, by_rate = slopes(chain, 0, first_passing(chain))
         half = 0.5 * property_of(chain, 0, at.LINE_DENSITY)
         r = sub(x_q, x_p)
         gain = chain.acceleration + chain.leaving_gain
         return add_scaled(scale(-half * gain - by_rate * chain.growth, r), by_rate, sub(v_q, v_p))
     s = chain.n - 1
-    _, of_kite = forces(chain, s, property_of(chain, s, at.SHARE), x_p, x_q, v_p, v_q)
+    _, of_kite = forces(chain, s, last_passing(chain), x_p, x_q, v_p, v_q)
     return of_kite
 
 
 @kernel
 def energy(chain, s, part, x_p, x_q, v_p, v_q):
     """Kinetic energy [J] of segment s beyond 1/2 (mu l0/2) |v|^2 of its nodes: mu/2 (c v . r + c^2 l^2/(2 l0)) of both."""
-    c_p = part * chain.reeling + chain.leaving
-    c_q = (part - property_of(chain, s, at.SHARE)) * chain.reeling + chain.leaving
+    share = property_of(chain, s, at.SHARE)
+    (c_p, _), (c_q, _) = passing(chain, share, part), passing(chain, share, part - share)
     r, rest = sub(x_q, x_p), rest_length(chain, s)
     along = c_p * dot(v_p, r) + c_q * dot(v_q, r) + 0.5 * (c_p * c_p + c_q * c_q) / rest * dot(r, r)
     return 0.5 * property_of(chain, s, at.LINE_DENSITY) * along
@@ -149,7 +179,7 @@ def add_forces(chain, x, v, parts, force):
     Two segments at a time, as in `assembly.node_forces`.  parts (modified) : n + 1 numbers, c_i/L'.
     """
     n, last = chain.n, no_forces()
-    parts[0] = 1.0
+    parts[0] = first_passing(chain)
     for s in range(n):
         parts[s + 1] = parts[s] - property_of(chain, s, at.SHARE)
     for s in range((n + 1) // 2):
@@ -186,7 +216,7 @@ def add_to_middle(n, last, force):
 @kernel
 def most_power(chain, x, v):
     """Upper bound of the power [W] of these forces, with the nodes at x [m], v [m/s]."""
-    power, part = 0.0, 1.0
+    power, part = 0.0, first_passing(chain)
     for s in range(chain.n):
         of_p, of_q = forces(chain, s, part, get(x, s), get(x, s + 1), get(v, s), get(v, s + 1))
         power += norm(of_p) * norm(get(v, s)) + norm(of_q) * norm(get(v, s + 1))
@@ -202,21 +232,22 @@ def power(chain, x, v, a, are_free, counted):
     counted : as for `energy_of_flow`.
     """
     start, end = are_free
-    total, part = 0.0, 1.0
+    total, part = 0.0, first_passing(chain)
     for s in range(chain.n):
         r, u = sub(get(x, s + 1), get(x, s)), sub(get(v, s + 1), get(v, s))
         free_p, free_q = start if s == 0 else 1.0, end if s == chain.n - 1 else 1.0
         of_p, of_q = forces(chain, s, part, get(x, s), get(x, s + 1), get(v, s), get(v, s + 1))
         total += free_p * dot(of_p, get(v, s)) + free_q * dot(of_q, get(v, s + 1))
-        next_part, rest, square = part - property_of(chain, s, at.SHARE), rest_length(chain, s), dot(r, r)
+        share, rest, square, growth = property_of(chain, s, at.SHARE), rest_length(chain, s), dot(r, r), growth_at(chain, s)
+        next_part = part - share
         for is_q in range(2):
             here, node = (next_part, s + 1) if is_q == 1 else (part, s)
             with_velocity = 1.0
             if node == 0 or node == chain.n:
                 with_velocity = counted[0] if node == 0 else counted[1]
-            c, gain = here * chain.reeling + chain.leaving, here * chain.acceleration + chain.leaving_gain
+            c, gain = passing(chain, share, here)
             crossed = gain * dot(get(v, node), r) + c * (dot(get(a, node), r) + dot(get(v, node), u))
-            of_square = c * gain * square + 0.5 * c * c * (2.0 * dot(r, u) - square * chain.growth)
+            of_square = c * gain * square + 0.5 * c * c * (2.0 * dot(r, u) - square * growth)
             total += 0.5 * property_of(chain, s, at.LINE_DENSITY) * (with_velocity * crossed + of_square / rest)
         part = next_part
     return total
@@ -225,7 +256,7 @@ def power(chain, x, v, a, are_free, counted):
 @kernel
 def energy_of_flow(chain, x, v, counted):
     """Sum of `energy` over all segments [J]; counted : for each end, 1 or 0: whether its velocity counts."""
-    total, part = 0.0, 1.0
+    total, part = 0.0, first_passing(chain)
     for s in range(chain.n):
         v_p = scale(counted[0] if s == 0 else 1.0, get(v, s))
         v_q = scale(counted[1] if s == chain.n - 1 else 1.0, get(v, s + 1))
@@ -237,7 +268,7 @@ def energy_of_flow(chain, x, v, counted):
 @kernel
 def add_rates(chain, acceleration, jerk, x, v, force_rate):
     """Add df/dt [N/s] at constant x [m], v [m/s] to `force_rate` (modified), all flat; others as for `slope_rates`."""
-    part = 1.0
+    part = first_passing(chain)
     for s in range(chain.n):
         of_p, of_q, by_rate = slope_rates(chain, s, part, acceleration, jerk)
         r, along = sub(get(x, s + 1), get(x, s)), scale(by_rate, sub(get(v, s + 1), get(v, s)))
@@ -260,15 +291,15 @@ def add_end_motion(chain, kite_end, dx, dv, force):
     """Add to `force` (modified, flat) the change of the forces [N] when one end moves by dx [m] and dv [m/s]."""
     if kite_end:
         s = chain.n - 1
-        add_change(chain, s, property_of(chain, s, at.SHARE), dx, dv, force)
+        add_change(chain, s, last_passing(chain), dx, dv, force)
     else:
-        add_change(chain, 0, 1.0, scale(-1.0, dx), scale(-1.0, dv), force)
+        add_change(chain, 0, first_passing(chain), scale(-1.0, dx), scale(-1.0, dv), force)
 
 
 @kernel
 def put_dampings(chain, dampings):
     """b [N s/m] of all segments into an array (modified)."""
-    part = 1.0
+    part = first_passing(chain)
     for s in range(chain.n):
         _, _, dampings[s] = slopes(chain, s, part)
         part -= property_of(chain, s, at.SHARE)
@@ -291,7 +322,7 @@ def subtract_damping(n, dampings, velocity, force):
 def subtract_slopes(chain, damping_factor, stiffness_factor, matrix):
     """Subtract damping_factor df/dv + stiffness_factor df/dx from a `block_tridiagonal.Matrix` (modified)."""
     diagonal, lower, upper = matrix
-    part = 1.0
+    part = first_passing(chain)
     for s in range(chain.n):
         of_p, of_q, by_rate = slopes(chain, s, part)
         of_p = damping_factor * by_rate + stiffness_factor * of_p

@@ -35,7 +35,7 @@ def accelerations(chain, x, v, load, mass, a):
     for i in range(n + 1):
         put(force, i, node_loads.load(chain, mass[i], get(x, i), get(v, i), None))
     put(force, n, add(get(force, n), load))
-    part = 1.0  # fraction of L' that flows past node p
+    part = flow.first_passing(chain)  # fraction of L' that flows past node p
     for s in range(n):
         p, q = s, s + 1
         pull, drag, _ = segment.forces(chain, s, get(x, p), get(x, q), get(v, p), get(v, q))

@@ -4,7 +4,7 @@ from collections import namedtuple
 
 from tetherfmu.runtime import layout as at
 
-from ..compilation import kernel, view
+from ..compilation import PARTS, kernel, view
 from ..linear_algebra.pairs import broadcast, number_at, select
 from ..linear_algebra.vectors import NEUTRAL, vector_at
 from .air import is_uniform
@@ -12,7 +12,7 @@ from .air import is_uniform
 Chain = namedtuple(
     "Chain",
     "n parameters length section reeling acceleration leaving leaving_gain flows growth seen_growth slack_stiffness_ratio "
-    "slack_damping_ratio gravity wind air_is_uniform has_sections",
+    "slack_damping_ratio gravity wind air_is_uniform has_sections is_parted second second_growth",
 )
 Chain.__doc__ = """A chain at an instant.
 
@@ -27,6 +27,8 @@ slack_stiffness_ratio, slack_damping_ratio : of a slack segment to a taut one [-
 wind : at the reference height [m/s]; unused if the wind is given at the nodes, see `node_wind`.
 air_is_uniform : whether wind and density are the same everywhere.
 has_sections : whether a part of the chain keeps its unstretched length while the winch runs.
+is_parted : whether it is a portion that broke, see `parts.py`.
+second, second_growth : minus the unstretched length of its second part [m], and (dl0/dt)/l0 there [1/s]; else 0.
 
 Some fields repeat `parameters`: a loop that writes to arrays would reload them for each segment."""
 
@@ -43,13 +45,19 @@ def chain_with_flow(n, parameters, length, reeling, acceleration, leaving, wind,
 
     leaving : the rate at which rope leaves its last node [m/s], and its derivative [m/s2].
     """
-    section = section_of(parameters, length)
-    growth = reeling / section
+    section, is_parted = section_of(parameters, length), PARTS and parameters[at.IS_PARTED] != 0.0
+    growth, second, second_growth = reeling / section, 0.0, 0.0
+    if PARTS and is_parted:
+        second = parameters[at.REST_BETWEEN] - parameters[at.LENGTH_BEYOND]
+        growth, second_growth = (reeling + leaving[0]) / section, leaving[0] / second
     seen_growth = growth if sees_reeling(parameters) else 0.0
     motion = length, section, reeling, acceleration, *leaving, flows, growth, seen_growth
     ratios = parameters[at.SLACK_STIFFNESS_RATIO], parameters[at.SLACK_DAMPING_RATIO]
     has_sections = parameters[at.LENGTH_BEYOND] != 0.0
-    return Chain(n, parameters, *motion, *ratios, parameters[at.GRAVITY], wind, is_uniform(parameters), has_sections)
+    air = wind, is_uniform(parameters)
+    return Chain(
+        n, parameters, *motion, *ratios, parameters[at.GRAVITY], *air, has_sections, is_parted, second, second_growth
+    )
 
 
 @view
@@ -128,8 +136,11 @@ def section_of(parameters, length):
 @kernel
 def rest_length(chain, s):
     """Unstretched length l0 [m] of segment s, or of two segments, as a pair."""
-    length = property_of(chain, s, at.SHARE) * chain.section
+    share = property_of(chain, s, at.SHARE)
+    length = share * chain.section
     if chain.has_sections:
+        if PARTS:
+            length = select(share, length, share * chain.second)
         length = length + property_of(chain, s, at.OFFSET)
     return length
 
@@ -137,16 +148,31 @@ def rest_length(chain, s):
 @kernel
 def in_section(chain, s, value):
     """A value if segment s is in the section at the winch, else 0; for two segments as a pair."""
+    return in_parts(chain, s, value, 0.0)
+
+
+@kernel
+def in_parts(chain, s, value, other):
+    """A value if segment s is in the section at the winch or in the first part, else another; for two segments as a pair."""
     share = property_of(chain, s, at.SHARE)
-    here, beyond = broadcast((value, 0.0), share)
+    here, beyond = broadcast((value, other if PARTS else 0.0), share)
     if chain.has_sections:
         here = select(share, here, beyond)
     return here
 
 
 @kernel
+def growth_at(chain, s):
+    """(dl0/dt)/l0 [1/s] of segment s, or of two segments, as a pair."""
+    return in_parts(chain, s, chain.growth, chain.second_growth)
+
+
+@kernel
 def part_in(parameters, n, s, length):
     """Fraction [-] of the unstretched length [m] that is in segment s of n."""
+    share = property_in(parameters, n, s, at.SHARE)
+    if PARTS and share < 0.0:
+        return share * (parameters[at.REST_BETWEEN] - parameters[at.LENGTH_BEYOND]) / length
     in_winch = property_in(parameters, n, s, at.SHARE) * (section_of(parameters, length) / length)
     return in_winch + property_in(parameters, n, s, at.OFFSET) / length
 

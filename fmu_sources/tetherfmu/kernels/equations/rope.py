@@ -37,7 +37,7 @@ from ..linear_algebra.pairs import select
 from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, dot, get, norm, scale, sub, vector_at
 from . import segment
 from .boundary import spring_at_ground
-from .properties import chain_at, half_density, in_section, property_of, rest_length, sees_reeling
+from .properties import chain_at, growth_at, half_density, property_of, rest_length, sees_reeling
 
 Piece = namedtuple("Piece", "rest per half k c growth gravity")
 Piece.__doc__ = """l0 [m], 1/l0 [1/m], mu/2 [kg/m], k [N/m] and c [N s/m] of a segment; l0'/l0 [1/s]; g [m/s2]."""
@@ -58,7 +58,7 @@ def piece_of(chain, s, mode):
     """`Piece` of segment s, or of two segments as a pair."""
     rest = rest_length(chain, s)
     k, c = segment.stiffness(chain, s, mode, rest)
-    return Piece(rest, 1.0 / rest, half_density(chain, s), k, c, in_section(chain, s, chain.growth), chain.gravity)
+    return Piece(rest, 1.0 / rest, half_density(chain, s), k, c, growth_at(chain, s), chain.gravity)
 
 
 @kernel

@@ -30,7 +30,7 @@ from ..linear_algebra.matrices import add_to_diagonal, apply, get_matrix, outer,
 from ..linear_algebra.pairs import broadcast, select
 from ..linear_algebra.vectors import add, add_scaled, cross, dot, get, scale, sub
 from .air import varying_air, varying_density
-from .properties import has_node_winds, in_section, node_wind, property_of, rest_length
+from .properties import has_node_winds, in_parts, node_wind, property_of, rest_length
 
 # places in the record of derivatives, see `assembly.record_of`
 K = 0  # 3x3
@@ -96,7 +96,7 @@ def beyond_rest(r, rest):
 @kernel
 def seen_growth(chain, s):
     """l0'/l0 [1/s] that the damper of segment s sees, or those of two segments, as a pair; see `Chain`."""
-    return in_section(chain, s, chain.seen_growth)
+    return in_parts(chain, s, chain.seen_growth, chain.second_growth)
 
 
 @kernel

@@ -193,7 +193,7 @@ def reeling_of_step(parameters, inputs, estimate, step, state):
     H, a : end of the polynomial, and the acceleration after it.  estimate : rate of the reel-out speed [m/s2].
     Constant length for a force-controlled winch.
     """
-    if parameters[at.TORN_NOW] > 0.0 or follows_force(parameters):  # the winch of a broken line is braked
+    if parameters[at.WINCH_IS_BRAKED] != 0.0 or follows_force(parameters):
         return steadily(state[at.LENGTH], 0.0, 0.0)
     if follows_length(parameters):
         return following(parameters, inputs, step, state)

@@ -137,7 +137,7 @@ def add_ground(attempt, x, is_held, w):
 @kernel
 def find_flow(attempt, x, w):
     """Forces of flowing rope with the nodes at x [m] into w.flow (modified)."""
-    chain, h, part = attempt.chain, attempt.h, 1.0
+    chain, h, part = attempt.chain, attempt.h, flow.first_passing(attempt.chain)
     clear(w.flow)
     for s in range(chain.n):
         r = sub(get(x, s + 1), get(x, s))

@@ -31,7 +31,7 @@ from ..arrays import behind, split
 from ..compilation import kernel, view
 from ..equations import flow, node_loads, segment
 from ..equations.boundary import load_during
-from ..equations.properties import in_section, rest_length
+from ..equations.properties import growth_at, rest_length
 from ..flat_arrays import part
 from ..linear_algebra.vectors import add, dot, get, norm, sub
 from . import backward_euler
@@ -96,7 +96,7 @@ def energy_and_power(conditions, chain, time, x, v, mass):
         tension = abs(segment.tension(chain, s, length, dot(e, sub(v_q, v_p)), rest, k, c))
         drag = norm(segment.half_drag_between(chain, s, length, e, x_p, x_q, v_p, v_q))
         air, _, _, _ = segment.air_of(chain, s, segment.mean_height(x_p, x_q))
-        power += 2.0 * drag * norm(air) + tension * length * abs(in_section(chain, s, chain.growth))
+        power += 2.0 * drag * norm(air) + tension * length * abs(growth_at(chain, s))
         if s < conditions.first:
             power += (tension + drag) * norm(v_p)
         if s >= conditions.last:

@@ -14,7 +14,7 @@ from tetherfmu.runtime.limits import LEAST_REMAINDER, MOST_BUDGETS, MOST_EXPECTE
 from ..compilation import kernel
 from ..equations import segment
 from ..equations.ground import has_ground
-from ..equations.properties import has_node_winds, in_section, node_wind, property_of, rest_length
+from ..equations.properties import has_node_winds, in_parts, node_wind, property_of, rest_length
 from ..linear_algebra.vectors import dot, get, sub
 from . import contact
 from .rodas4p import GAMMA
@@ -46,12 +46,13 @@ SegmentErrors.__doc__ = """Results of the last step for the segments of a line; 
 damper_velocity, damper : error estimate of a damper's tension as a velocity [m/s], and over the largest tension [-].
 tension : of any tension over its tolerance [-].  largest : tension of all segments [N].  is_stiff : whether the line is.
 has_crossed : whether a segment crossed the taut-slack transition."""
-DrumError = namedtuple("DrumError", "length growth mass moves_segment")
+DrumError = namedtuple("DrumError", "length growth mass moves_segment second_length second_growth")
 DrumError.__doc__ = """Error estimates of the drum of a line in the last step.
 
 length : of the length over gamma h [m/s].  growth : of l0'/l0 in the section at the winch, as dampers see it [1/s].
 mass : of the drum [kg], inf without a drum and if it is held; 0: it controls the tension of the first segment.
-moves_segment : whether entering rope moves the only segment of the line, see `events.keep_energy`."""
+moves_segment : whether entering rope moves the only segment of the line, see `events.keep_energy`.
+second_length, second_growth : of the second part of a portion that broke, relative to its length [1/s], [1/s]; else 0."""
 
 
 @kernel
@@ -98,7 +99,8 @@ def errors_of_segments(conditions, chain, h, speed, drum, w):
         taut, _ = segment.stiffness(chain, s, segment.TAUT, rest)
         pull = segment.tension(chain, s, length, dot(e, sub(get(w.v, s + 1), get(w.v, s))), rest, k, c)
         largest, highest = max(largest, abs(pull)), max(highest, pull)
-        entering, growth = in_section(chain, s, rest / chain.section * drum.length), in_section(chain, s, drum.growth)
+        entering = in_parts(chain, s, rest / chain.section * drum.length, rest * drum.second_length)
+        growth = in_parts(chain, s, drum.growth, drum.second_growth)
         wrong = reach * (dot(e, sub(get(w.q, s + 1), get(w.q, s))) - entering)
         of_damper = c * (dot(e, sub(get(w.velocity_error, s + 1), get(w.velocity_error, s))) - length * growth)
         mass = lighter_free_node(s, conditions, w)

@@ -40,10 +40,12 @@ from ..linear_algebra.both_ends import interleaved_size
     GOAL,  # largest node displacement of a converged line [m]
     UNCONVERGED,  # number of steps in which the iteration ended unconverged
     MOVED,  # change of T in the iteration [N]
+    SECOND_PART,  # unstretched length of the second part of a portion that broke, at the start of the piece [m]
+    LATE,  # rate at which the winch of a broken rope paid out until the end of the communication step [m/s]
     KEPT_REELING,  # reeling before the line broke, see `motion/breaks.py`
     _,
     NUMBERS,
-) = places_of(2, 2 * at.MOST_HOLDERS, 2 * at.MOST_HOLDERS, 1, 1, 1, 1, 1, *[2] * 9, *[4] * 4, 2, 2, 1, 1, 1, 2, 7, 1)
+) = places_of(2, 2 * at.MOST_HOLDERS, 2 * at.MOST_HOLDERS, 1, 1, 1, 1, 1, *[2] * 9, *[4] * 4, 2, 2, 1, 1, 1, 2, 1, 1, 7, 1)
 
 Weights = namedtuple("Weights", "first last growth_first growth_last")
 Weights.__doc__ = """W_i0 and W_i1 of the nodes, n + 1; g_0 and g_1 of the segments, n; see `equations/rope.py`."""

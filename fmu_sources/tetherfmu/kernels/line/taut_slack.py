@@ -13,9 +13,9 @@ balance, because slack segments permit longer steps: an undamped tether swung it
 
 from math import copysign, inf, sqrt
 
-from ..compilation import kernel
+from ..compilation import PARTS, kernel
 from ..equations import segment
-from ..equations.properties import in_section, rest_length
+from ..equations.properties import growth_at, in_section, rest_length
 from ..linear_algebra.vectors import add_scaled, dot, get, norm, put, sub
 
 TRANSITION = 0.05  # measured: 0.2 costs more rejections for the same error; with 0.01 an undamped tether may gain energy
@@ -91,6 +91,8 @@ def part_to_transition(conditions, before, after, h, x, v, speed, mass_of_rope, 
                 length, e = segment.geometry(sub(get(x, s + 1), get(x, s)))
                 rest = rest_length(before, s)
                 rest_rate = in_section(before, s, rest * before.reeling / before.section)
+                if PARTS and before.is_parted:
+                    rest_rate = rest * growth_at(before, s)
                 rate = h * (dot(e, sub(get(v, s + 1), get(v, s))) - rest_rate)
                 first = length - rest - allowed
                 least = min(least, part_of_parabola(first, rate, over - allowed))

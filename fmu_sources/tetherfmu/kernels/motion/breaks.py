@@ -11,7 +11,7 @@ from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import plausibility as limits
 
 from ..compilation import kernel
-from ..equations import segment, torn
+from ..equations import flow, parts, segment, torn
 from ..equations.assembly import node_masses
 from ..equations.boundary import place_ends
 from ..equations.free_points import is_at_point, point_at
@@ -30,34 +30,41 @@ from ..equations.lines import (
 )
 from ..equations.properties import half_density, point_mass, property_of, rest_length
 from ..equations.rope import feels_rope
-from ..equations.winch import follows_force, reel
+from ..equations.ropes import first_of, goes_on, is_freed, is_portion
+from ..equations.winch import ALL_ALONG, follows_force, length_at, rate_at, reel
 from ..line import strand
 from ..line.drum_events import OVERLOAD, part_of_piece
-from ..line.strand_room import KEPT_REELING, rope_in
+from ..line.strand_room import KEPT_REELING, LATE, SECOND_PART, rope_in
 from ..linear_algebra.both_ends import interleave
 from ..linear_algebra.vectors import add_at, dot, get, scale, sub
 from ..notes import note, note_peak
 from ..points.room import (
     IS_KNOWN,
+    SPEED,
     any_line,
     chain_now,
     chain_of_state,
+    chain_with_rope,
     count_of,
     globals_of,
     integrator_of,
+    let_in,
     moves,
     numbers_of,
     strand_of,
     take_brake,
     take_holders,
+    take_rates,
     take_weights,
 )
+from .states import go_to_state
 
 
 @kernel
 def can_break(system, k):
     """Whether line k may break."""
-    return parameters_of(system, k)[at.CAN_BREAK] > 0.0 and not torn.is_torn(parameters_of(system, k))
+    parameters = parameters_of(system, k)
+    return parameters[at.CAN_BREAK] > 0.0 and not (torn.is_torn(parameters) or parts.is_parted(parameters))
 
 
 can_any_break = any_line(can_break)
@@ -144,8 +151,87 @@ def jump_alone(system, k, chain, change, time):
 
 
 @kernel
+def brake_rope(system, k, time):
+    """Brake the winch of a rope (modified) whose first portion is k, from a time [s] of the communication step on.
+
+    The rope stops within the rest of the step, or else within the next one, which keeps its momentum.
+    """
+    if parameters_of(system, k)[at.WINCH_IS_BRAKED] != 0.0:
+        return
+    reeling, left = conditions_of(system, k).reeling, state_of(system, k)[at.LAST_STEP] - time
+    paid, length = rate_at(reeling, time) + let_in(system, k, 0, SPEED), length_at(reeling, time)
+    keep_reeling(system, k)
+    parts.brake(parameters_of(system, k))
+    numbers_of(system, k)[LATE] = paid if left <= 0.0 else 0.0
+    take_holders(system, k)
+    put_reeling(system, k, (length, 0.0, 0.0, 0.0, -paid / left if left > 0.0 else 0.0, ALL_ALONG, 0.0))
+
+
+@kernel
+def energy_of_motion(system, k, chain):
+    """Kinetic energy [J] of line k with its flowing rope."""
+    own, (x, v), part, energy = strand_of(system, k), motion_of(system, k), flow.first_passing(chain), 0.0
+    node_masses(chain, own.w.stage_mass)
+    for i in range(chain.n + 1):
+        energy += 0.5 * own.w.stage_mass[i] * dot(get(v, i), get(v, i))
+    for s in range(chain.n):
+        energy += flow.energy(chain, s, part, get(x, s), get(x, s + 1), get(v, s), get(v, s + 1))
+        part -= property_of(chain, s, at.SHARE)
+    return energy
+
+
+@kernel
+def divide_portion(system, k, s, time):
+    """Divide portion k (modified), whose segment s breaks at a time [s]; returns the kinetic energy lost [J].
+
+    The momentum of each inner node with its rope is kept.
+    """
+    state, n, (x, v) = state_of(system, k), segments_of(system, k), motion_of(system, k)
+    freed = 1 if is_freed(system, k) else 0
+    go_to_state(system, time)
+    chain = chain_with_rope(system, k)
+    rest, before = rest_length(chain, s), energy_of_motion(system, k, chain)
+    parts.add_momentum(chain, x, v, 1.0)
+    state[at.LENGTH] = chain.length
+    state[at.TORN_SEGMENT] = s + 1.0
+    state[at.SECOND_PART] = numbers_of(system, k)[SECOND_PART] = (n - freed - s - 1) * rest
+    state[at.FIRST_LUMP] = state[at.SECOND_LUMP] = 0.5 * rest
+    parts.divide(n, freed, state, parameters_of(system, k))
+    take_weights(system, k)
+    take_rates(system, k, time)
+    chain = chain_with_rope(system, k)
+    parts.add_momentum(chain, x, v, -1.0)
+    return before - energy_of_motion(system, k, chain)
+
+
+@kernel
+def break_portion(system, k, s, tension, time):
+    """`break_line` for a portion of a rope."""
+    n, state, chain, (x, _) = (
+        segments_of(system, k),
+        state_of(system, k),
+        chain_of_state(system, k, time),
+        motion_of(system, k),
+    )
+    s = parts.torn_between(n - (1 if is_freed(system, k) else 0), s)
+    length, _ = segment.geometry(sub(get(x, s + 1), get(x, s)))
+    elongation, stiffness = segment.spring(chain, s, length, False)
+    state[at.TORN_ENERGY] += segment.elastic_energy(stiffness, elongation) + divide_portion(system, k, s, time)
+    state[at.TORN_AT] = state[at.CLOCK] - state[at.LAST_STEP] + time
+    note(state, limits.BROKE, tension * tension, 0.0)
+    note_peak(state, tension)
+    brake_rope(system, first_of(system, k), time)
+    globals_of(system).header[IS_KNOWN] = 0.0
+    for j in range(count_of(system)):
+        take_brake(system, j)
+
+
+@kernel
 def break_line(system, k, s, tension, time):
     """Break segment s of line k (modified) under a tension [N] at a time [s] of the communication step."""
+    if is_portion(system, k):
+        break_portion(system, k, s, tension, time)
+        return
     state, chain, (x, _) = state_of(system, k), chain_of_state(system, k, time), motion_of(system, k)
     length, _ = segment.geometry(sub(get(x, s + 1), get(x, s)))
     elongation, stiffness = segment.spring(chain, s, length, False)
@@ -156,6 +242,7 @@ def break_line(system, k, s, tension, time):
     note_peak(state, tension)
     stop_winch(system, k, time)
     torn.tear(segments_of(system, k), s, parameters_of(system, k))
+    parts.brake(parameters_of(system, k))
     take_holders(system, k)
     globals_of(system).header[IS_KNOWN] = 0.0
     for j in range(count_of(system)):
@@ -219,6 +306,24 @@ def mend_winch(system, k, step, first):
 
 
 @kernel
+def is_any_torn(system, k):
+    """Whether any portion of the rope with the first portion k, or a whole line, is broken in its state."""
+    count = state_of(system, k)[at.TORN_SEGMENT] != 0.0
+    while goes_on(system, k):
+        k += 1
+        count += state_of(system, k)[at.TORN_SEGMENT] != 0.0
+    return count > 0
+
+
+@kernel
+def release_winch(system, k, step, first):
+    """`mend_winch` of line k, if its winch is braked."""
+    if parameters_of(system, k)[at.WINCH_IS_BRAKED] != 0.0:
+        parts.release_brake(parameters_of(system, k))
+        mend_winch(system, k, step, first)
+
+
+@kernel
 def go_back(system, step, before):
     """Restore the lines (modified) that are whole in the states `before`, in a communication step [s]."""
     for k in range(lines_of(system)):
@@ -227,5 +332,9 @@ def go_back(system, step, before):
             state[at.TORN_SEGMENT], state[at.TORN_ENERGY], state[at.TORN_AT] = 0.0, first[at.TORN_ENERGY], 0.0
             state[at.WARNED_VALUES + limits.BROKE] = 0.0
             state[at.WARNINGS] -= 1 << limits.BROKE
+            state[at.SECOND_PART], state[at.FIRST_LUMP], state[at.SECOND_LUMP] = 0.0, 0.0, 0.0
+            parts.unite(segments_of(system, k), 1 if is_freed(system, k) else 0, parameters_of(system, k))
             torn.mend(segments_of(system, k), parameters_of(system, k))
-            mend_winch(system, k, step, first)
+            with_winch = first_of(system, k)
+            if not is_any_torn(with_states(system, before), with_winch):
+                release_winch(system, with_winch, step, state_of(with_states(system, before), with_winch))

@@ -81,11 +81,13 @@ def room_to_stop(system, j, sign):
     """Margin until a coordinate that moves forwards (sign 1) or backwards (-1) reaches a stop, over LOCATED, at a stage."""
     least = inf
     for k in range(lines_of(system)):
-        growth, length = sign * growth_of(system, j, k), numbers_of(system, k)[LENGTH]
-        if growth < 0.0:
-            least = min(least, (length - shortest_of(system, k)) / (LOCATED * shortest_of(system, k)))
-        elif growth > 0.0 and has_longest(system, k):
-            least = min(least, (longest_of(system, k) - length) / (LOCATED * longest_of(system, k)))
+        for end in range(room.limited_parts(system, k)):
+            growth, length = sign * room.growth_of_part(system, j, k, end), room.length_of_part(system, k, end)
+            if growth < 0.0:
+                shortest = room.shortest_of_part(system, k, end)
+                least = min(least, (length - shortest) / (LOCATED * shortest))
+            elif growth > 0.0 and has_longest(system, k):
+                least = min(least, (longest_of(system, k) - length) / (LOCATED * longest_of(system, k)))
     return least
 
 
@@ -332,14 +334,30 @@ def project_massless(system, time, h):
 def drum_error(system, k):
     """`DrumError` of line k, with the mass of its own drum."""
     if not has_rope(system, k):
-        return DrumError(0.0, 0.0, inf, False)
+        return DrumError(0.0, 0.0, inf, False, 0.0, 0.0)
+    if room.is_parted(parameters_of(system, k)):
+        return error_of_parts(system, k)
     length, speed = room.let_in_over_both(system, k, room.WRONG), room.let_in_over_both(system, k, room.WRONG_SPEED)
     growth, mass = speed / section_now(system, k) if feels_rope(parameters_of(system, k)) else 0.0, inf
     if has_own_drum(system, k):
         j, _ = room.holder(system, k, 0, 0)
         if is_free(system, j):
             mass = net.mass_at(system, j, k)
-    return DrumError(length, growth, mass, segments_of(system, k) == 1)
+    return DrumError(length, growth, mass, segments_of(system, k) == 1, 0.0, 0.0)
+
+
+@kernel
+def error_of_parts(system, k):
+    """`DrumError` of a portion in two parts."""
+    first, second = room.length_of_part(system, k, 0), room.length_of_part(system, k, 1)
+    return DrumError(
+        room.let_in(system, k, 0, room.WRONG),
+        room.let_in(system, k, 0, room.WRONG_SPEED) / first,
+        inf,
+        False,
+        room.let_in(system, k, 1, room.WRONG) / second,
+        room.let_in(system, k, 1, room.WRONG_SPEED) / second,
+    )
 
 
 @kernel

@@ -4,18 +4,32 @@ from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import plausibility as limits
 
 from ..arrays import clear
-from ..compilation import kernel, view
-from ..equations import assembly
+from ..compilation import PARTS, kernel, view
+from ..equations import assembly, segment
 from ..equations.boundary import chain_during
 from ..equations.free_points import is_at_point, point_at
 from ..equations.ground import has_ground
 from ..equations.lines import conditions_of, lines_of, motion_of, segments_of, state_of
+from ..equations.parts import is_parted
 from ..equations.rope import feels_rope, tension_of
 from ..equations.ropes import goes_on, has_coordinates, is_freed, is_portion
 from ..line import contact, rosenbrock, strand
-from ..line.strand_room import CORNER, DRUM, GAIN, HELD_GAIN, LENGTH, PULL, RATE, SHEAVE, TENSION, rope_in
+from ..line.strand_room import (
+    CORNER,
+    DRUM,
+    GAIN,
+    HELD_GAIN,
+    LATE,
+    LENGTH,
+    PULL,
+    RATE,
+    SECOND_PART,
+    SHEAVE,
+    TENSION,
+    rope_in,
+)
 from ..linear_algebra.both_ends import interleave
-from ..linear_algebra.vectors import dot, get, put_at
+from ..linear_algebra.vectors import dot, get, put_at, sub
 from ..notes import note
 from ..points import net, room
 from ..points.room import (
@@ -103,6 +117,10 @@ def end_lengths(system, time):
         if is_rope(system, k):
             numbers, state = numbers_of(system, k), state_of(system, k)
             state[at.LENGTH], state[at.REELING] = numbers[LENGTH], numbers[RATE] + numbers[RATE + 1]
+            if PARTS:
+                state[at.SECOND_PART] = numbers[SECOND_PART]
+                if numbers[LATE] != 0.0:
+                    state[at.REELING] += numbers[LATE]
 
 
 @kernel
@@ -149,8 +167,19 @@ def end_tension(system, k, end):
 
 
 @kernel
+def tension_of_segment(system, k, end):
+    """Tension [N] of the segment at an end of line k in its state, 0 if it carries nothing."""
+    conditions, (x, v), s = conditions_of(system, k), motion_of(system, k), (segments_of(system, k) - 1) * end
+    length, e = segment.geometry(sub(get(x, s + 1), get(x, s)))
+    rate, chain = dot(e, sub(get(v, s + 1), get(v, s))), chain_during(conditions, 0.0)
+    return segment.tension_of(chain, s, segment.BY_LENGTH, length, rate)
+
+
+@kernel
 def tension_at(system, k, end):
     """Tension [N] at any end of line k."""
+    if is_parted(conditions_of(system, k).parameters) and not is_rope(system, k):
+        return tension_of_segment(system, k, end)
     return numbers_of(system, k)[TENSION + end] if holders_of(system, k, end) > 0 else end_tension(system, k, end)
 
 
@@ -163,11 +192,12 @@ def write_ends(system, k):
     if not is_portion(system, k):
         return
     state[at.TENSION_FROM] = tension_at(system, k, 0)
+    state[at.TENSION_TO] = 0.0 if is_freed(system, k) else tension_at(system, k, 1)
     if not goes_on(system, k):
-        state[at.TENSION_TO] = 0.0 if is_freed(system, k) else tension_at(system, k, 1)
         return
-    behind, ahead = numbers_of(system, k)[TENSION + 1], numbers_of(system, k + 1)[TENSION]
-    state[at.TENSION_TO] = behind
+    behind = ahead = 0.0
+    if holders_of(system, k, 1) > 0:
+        behind, ahead = numbers_of(system, k)[TENSION + 1], numbers_of(system, k + 1)[TENSION]
     if min(behind, ahead) < 0.0:
         note(state, limits.SLACK_AT_SHEAVE, min(behind, ahead) ** 2, 0.0)
     if is_at_point(system, k, 1):

@@ -19,10 +19,10 @@ from ..equations.rope import feels_rope
 from ..equations.ropes import goes_on
 from ..line.massless_drum import project
 from ..line.second_order import TO_NEXT, start_of_second, start_of_third
-from ..line.strand_room import LENGTH, SHEAVE, TENSION
+from ..line.strand_room import SHEAVE, TENSION
 from ..linear_algebra.vectors import dot, get, sub
 from ..points import fixed, room
-from ..points.coordinates import has_own_drum, part_of_shortest
+from ..points.coordinates import has_own_drum
 from ..points.room import (
     chain_at_stage,
     chain_with_rope,
@@ -217,8 +217,8 @@ def energy_and_power(system, k, x, v):
     numbers, spring = numbers_of(system, k), chain_at_stage(system, k)
     if not feels_rope(spring.parameters):
         return 0.0, power_of_spring(spring, x, v)
-    chain, part, pull, n, energy = chain_with_rope(system, k), 1.0, 0.0, spring.n, 0.0
-    into, leaving = chain.reeling + chain.leaving, chain.leaving
+    chain, pull, n, energy = chain_with_rope(system, k), 0.0, spring.n, 0.0
+    into, leaving, part = chain.reeling + chain.leaving, chain.leaving, flow.first_passing(chain)
     if goes_on(system, k):
         energy += 0.5 * coordinate_at(system, int(numbers[SHEAVE]))[room.MASS] * leaving * leaving
     for s in range(n):
@@ -305,7 +305,9 @@ def balance(system, time, d):
 def check(system):
     """OK, or REELED_TOO_SHORT for a line that its winch has left too short, whose number the plan (modified) stores."""
     for k in range(lines_of(system)):
-        if has_rope(system, k) and numbers_of(system, k)[LENGTH] < part_of_shortest(system, k, at.SHORTEST_PART):
-            note_line(system.plan, k)
-            return REELED_TOO_SHORT
+        for end in range(room.limited_parts(system, k)):
+            least = room.least_of_part(system, k, end, at.SHORTEST_PART)
+            if has_rope(system, k) and room.length_of_part(system, k, end) < least:
+                note_line(system.plan, k)
+                return REELED_TOO_SHORT
     return OK

@@ -16,7 +16,6 @@ from ..compilation import kernel, view
 from ..equations import winch
 from ..equations.lines import inputs_of, lines_of, number_in, number_of_line, parameters_of
 from ..equations.ropes import goes_on, has_coordinates, is_portion, is_turned
-from ..equations.torn import is_torn
 from ..flat_arrays import part
 
 
@@ -24,7 +23,7 @@ from ..flat_arrays import part
 def carries_drum(system, k):
     """Whether line k carries a drum that is shared or used with sheaves, even if the line is broken."""
     parameters = parameters_of(system, k)
-    control = parameters[at.WHOLE_CONTROL if is_torn(parameters) else at.WINCH_CONTROL]
+    control = parameters[at.WHOLE_CONTROL if parameters[at.WINCH_IS_BRAKED] != 0.0 else at.WINCH_CONTROL]
     return number_of_line(system, k, places.DRUM) != 0 and control == at.WINCH_BY_FORCE
 
 

@@ -43,7 +43,7 @@ from ..linear_algebra import condensed, profile
 from ..linear_algebra.both_ends import interleave
 from ..linear_algebra.vectors import add_scaled, dot, get, put, scale, sub
 from . import net, room
-from .coordinates import longest_of, part_of_shortest, shortest_of
+from .coordinates import longest_of
 from .room import (
     attempt_of,
     chain_at_stage,
@@ -70,7 +70,6 @@ CLOSE = 1e-6  # relative tension change at convergence; the remaining error is i
 WITHIN = 1e-6  # tolerance of the length limits, relative
 MOST_TRIES, ALL_AT_ONCE = 16, 4  # solves per iteration; solves after which states change one at a time
 LEAST_PIVOT = 1e-3  # smallest pivot, relative to the coordinate's slope with rigid ropes
-LEAST_LENGTH = 0.25  # lower bound of a line in an iteration, see `part_of_shortest`
 MOST_RUN = 0.1  # largest change of a line in an iteration, relative to its section at the winch
 
 # --- lengths
@@ -90,16 +89,17 @@ def place_lines(system, end):
         if has_rope(system, k):
             take_rates(system, k, end)
             numbers = numbers_of(system, k)
-            numbers[LENGTH] = max(numbers[LENGTH], part_of_shortest(system, k, LEAST_LENGTH))
+            numbers[LENGTH] = max(numbers[LENGTH], room.least_length(system, k))
+            room.place_parts(system, k, numbers[LENGTH], room.PASSED_NOW)
 
 
 @kernel
-def is_out_of_limits(system, k, sign):
-    """Whether line k exceeds its longest (sign 1) or is below its shortest (sign -1) length in the iteration."""
-    length = numbers_of(system, k)[LENGTH]
+def is_out_of_limits(system, k, end, sign):
+    """Whether line k, or the part at an end, exceeds its longest (sign 1) or is below its shortest (-1) length."""
+    length = room.length_of_part(system, k, end)
     if sign > 0.0:
         return has_longest(system, k) and length > (1.0 + WITHIN) * longest_of(system, k)
-    return length < (1.0 - WITHIN) * shortest_of(system, k)
+    return length < (1.0 - WITHIN) * room.shortest_of_part(system, k, end)
 
 
 @kernel
@@ -107,13 +107,14 @@ def stop_what_exceeds(system, h):
     """Stop coordinates (modified) that move lines beyond their length limits in a step of h [s]; returns how many."""
     count = 0
     for k in range(lines_of(system)):
-        for sign in (-1.0, 1.0):
-            if has_rope(system, k) and is_out_of_limits(system, k, sign):
-                for j in range(count_of(system)):
-                    own = coordinate_at(system, j)
-                    if sign * growth_of(system, j, k) * own[room.SPEED_NOW] > 0.0:
-                        put_speed(own, h, 0.0)
-                        count += 1
+        for end in range(room.limited_parts(system, k)):
+            for sign in (-1.0, 1.0):
+                if has_rope(system, k) and is_out_of_limits(system, k, end, sign):
+                    for j in range(count_of(system)):
+                        own = coordinate_at(system, j)
+                        if sign * room.growth_of_part(system, j, k, end) * own[room.SPEED_NOW] > 0.0:
+                            put_speed(own, h, 0.0)
+                            count += 1
     return count
 
 
@@ -139,10 +140,13 @@ def room_left(longer, shorter):
 
 
 @kernel
-def limits_by(system, k, growth, speed, h):
-    """Lowest and highest speed [m/s] of a coordinate that lengthens line k by `growth` per metre; speed : present one."""
-    length = numbers_of(system, k)[LENGTH] - growth * (h * speed)
-    inwards = room_left(length, shortest_of(system, k)) / (abs(growth) * h)
+def limits_by(system, k, end, growth, speed, h):
+    """Lowest and highest speed [m/s] of a coordinate that lengthens line k, or the part at an end, by `growth` per metre.
+
+    speed : present one.
+    """
+    length = room.length_of_part(system, k, end) - growth * (h * speed)
+    inwards = room_left(length, room.shortest_of_part(system, k, end)) / (abs(growth) * h)
     outwards = room_left(longest_of(system, k), length) / (abs(growth) * h) if has_longest(system, k) else inf
     return (-inwards, outwards) if growth > 0.0 else (-outwards, inwards)
 
@@ -153,11 +157,12 @@ def take_limits(system, j, h):
     own = coordinate_at(system, j)
     speed, lowest, highest, least = own[room.SPEED_NOW], -inf, inf, inf
     for k in range(lines_of(system)):
-        growth = growth_of(system, j, k)
-        if growth != 0.0:
-            down, up = limits_by(system, k, growth, speed, h)
-            lowest, highest = max(lowest, down), min(highest, up)
-            least = min(least, section_now(system, k) / abs(growth))
+        for end in range(room.limited_parts(system, k)):
+            growth = room.growth_of_part(system, j, k, end)
+            if growth != 0.0:
+                down, up = limits_by(system, k, end, growth, speed, h)
+                lowest, highest = max(lowest, down), min(highest, up)
+                least = min(least, section_now(system, k) / abs(growth))
     if own[room.IS_BRAKED] != 0.0:
         lowest = highest = 0.0
     elif own[room.KEEPS] > 0.0:
@@ -552,6 +557,7 @@ def unconverged(system, step):
         for j in range(count_of(system)):
             count += is_unconverged(system, j, step.h)
         for k in range(lines_of(system)):
-            if has_rope(system, k):
-                count += is_out_of_limits(system, k, -1.0) or is_out_of_limits(system, k, 1.0)
+            for end in range(room.limited_parts(system, k)):
+                if has_rope(system, k):
+                    count += is_out_of_limits(system, k, end, -1.0) or is_out_of_limits(system, k, end, 1.0)
     return count

@@ -12,7 +12,7 @@ from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import plan_layout as places
 
 from ..arrays import behind, clear, places_of
-from ..compilation import kernel, view
+from ..compilation import PARTS, kernel, view
 from ..equations import winch
 from ..equations.boundary import chain_during, chain_with, portion_moving
 from ..equations.drum import drum_of
@@ -30,6 +30,7 @@ from ..equations.lines import (
     segments_of,
     state_of,
 )
+from ..equations.parts import is_parted
 from ..equations.properties import chain_with_flow, property_of, section_of
 from ..equations.rope import feels_rope
 from ..equations.ropes import comes_from, goes_on, has_coordinates, has_sheaves, is_freed, is_turned
@@ -47,11 +48,13 @@ from ..line.strand_room import (
     HOLDER,
     HOLDERS,
     INERTIA,
+    LATE,
     LENGTH,
     NUMBERS,
     RATE,
     REST,
     RUNS,
+    SECOND_PART,
     SHEAVE,
     WEIGHT,
     Strand,
@@ -62,7 +65,7 @@ from ..line.strand_room import (
 from ..linear_algebra import condensed, profile
 from ..linear_algebra.both_ends import interleaved_size
 from ..linear_algebra.profile import Profile
-from .coordinates import carries_drum, has_own_drum
+from .coordinates import carries_drum, has_own_drum, part_of_shortest, shortest_of
 
 # --- numbers of a coordinate
 
@@ -120,6 +123,7 @@ from .coordinates import carries_drum, has_own_drum
     COORDINATE,
 ) = places_of(*[1] * 15, STAGES, *[1] * 16, 3, *[1] * 15, 1)
 
+LEAST_LENGTH = 0.25  # lower bound of a line in an iteration or a trial step, see `part_of_shortest`
 COUNT, IS_KNOWN, HEADER = 0, 1, 2  # global unknowns: number of coordinates; whether tensions match the states
 
 Room = namedtuple("Room", "numbers columns weights ropes z stage_z own")
@@ -402,6 +406,8 @@ def begin_coordinates(system):
     header[COUNT] = count
     for k in range(lines_of(system)):
         take_holders(system, k)
+        if PARTS:
+            numbers_of(system, k)[SECOND_PART], numbers_of(system, k)[LATE] = state_of(system, k)[at.SECOND_PART], 0.0
         numbers_of(system, k)[FIRST_LENGTH] = numbers_of(system, k)[LENGTH] = conditions_of(system, k).reeling[0]
         if is_rope(system, k):
             take_weights(system, k)
@@ -444,6 +450,15 @@ def hold_by(system, k, end, j, weight):
 
 
 @kernel
+def reaches(system, k, end):
+    """Whether the rope of portion k reaches the sheave at an end."""
+    parameters = parameters_of(system, k)
+    if not is_parted(parameters):
+        return True
+    return parameters[at.FIRST_ENDS] > 0.0 if end == 0 else parameters[at.SECOND_BEGINS] < segments_of(system, k)
+
+
+@kernel
 def take_holders(system, k):
     """Holders of both ends of line k (modified); their payout is not a function of time."""
     numbers, parameters = numbers_of(system, k), parameters_of(system, k)
@@ -452,16 +467,17 @@ def take_holders(system, k):
     if has_own_drum(system, k):
         hold_by(system, k, 0, numbers[DRUM], 1.0)
     elif comes_from(system, k):
-        hold_by(system, k, 0, numbers_of(system, k - 1)[SHEAVE], 1.0)
+        if reaches(system, k, 0):
+            hold_by(system, k, 0, numbers_of(system, k - 1)[SHEAVE], 1.0)
     elif is_turned(system, k):
         for i in range(at.MOST_HOLDERS):
             carrier = int(parameters[at.HELD_BY + i])
             if carrier > 0:
                 hold_by(system, k, 0, numbers_of(system, carrier - 1)[DRUM], parameters[at.HELD_RATIO + i])
-    if goes_on(system, k):
+    if goes_on(system, k) and reaches(system, k, 1):
         hold_by(system, k, 1, numbers[SHEAVE], -1.0)
     numbers[RUNS] = 1.0 if is_rope(system, k) else 0.0
-    if holders_of(system, k, 0) > 0:
+    if holders_of(system, k, 0) > 0 or comes_from(system, k):
         hold_length(system, k, conditions_of(system, k).reeling[0])
 
 
@@ -469,6 +485,9 @@ def take_holders(system, k):
 def take_weights(system, k):
     """`Weights` of line k (modified). Beyond the gap of a line that was released, the share of its start is negative."""
     n, conditions, own, of_start = segments_of(system, k), conditions_of(system, k), weights_of(system, k), 1.0
+    if is_parted(conditions.parameters):
+        take_weights_of_parts(n, conditions.parameters, own)
+        return
     for i in range(n + 1):
         if i == n and not is_freed(system, k):
             of_start = 0.0
@@ -477,6 +496,18 @@ def take_weights(system, k):
             share = property_of(conditions, i, at.SHARE)
             own.growth_first[i] = own.growth_last[i] = share
             of_start -= share
+
+
+@kernel
+def take_weights_of_parts(n, parameters, own):
+    """`Weights` (modified) of a portion of n segments in two parts."""
+    ends, begins = int(parameters[at.FIRST_ENDS]), int(parameters[at.SECOND_BEGINS])
+    for i in range(n + 1):
+        own.first[i] = 1.0 - i / ends if i < ends else 0.0
+        own.last[i] = (begins - i) / (n - begins) if i > begins else 0.0
+        if i < n:
+            own.growth_first[i] = 1.0 / ends if i < ends else 0.0
+            own.growth_last[i] = 1.0 / (n - begins) if i >= begins else 0.0
 
 
 @kernel
@@ -556,6 +587,8 @@ def settle(system):
         if is_rope(system, k):
             come_in, reeling = let_in_over_both(system, k, PASSED), conditions_of(system, k).reeling
             put_reeling(system, k, winch.from_length(reeling[0] + come_in, reeling))
+            if is_parted(parameters_of(system, k)):
+                numbers_of(system, k)[SECOND_PART] += let_in(system, k, 1, PASSED)
     for j in range(count_of(system)):
         own = coordinate_at(system, j)
         own[TOTAL] += own[PASSED]
@@ -586,18 +619,93 @@ def take_rates(system, k, time):
             rate += winch.rate_at(reeling, time)
             gain += winch.gain_at(reeling, time)
         numbers[RATE + end], numbers[GAIN + end] = rate, gain
+    place_parts(system, k, numbers[LENGTH], PASSED_NOW)
+
+
+@kernel
+def place_parts(system, k, length, which):
+    """Divide the length [m] of a portion in two parts in its parameters (modified), with rope let in (number `which`).
+
+    No part is shorter than `LEAST_LENGTH` of its shortest length.
+    """
+    parameters = parameters_of(system, k)
+    if is_parted(parameters):
+        second, rest = numbers_of(system, k)[SECOND_PART] + let_in(system, k, 1, which), parameters[at.REST_BETWEEN]
+        second = max(second, LEAST_LENGTH * shortest_of_part(system, k, 1))
+        parameters[at.LENGTH_BEYOND] = min(rest + second, length - LEAST_LENGTH * shortest_of_part(system, k, 0))
 
 
 @kernel
 def section_now(system, k):
     """Length [m] of the section at the winch of line k at a stage."""
-    return section_of(parameters_of(system, k), numbers_of(system, k)[LENGTH])
+    parameters = parameters_of(system, k)
+    first = section_of(parameters, numbers_of(system, k)[LENGTH])
+    return min(first, second_part(parameters)) if is_parted(parameters) else first
+
+
+@kernel
+def second_part(parameters):
+    """Unstretched length of the second part of a portion [m]."""
+    return parameters[at.LENGTH_BEYOND] - parameters[at.REST_BETWEEN]
+
+
+# --- limits of lengths: of a whole line, or of both parts of a portion
+
+
+@kernel
+def limited_parts(system, k):
+    """Number of lengths of line k that have limits."""
+    return 2 if is_parted(parameters_of(system, k)) else 1
+
+
+@kernel
+def growth_of_part(system, j, k, end):
+    """`growth_of` a line, or of the part at an end of a portion."""
+    return weight_of(system, j, k, end) if is_parted(parameters_of(system, k)) else growth_of(system, j, k)
+
+
+@kernel
+def length_of_part(system, k, end):
+    """Unstretched length [m] of line k, or of the part at an end, at a stage."""
+    parameters, length = parameters_of(system, k), numbers_of(system, k)[LENGTH]
+    if not is_parted(parameters):
+        return length
+    return section_of(parameters, length) if end == 0 else second_part(parameters)
+
+
+@kernel
+def shortest_of_part(system, k, end):
+    """Shortest unstretched length [m] of line k, or of the part at an end."""
+    parameters = parameters_of(system, k)
+    if not is_parted(parameters):
+        return shortest_of(system, k)
+    count = parameters[at.FIRST_ENDS] if end == 0 else segments_of(system, k) - parameters[at.SECOND_BEGINS]
+    return count * at.MIN_SEGMENT_LENGTH
+
+
+@kernel
+def least_length(system, k):
+    """Lower bound of the unstretched length of line k [m] in an iteration."""
+    parameters = parameters_of(system, k)
+    if is_parted(parameters):
+        shortest = shortest_of_part(system, k, 0) + shortest_of_part(system, k, 1)
+        return parameters[at.REST_BETWEEN] + LEAST_LENGTH * shortest
+    return part_of_shortest(system, k, LEAST_LENGTH)
+
+
+@kernel
+def least_of_part(system, k, end, part):
+    """Length [m] at which the shortest segments have a part [-] of their shortest length, see `part_of_shortest`."""
+    if is_parted(parameters_of(system, k)):
+        return part * shortest_of_part(system, k, end)
+    return part_of_shortest(system, k, part)
 
 
 @view
 def chain_at_stage(system, k):
     """`Chain` of line k with rope coordinates at a stage, without flow forces."""
     numbers, conditions = numbers_of(system, k), conditions_of(system, k)
+    place_parts(system, k, numbers[LENGTH], PASSED_NOW)
     motion = numbers[LENGTH], numbers[RATE] + numbers[RATE + 1], 0.0, (-numbers[RATE + 1], -0.0)
     return chain_with_flow(conditions.n, conditions.parameters, *motion, conditions.wind, False)
 
@@ -607,6 +715,7 @@ def chain_with_rope(system, k):
     """`Chain` of line k at a stage with flow forces, where dampers see the strain."""
     numbers, conditions = numbers_of(system, k), conditions_of(system, k)
     leaving = -numbers[RATE + 1], -numbers[GAIN + 1]
+    place_parts(system, k, numbers[LENGTH], PASSED_NOW)
     motion = numbers[LENGTH], numbers[RATE] + numbers[RATE + 1], numbers[GAIN] + numbers[GAIN + 1]
     chain = portion_moving(conditions, *motion, leaving)
     flows = chain.flows and feels_rope(conditions.parameters)
@@ -625,7 +734,9 @@ def chain_now(system, k, time):
 def chain_reached(system, k, time, which):
     """`Chain` of line k at a time [s], as if at rest, with the rope that its coordinates let in (number `which`)."""
     conditions = conditions_of(system, k)
-    return chain_with(conditions, winch.length_at(conditions.reeling, time) + let_in_over_both(system, k, which), 0.0)
+    length = winch.length_at(conditions.reeling, time) + let_in_over_both(system, k, which)
+    place_parts(system, k, length, which)
+    return chain_with(conditions, length, 0.0)
 
 
 @view
@@ -634,6 +745,10 @@ def chain_of_state(system, k, time):
     conditions = conditions_of(system, k)
     length = winch.length_at(conditions.reeling, time) + let_in_over_both(system, k, PASSED)
     rate = winch.rate_at(conditions.reeling, time) + let_in_over_both(system, k, SPEED)
+    if is_parted(conditions.parameters):
+        place_parts(system, k, length, PASSED)
+        leaving = -let_in(system, k, 1, SPEED), 0.0
+        return chain_with_flow(conditions.n, conditions.parameters, length, rate, 0.0, leaving, conditions.wind, False)
     return chain_with(conditions, length, rate)
 
 

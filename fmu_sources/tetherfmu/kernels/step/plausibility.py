@@ -37,7 +37,7 @@ from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import plausibility as limits
 
 from ..arrays import positions_and_velocities
-from ..compilation import kernel
+from ..compilation import PARTS, kernel
 from ..equations import segment, winch
 from ..equations.boundary import are_derived, distance_of_ends, spring_at_ground
 from ..equations.ground import has_ground
@@ -241,7 +241,8 @@ def note_winch_speed(before, state):
     """
     paid = state[at.LENGTH] - before[at.LENGTH] + state[at.PAYOUT] - before[at.PAYOUT]
     fastest = max(abs(paid) / state[at.LAST_STEP], abs(state[at.REELING] + state[at.SHEAVE_SPEED]))
-    note(state, limits.FAST_WINCH, fastest * fastest, limits.FASTEST_WINCH)
+    if not PARTS or state[at.RUN_OFF] == before[at.RUN_OFF]:
+        note(state, limits.FAST_WINCH, fastest * fastest, limits.FASTEST_WINCH)
 
 
 @kernel
@@ -279,7 +280,7 @@ def note_idle_inputs(parameters, inputs, state):
     A reel-out speed that does not control the winch has an effect at the start; later, only its changes are noted. No input
     affects the winch of a broken line.
     """
-    if parameters[at.TORN_NOW] > 0.0:
+    if parameters[at.WINCH_IS_BRAKED] != 0.0:
         return
     if not winch.follows_force(parameters):
         note_idle(state, limits.IDLE_WINCH_FORCE, inputs[at.WINCH_FORCE])

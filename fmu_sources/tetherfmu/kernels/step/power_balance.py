@@ -4,14 +4,22 @@ from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.status import OK
 
 from ..arrays import copy, positions_and_velocities, shared_arrays
-from ..compilation import kernel
+from ..compilation import PARTS, kernel
 from ..equations import flow, motion, node_loads, segment
 from ..equations.assembly import end_force, node_masses
 from ..equations.boundary import wind_of
 from ..equations.continuation import is_continued
 from ..equations.drum import drum_of
-from ..equations.properties import chain_with_flow, growing_mass, in_section, point_mass, rest_length, sees_reeling
-from ..equations.torn import is_torn
+from ..equations.properties import (
+    chain_with_flow,
+    growing_mass,
+    growth_at,
+    half_density,
+    in_section,
+    point_mass,
+    rest_length,
+    sees_reeling,
+)
 from ..equations.winch import follows_force
 from ..flat_arrays import part
 from ..linear_algebra.vectors import NEUTRAL, add, dot, get, put, scale, sub, vector_at
@@ -34,7 +42,7 @@ def balance(n, parameters, state, v, inputs, has_waves, energies, work):
     v : node velocities [m/s].  inputs : reel-out speed, wind, load of a free kite end and winch force are used.
     has_waves : whether its nodes obey the equations of motion.  work (modified) : for node masses.
     """
-    speed = 0.0 if is_torn(parameters) else inputs[at.REEL_OUT_SPEED]
+    speed = state[at.REELING] if parameters[at.WINCH_IS_BRAKED] != 0.0 else inputs[at.REEL_OUT_SPEED]
     acceleration = acceleration_with(parameters, speed, state)
     flows = has_waves and sees_reeling(parameters) and (speed != 0.0 or acceleration != 0.0)
     leaving = NEUTRAL, NEUTRAL
@@ -57,7 +65,8 @@ def balance(n, parameters, state, v, inputs, has_waves, energies, work):
         tension = state[at.TENSION_AT_DRUM]
     speed = state[at.REELING] if parameters[at.HELD_BY] == 0.0 else state[at.DRUM_SPEED]
     balance_drum(parameters, speed, tension, inputs[at.WINCH_FORCE], energies)
-    energies[MATERIAL] = chain.growth * (energies[ELASTIC] + energies[MATERIAL])
+    if not (PARTS and chain.is_parted):
+        energies[MATERIAL] = chain.growth * (energies[ELASTIC] + energies[MATERIAL])
     if chain.flows:
         balance_flow(chain, state, x, v, vector_at(inputs, at.KITE_LOAD), mass, part(blocks[0], 0, 3 * (n + 1)), energies)
     copy(v, part(energies, ENERGIES + n, 3 * (n + 1)))
@@ -113,9 +122,19 @@ def balance_nodes(chain, x, v, mass, energies):
         energies[WINCH] -= mass[i] * node_loads.specific_friction(chain, get(x, i), of_rope, slide)
         energies[KINETIC] += mass[i] * moving
         energies[POTENTIAL] += (tether + free * point_mass(chain, i)) * specific
-        energies[MATERIAL] += growing_mass(chain, i, mass[i]) * (moving + specific)
+        growing = mass_rate(chain, i) if PARTS and chain.is_parted else growing_mass(chain, i, mass[i])
+        energies[MATERIAL] += growing * (moving + specific)
         energies[CONTACT_LOSS] += mass[i] * contact
         energies[SLIDING_LOSS] += mass[i] * sliding
+
+
+@kernel
+def mass_rate(chain, i):
+    """Rate of the rope mass of node i [kg/s] of a portion in two parts."""
+    total = 0.0
+    for s in range(max(i - 1, 0), min(i + 1, chain.n)):
+        total += half_density(chain, s) * rest_length(chain, s) * growth_at(chain, s)
+    return total
 
 
 @kernel
@@ -126,13 +145,13 @@ def balance_segments(chain, x, v, energies):
         length, e = segment.geometry(sub(x_q, x_p))
         rest, rate = rest_length(chain, s), dot(e, sub(v_q, v_p))
         k, c = segment.stiffness(chain, s, length - rest, rest)
-        tension, growth = segment.tension(chain, s, length, rate, rest, k, c), in_section(chain, s, chain.growth)
+        tension, growth = segment.tension(chain, s, length, rate, rest, k, c), growth_at(chain, s)
         drag = scale(2.0, segment.half_drag_between(chain, s, length, e, x_p, x_q, v_p, v_q))
         air_velocity, _, _, _ = segment.air_of(chain, s, segment.mean_height(x_p, x_q))
         energies[ENERGIES + s] = tension
         elastic = segment.elastic_energy(k, length - rest)
         energies[ELASTIC] += elastic
-        energies[MATERIAL] -= elastic - in_section(chain, s, elastic)
+        energies[MATERIAL] += growth * elastic if PARTS and chain.is_parted else in_section(chain, s, elastic) - elastic
         energies[WINCH] -= tension * length * growth
         energies[WIND] += dot(drag, air_velocity)
         energies[DAMPING_LOSS] += c * segment.seen_rate(chain, s, length, rate) * (rate - growth * length)

@@ -20,12 +20,12 @@ from tetherfmu.runtime.status import (
 )
 
 from ..arrays import clear, copy, nodes_end, positions_and_velocities
-from ..compilation import kernel
+from ..compilation import PARTS, kernel
 from ..equations import past, winch, wind_points
 from ..equations.boundary import are_derived, inputs_of_step, place_at_start, wind_of
 from ..equations.continuation import consume_given_derivatives
 from ..equations.ground import has_ground
-from ..equations.properties import chain_at, rest_length
+from ..equations.properties import chain_at, property_of, rest_length
 from ..linear_algebra.vectors import ZERO_VECTOR, add_scaled, get, put_at, vector_at
 from .plausibility import note_idle_inputs, note_idle_parameters, note_shape, note_step
 
@@ -128,7 +128,7 @@ def check_length(n, parameters, length):
     chain = chain_at(n, parameters, length, 0.0, ZERO_VECTOR)
     least = at.MIN_SEGMENT_LENGTH - ROUNDED_LENGTH * parameters[at.LENGTH_BEYOND]
     for s in range(n):
-        if rest_length(chain, s) < least:
+        if rest_length(chain, s) < least and not (PARTS and chain.is_parted and property_of(chain, s, at.SHARE) <= 0.0):
             return WINCH_TOO_SHORT if winch.follows_length(parameters) else REELED_TOO_SHORT
     return OK
 

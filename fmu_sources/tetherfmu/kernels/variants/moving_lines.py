@@ -24,6 +24,7 @@ from ..equations.lines import (
     with_states,
 )
 from ..equations.properties import chain_of
+from ..equations.ropes import has_sheaves
 from ..equations.winch import from_length
 from ..line import step_control
 from ..line.backward_euler import FixedSteps, given_steps
@@ -33,6 +34,7 @@ from ..notes import note
 from ..points import room
 from ..points.coordinates import has_own_drum
 from ..rest import compressed_chain, end_tensions
+from ..step import breaking
 from ..step.plausibility import note_pressing, note_stiff_and_slack, note_unconverged
 
 
@@ -71,6 +73,9 @@ def go_back(system, step, before):
             state[i] = first[i]
         if has_own_drum(system, k):
             state[at.LENGTH], state[at.REELING] = first[at.LENGTH], first[at.REELING]
+    if has_sheaves(system):
+        breaking.run_off_again(system, step, before)
+    for k in range(lines_of(system)):
         reeling = conditions_of(system, k).reeling
         put_reeling(system, k, from_length(room.numbers_of(system, k)[FIRST_LENGTH], reeling))
     room.begin_coordinates(system)

@@ -32,7 +32,8 @@ from ..equations.lines import (
     state_of,
     with_states,
 )
-from ..equations.properties import property_in, sees_reeling
+from ..equations.parts import EMPTY, LEAST_SEGMENTS
+from ..equations.properties import property_in, section_of, sees_reeling
 from ..equations.rope import tension_at_winch
 from ..equations.ropes import (
     comes_from,
@@ -152,11 +153,17 @@ def write_portion(system, k, own):
     n, state, (x, _) = segments_of(system, k), state_of(system, k), motion_of(system, k)
     if comes_from(system, k):
         speed, share = state_of(system, k - 1)[at.SHEAVE_SPEED], property_in(parameters_of(system, k), n, 0, at.SHARE)
+        rest = (share if share > 0.0 else 1.0) * section_of(parameters_of(system, k), state[at.LENGTH])
         density = property_in(parameters_of(system, k), n, 0, at.LINE_DENSITY)
-        push = scale(-density * speed * speed / (share * state[at.LENGTH]), sub(get(x, 1), get(x, 0)))
+        push = scale(
+            -density * speed * speed / rest,
+            sub(get(x, 1), get(x, 0)),
+        )
         put_at(own, at.GROUND_FORCE, add(vector_at(own, at.GROUND_FORCE), push))
     first = at.SHAPE + 3 * number_of_line(system, k, places.SHAPE_POINTS)
-    own[first + at.PORTION_LENGTH] = state[at.LENGTH]
+    if state[at.LENGTH] == EMPTY:
+        own[at.TETHER_LENGTH] = 0.0
+    own[first + at.PORTION_LENGTH] = own[at.TETHER_LENGTH]
     own[first + at.PORTION_TENSION_FROM], own[first + at.PORTION_TENSION_TO] = state[at.TENSION_FROM], state[at.TENSION_TO]
     own[first + at.SHEAVE_PAYOUT], own[first + at.SHEAVE_RATE] = state[at.PAYOUT], state[at.SHEAVE_SPEED]
 
@@ -173,7 +180,9 @@ def sum_portions(system, outputs):
             whole, own = outputs_of_line(system, first, outputs), outputs_of_line(system, k, outputs)
             for place in (at.TETHER_LENGTH, at.SLACK_SEGMENTS, at.GROUNDED_LENGTH):
                 whole[place] += own[place]
-            for place in (at.MAX_TENSION, at.PEAK_TENSION, at.BROKEN, at.BREAK_TIME):
+            if whole[at.BROKEN] == 0.0 or (own[at.BROKEN] != 0.0 and own[at.BREAK_TIME] < whole[at.BREAK_TIME]):
+                whole[at.BREAK_TIME] = own[at.BREAK_TIME]
+            for place in (at.MAX_TENSION, at.PEAK_TENSION, at.BROKEN):
                 whole[place] = max(whole[place], own[place])
 
 
@@ -246,7 +255,7 @@ def check_ropes(system):
         system.plan[places.STATUS_LINE] = k
         if is_rope(system, k) and not sees_reeling(parameters):
             return SHEAVES_WITH_STRETCH_RATE
-        if is_portion(system, k) and parameters[at.CAN_BREAK] != 0.0:
+        if is_portion(system, k) and parameters[at.CAN_BREAK] != 0.0 and segments_of(system, k) < LEAST_SEGMENTS:
             return SHEAVES_THAT_BREAK
         if goes_on(system, k) and follows_force(parameters) and has_stop(segments_of(system, k), parameters):
             return SHEAVES_WITH_STOP
@@ -364,7 +373,7 @@ def advance(system, step, before):
     before (modified) : room for all states.  The plan (modified) stores the line of a status.
     """
     copy(system.state, before)
-    status = breaking.begin(system, before)
+    status = breaking.begin(system, step, before)
     if status == OK:
         status = begin(system, step, before)
     if status == OK:
@@ -372,6 +381,8 @@ def advance(system, step, before):
         status = moving_lines.advance(system, step, before)
     if status == OK:
         status = commit(system, step, before)
+    if status == OK and has_sheaves(system):
+        status = breaking.check_ends(system)
     if status != OK:
         copy(before, system.state)
     breaking.end(system)

@@ -72,7 +72,7 @@ def tether(variant):
         """
         parameters, state = system.parameters, system.state
         copy(state, before)
-        parting = breaking.begin(system, before) if has_waves else breaking.refuse(system)
+        parting = breaking.begin(system, step, before) if has_waves else breaking.refuse(system)
         n = segments_of(system, 0)
         status, given = transaction.begin(n, parameters, system.inputs, step, has_waves, state)
         status = parting if parting != OK else status

@@ -1,0 +1,323 @@
+"""Ropes over sheaves that break, and run off: against solvers of their own, with adaptive and fixed steps.
+
+The rope of the solvers is inextensible; a broken one ends in half of the broken segment, as a lump. T is the tension beside
+the sheave, l1 and l2 the lengths on its sides.
+
+two masses   (m1 + mu (l1 + l2) + J/r2) a = (mu (l2 - l1) - m1) g, after m2 was lost: the payout is a hyperbolic cosine
+loss         T1 - T2 = (1/efficiency - 1) (T2 - mu u^2) where the rope runs from side 2 to side 1
+running      before and after the break, whose time is the time at which the tension reaches the breaking force
+two falls    Lagrange's equation of the block at the depth y on a rope that is held at one end and free at the other: it runs
+             upwards from the block to its free end, which moves at 2 y'
+four falls   the light rope does not hold the block, which falls with g
+run off      what falls then, falls with g; rope is neither lost nor made
+energy       what the powers do not explain falls with the square of the communication step, over both events
+"""
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from over_sheaves import DENSITY, HEAVY, LIGHT, Atwood, G, rope
+from tetherfmu import Line, Point, SharedWinch, Solver, StepRefused, Tether, TetherSystem, Winch
+
+ADAPTIVE, SECOND = Solver(), Solver(fixed_step=0.002)
+EULER = Solver(fixed_step=0.002, fixed_step_method="backward_euler")
+SOLVERS = [ADAPTIVE, SECOND, EULER]
+ignored = ("backward Euler", "the tension at a sheave", "broke", "presses its ends apart")
+pytestmark = pytest.mark.filterwarnings(*(f"ignore:.*{each}" for each in ignored))
+
+
+class Snapped(Atwood):
+    """Two masses on a rope that breaks at the start in the segment beside the sheave, on the side of the heavier one.
+
+    A part keeps a segment, so the second segment breaks: 1.5 of 10 segments are left on this side.
+    """
+
+    tail = 1.5
+
+    def system(self, solver=ADAPTIVE, **more):
+        weak = rope(20.0, 10, breaking_force=(self.m2 + DENSITY * 9.5) * G - 1.0, **HEAVY)
+        return super().system(solver, weak, **more)
+
+    def __init__(self, sheave_mass=0.0):
+        self.sheave_mass = sheave_mass
+        whole = self.m1 + DENSITY * (self.length + self.tail) + sheave_mass
+        self.rate = np.sqrt(2.0 * DENSITY * G / whole)
+        self.first = (DENSITY * (self.tail - self.length) - self.m1) * G / whole
+
+    def tension(self, time):
+        """On the side of the mass that is left [N]."""
+        return (self.m1 + DENSITY * (self.length - self.payout(time))) * (G + self.first * np.cosh(self.rate * time))
+
+
+@pytest.mark.parametrize(("solver", "within"), [(ADAPTIVE, 4e-4), (SECOND, 4e-4), (EULER, 5e-3)])
+@pytest.mark.parametrize("sheave_mass", [0.0, 5.0])
+def test_a_rope_of_two_masses_breaks(sheave_mass, solver, within):
+    """The stretch by the lost mass, 0.2 mm, stays; backward Euler has its order."""
+    scene = Snapped(sheave_mass)
+    system = scene.system(solver)
+    low = system.outputs().points["b"].position[2]
+    for k in range(35):
+        outputs, time = system.step(0.01), 0.01 * (k + 1)
+        assert outputs.portions["rope"].payout[0] == pytest.approx(scene.payout(time), abs=within)
+    assert outputs.lines["rope"].broken
+    assert outputs.lines["rope"].break_time == 0.0
+    assert outputs.portions["rope"].speed[0] == pytest.approx(scene.speed(time), abs=2.0 * within)
+    assert outputs.portions["rope"].tension_to[0] == pytest.approx(scene.tension(time), abs=100.0 * within)
+    assert outputs.points["b"].position[2] - low == pytest.approx(-0.5 * G * time**2, abs=within)
+    assert outputs.portions["rope"].length.sum() == pytest.approx(20.0, abs=1e-12)
+
+
+@pytest.mark.parametrize("solver", [ADAPTIVE, SECOND])
+def test_a_sheave_with_losses(solver):
+    scene, efficiency = Snapped(), 0.8
+    loss = 1.0 / efficiency
+
+    def rates(time, state):
+        out, speed = state  # towards the mass that is left
+        left, tail = scene.m1 + DENSITY * (scene.length + out), DENSITY * (scene.tail - out)
+        force = (left - loss * tail) * G + (loss - 1.0) * DENSITY * speed**2
+        return speed, force / (left + loss * tail)
+
+    exact = solve_ivp(rates, (0.0, 0.3), (0.0, 0.0), rtol=1e-10, atol=1e-12).y[:, -1]
+    system = scene.system(solver, sheave_efficiency=efficiency)
+    for _ in range(30):
+        outputs = system.step(0.01)
+    assert -outputs.portions["rope"].payout[0] == pytest.approx(exact[0], abs=4e-4)
+    assert -outputs.portions["rope"].speed[0] == pytest.approx(exact[1], abs=1e-3)
+
+
+# --- a rope that runs when it breaks
+
+SLOPE, STEP = 400.0, 0.01  # of the load [N/s], communication step [s]
+
+
+def load_at(time):
+    """Load on the heavier mass [N]: a ramp, of which the first step knows nothing."""
+    return SLOPE * time if time >= STEP else 0.0
+
+
+def running(breaking_force, duration):
+    """Time of the break [s], then payout [m] and its rate [m/s] at the end."""
+    m1, m2, length, segment = Atwood.m1, Atwood.m2, 10.0, 0.1
+    whole = m1 + m2 + 2.0 * length * DENSITY
+
+    def rates(time, state):
+        return state[1], ((m2 - m1 + 2.0 * DENSITY * state[0]) * G + load_at(time)) / whole
+
+    def lacking(time, state):
+        hanging = m2 + DENSITY * (length + state[0]) * (1.0 - 0.5 * segment)  # at the middle of the first segment
+        return breaking_force - hanging * (G - rates(time, state)[1]) - load_at(time)
+
+    lacking.terminal = True
+    options = {"rtol": 1e-10, "atol": 1e-12, "max_step": STEP}
+    before = solve_ivp(rates, (0.0, duration), (0.0, 0.0), events=lacking, **options)
+    payout, tail = before.y[0, -1], 1.5 * segment * (length + before.y[0, -1])
+
+    def rates_after(time, state):
+        left, right = m1 + DENSITY * (length - state[0]), DENSITY * (tail + state[0] - payout)
+        return state[1], (right - left) * G / (left + right)
+
+    after = solve_ivp(rates_after, (before.t[-1], duration), before.y[:, -1], **options)
+    return before.t[-1], after.y[:, -1]
+
+
+@pytest.mark.parametrize("solver", [ADAPTIVE, Solver(fixed_step=0.0002)])  # it breaks at the end of a fixed step
+def test_a_running_rope_breaks(solver):
+    force, duration = 450.0, 1.2
+    time, (payout, speed) = running(force, duration)
+    assert 0.3 < time < 1.0
+    system = Atwood(0.0).system(solver, rope(20.0, 10, breaking_force=force, **HEAVY))
+    for k in range(round(duration / STEP)):
+        outputs = system.step(STEP, loads={"b": (0.0, 0.0, -load_at(STEP * k))})
+    found = outputs.portions["rope"]
+    assert outputs.lines["rope"].break_time == pytest.approx(time, abs=0.002)
+    assert found.payout[0] == pytest.approx(payout, abs=0.002)
+    assert found.speed[0] == pytest.approx(speed, abs=0.02)
+
+
+# --- a hoist of two falls
+
+MASS, MU, HELD, FREE = 300.0, 0.57, 20.5, 20.0  # of the block [kg], of the rope [kg/m]; its falls [m]
+STRONG = {"diameter": 0.012, "mass_per_length": MU, "axial_stiffness": 1e7, "axial_damping": 1e4}
+
+
+def two_falls(solver, segments=10):
+    """A hoist whose rope breaks at the winch, and the length of its free end with half of the broken segment [m]."""
+    low = -FREE * (1.0 + 0.5 * (MASS + MU * FREE) * G / STRONG["axial_stiffness"])
+    points = [Point("winch", (0.0, 0.0, 0.0)), Point("anchor", (0.0, 0.0, 0.5)), Point("block", (0.0, 0.0, low), mass=MASS)]
+    force, sheave = 0.0, {"through": ["block"], "initial_portions": [FREE, HELD]}
+    for _ in range(2):
+        own = rope(FREE + HELD, segments, breaking_force=force, **STRONG)
+        system = TetherSystem(points, [Line("rope", "winch", "anchor", own, **sheave)], solver=solver)
+        force = system.initialize().lines["rope"].max_tension - 0.5
+    return system, FREE * (1.0 - 1.5 / segments)
+
+
+def fallen(tail, duration):
+    """Way [m] and speed [m/s] of the block of `two_falls`."""
+
+    def rates(time, state):
+        """L = 1/2 (M + 4 mu S) y'^2 + M g y + mu g (y^2/2 + S (y - S/2)), the free end S = tail - way."""
+        way, speed = state
+        left = tail - way
+        return speed, ((MASS + 2.0 * MU * left) * G + 2.0 * MU * speed**2) / (MASS + 4.0 * MU * left)
+
+    return solve_ivp(rates, (0.0, duration), (0.0, 0.0), rtol=1e-10, atol=1e-12).y[:, -1]
+
+
+@pytest.mark.parametrize(("solver", "within"), [(ADAPTIVE, 1e-3), (SECOND, 1e-3), (EULER, 0.02)])
+def test_a_hoist_of_two_falls_breaks(solver, within):
+    """The winch is braked, and the block falls; the stretch by its weight stays."""
+    system, tail = two_falls(solver)
+    start = system.outputs().points["block"].position[2]
+    for k in range(140):
+        outputs = system.step(0.01, reel_out_speeds={"rope": -0.001 * k})
+    way, speed = fallen(tail, 1.4)
+    assert outputs.lines["rope"].broken
+    assert start - outputs.points["block"].position[2] == pytest.approx(way, abs=within)
+    assert -outputs.points["block"].velocity[2] == pytest.approx(speed, abs=within)
+    assert outputs.portions["rope"].speed[0] == pytest.approx(speed, abs=within)
+
+
+# --- rope that runs off
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_what_runs_off_falls(solver):
+    """The mass that is left falls with g then, and the rope with it; the other side keeps nothing that moves it."""
+    scene = Snapped()
+    system, before = scene.system(solver), None
+    for k in range(90):
+        outputs = system.step(0.01)
+        if outputs.portions["rope"].speed[0] == 0.0 and before is None:
+            before = k, outputs.points["a"].velocity[2]
+            assert abs(outputs.portions["rope"].payout[0]) > 0.5 * scene.tail
+    at, speed = before
+    assert outputs.points["a"].velocity[2] == pytest.approx(speed - (89 - at) * 0.01 * G, abs=0.05)
+    assert outputs.points["b"].velocity[2] == pytest.approx(-0.9 * G, abs=0.02)
+    found = outputs.portions["rope"]
+    assert found.length.sum() == pytest.approx(20.0, abs=1e-9)
+    assert found.length[0] == pytest.approx(scene.length + scene.tail, abs=1e-9)
+    assert found.tension_from == pytest.approx([0.0, 0.0], abs=1e-3)
+    assert np.isfinite(system.positions["rope"]).all()
+    assert np.linalg.norm(outputs.points["s"].force) < 1.0
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_a_released_rope_runs_off_its_sheave(solver):
+    """It does not stop there, as a knot would: both ends fall."""
+    points = [Point("a", (0.0, 0.0, -4.0), mass=20.0), Point("s", (0.0, 0.0, 0.0)), Point("b", (0.0, 0.0, -1.0))]
+    line = Line("rope", "a", "b", rope(5.0, 5, **LIGHT), through=["s"], initial_portions=[4.0, 1.0])
+    system, speeds = TetherSystem(points, [line], solver=solver), []
+    system.initialize()
+    for _ in range(75):
+        outputs = system.step(0.02, releases={"rope": True})
+        speeds.append(outputs.points["a"].velocity[2])
+        assert outputs.lines["rope"].peak_tension < 400.0
+    assert np.diff(speeds[40:]) == pytest.approx(np.full(34, -0.02 * G), abs=2e-3)
+    assert outputs.portions["rope"].length[0] == pytest.approx(5.0, abs=0.011)
+
+
+@pytest.mark.parametrize("solver", [ADAPTIVE, SECOND])
+def test_a_hoist_of_four_falls_falls(solver):
+    """Light rope holds the block back a little; after all sheaves it falls with g and only its last fall hangs in it."""
+    points = [Point("winch", (0.0, 0.0, 30.0)), Point("crown", (0.5, 0.0, 30.0)), Point("anchor", (1.0, 0.0, 30.0))]
+    points.append(Point("block", mass=2000.0))
+    of_rope = {"diameter": 0.012, "mass_per_length": 0.57, "axial_stiffness": 5e6, "axial_damping": 2e4}
+    own = Tether(segments=6, initial_length=80.0, breaking_force=4900.0, slack_stiffness_ratio=0.0, **of_rope)
+    line = Line("hoist", "winch", "anchor", own, through=["block", "crown", "block"], sheave_efficiency=0.98)
+    system = TetherSystem(points, [line], solver=solver)
+    system.initialize()
+    speeds, broke = [], None
+    for k in range(150):
+        outputs = system.step(0.02, reel_out_speeds={"hoist": -0.4 * min(1.0, 0.02 * k)})
+        broke = k if outputs.lines["hoist"].broken and broke is None else broke
+        speeds.append(outputs.points["block"].velocity[2])
+    assert broke is not None
+    assert broke < 50
+    fall = np.diff(speeds[broke + 1 :]) / 0.02
+    assert np.all(fall[:20] < -0.85 * G)
+    assert speeds[-1] < -15.0
+    assert outputs.portions["hoist"].length.sum() == pytest.approx(80.0 + system_payout(broke), abs=0.1)
+
+
+def system_payout(steps):
+    """Rope that the winch has paid out when it is braked [m]."""
+    return -sum(0.02 * 0.4 * min(1.0, 0.02 * k) for k in range(steps))
+
+
+# --- energy, states, refusals
+
+
+def test_energy_over_both_events():
+    residuals = []
+    for step in (2e-3, 1e-3):
+        system = Snapped().system(Solver(relative_tolerance=1e-8), sheave_efficiency=1.0)
+        system.step(0.05)
+        before = first = system.energy()
+        work = 0.0
+        for _ in range(round(0.6 / step)):
+            system.step(step)
+            after = system.energy()
+            work += 0.5 * step * (before.power + after.power)
+            before = after
+        assert system.outputs().portions["rope"].speed[0] == 0.0  # it has run off
+        lost = after.lines["rope"].broken - first.lines["rope"].broken
+        residuals.append(after.total + lost - first.total - work)
+    assert abs(residuals[1]) < 1e-4 * abs(after.total - first.total)
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_states_before_between_and_after(solver):
+    """Each is restored and goes on bit for bit; and `fly` is a loop of steps."""
+    for steps in (0, 20, 60):
+        system = Snapped().system(solver)
+        for _ in range(steps):
+            system.step(0.01)
+        before, ends = system.get_state(), []
+        for _ in range(2):
+            system.set_state(before)
+            for _ in range(40):
+                system.step(0.01)
+            ends.append(system.get_state())
+        system.set_state(before)
+        system.fly(40, 0.01)
+        ends.append(system.get_state())
+        assert np.array_equal(ends[0], ends[1])
+        assert np.array_equal(ends[0], ends[2])
+
+
+def test_a_drum_is_braked():
+    """A winch by force stops when its only rope breaks, in whatever portion."""
+    points = [Point("a", (-6.0, 0.0, 0.0)), Point("s", (0.0, 0.0, 4.0)), Point("b", (2.0, 0.0, -6.0), mass=10.0)]
+    of_rope = {"diameter": 0.01, "mass_per_length": 0.3, "axial_stiffness": 2e4, "axial_damping": 200.0}
+    for winches in ([], [SharedWinch("drum", {"rope": 1.0}, "force", winch_mass=10.0, winch_damping=20.0)]):
+        own = rope(20.0, 5, breaking_force=130.0, **of_rope)
+        winch = Winch() if winches else Winch(winch_control="force", winch_mass=10.0, winch_damping=20.0)
+        sheave = {"initial_portions": [7.5, 12.5], "sheave_mass": 2.0, "winch": winch}
+        system = TetherSystem(points, [Line("rope", "a", "b", own, through=["s"], **sheave)], winches=winches)
+        name = "drum" if winches else "rope"
+        system.initialize(winch_forces={name: 90.0})
+        for k in range(100):
+            outputs = system.step(0.02, winch_forces={name: 90.0 + 2.0 * k})
+        assert outputs.lines["rope"].broken
+        assert outputs.lines["rope"].winch_speed == 0.0
+        assert outputs.points["b"].velocity[2] < -2.0
+
+
+def test_a_portion_needs_segments_to_break():
+    points = [Point("a", (0.0, 0.0, -4.0), mass=20.0), Point("s", (0.0, 0.0, 0.0)), Point("b", (0.0, 0.0, -1.0))]
+    line = Line("rope", "a", "b", rope(5.0, 2, breaking_force=1e4, **LIGHT), through=["s"], initial_portions=[4.0, 1.0])
+    with pytest.raises(
+        ValueError, match=r"rope\.segments is 2; over sheaves a line with breaking_force must have at least 3"
+    ):
+        TetherSystem(points, [line])
+
+
+def test_a_step_in_which_the_end_passes_its_sheave_is_refused():
+    """It breaks and runs off within one long step; shorter steps go on."""
+    system = Snapped().system()
+    with pytest.raises(StepRefused, match="the end of the rope reached a sheave in a step of 2"):
+        system.step(2.0)
+    system.step(0.01)
