@@ -110,7 +110,7 @@ def write(path, content):
 def main(arguments, more=None):
     """Write the libraries of all variants; other processes optimize them while numba continues with the next one.
 
-    more : function, called after all variants, that returns a function and its arguments, for another process, too.
+    more : function, called after all variants but systems, that returns a function and its arguments, for another process.
     """
     platforms, *variants = arguments
     at_once = signal.SIGINT, signal.SIG_DFL  # Ctrl-C ends a process also while LLVM works
@@ -118,18 +118,26 @@ def main(arguments, more=None):
     with ProcessPoolExecutor(os.cpu_count(), get_context("spawn"), signal.signal, at_once) as pool:
         waiting, left, began = [], Counter(), monotonic()  # number of remaining tasks of each variant
         folders = {variant: Path(place) for variant, _, place in (each.partition("=") for each in variants)}
-        has_code = {variant: (folder / CODE).exists() for variant, folder in folders.items()}
-        for variant in sorted(folders, key=has_code.get, reverse=True):  # those that need no numba first
-            folder = folders[variant]
-            folder.mkdir(parents=True, exist_ok=True)
-            code = None if has_code[variant] else code_of(variant)
+        missing = [variant for variant, folder in folders.items() if not (folder / CODE).exists()]
+        # kernels of systems know more than others, and need another process
+        of_systems = pool.submit(code_of, SYSTEM) if SYSTEM in missing else None
+
+        def submit(variant, code):
+            folders[variant].mkdir(parents=True, exist_ok=True)
             if monotonic() - began > PAUSE:
                 print(f"{variant} written, being optimized", flush=True)
             for group in alike(platforms.split(",")):
-                waiting.append(pool.submit(write_libraries, folder, variant, group, code))
+                waiting.append(pool.submit(write_libraries, folders[variant], variant, group, code))
                 left[variant] += 1
+
+        for variant in folders.keys() - missing:  # need no numba
+            submit(variant, None)
+        for variant in (each for each in missing if each != SYSTEM):
+            submit(variant, code_of(variant))
         if more is not None:
             waiting.append(pool.submit(*more()))
+        if of_systems is not None:
+            submit(SYSTEM, of_systems.result())
         for done in as_completed(waiting):
             left[done.result()] -= 1
             if left[done.result()] <= 0:
@@ -137,15 +145,7 @@ def main(arguments, more=None):
 
 
 def code_of(variant):
-    """`intermediate_code.Code` of a variant; of systems by a process of its own, as their kernels know more than others."""
-    if variant == SYSTEM:
-        with ProcessPoolExecutor(1, get_context("spawn"), signal.signal, (signal.SIGINT, signal.SIG_DFL)) as pool:
-            return pool.submit(code_here, variant).result()
-    return code_here(variant)
-
-
-def code_here(variant):
-    """`code_of` in this process; numba is imported where it is needed, by no other process."""
+    """`intermediate_code.Code` of a variant; numba is imported where it is needed."""
     from tetherfmu.libraries import intermediate_code
 
     return intermediate_code.code_of(variant)

@@ -21,6 +21,7 @@ from typing import NamedTuple
 from tetherfmu.runtime.kernel_library import SYSTEM
 
 PAUSE = 15.0  # s between lines of progress
+being_written = []  # variants, in this process
 
 
 class Code(NamedTuple):
@@ -81,7 +82,7 @@ def tell_progress(library):
         written += 1
         if monotonic() - told > PAUSE:
             told = monotonic()
-            print(f"{written} functions written", flush=True)
+            print(f"{being_written[-1]}: {written} functions written", flush=True)
 
     library.finalize = finalize_and_tell
 
@@ -90,6 +91,7 @@ def tell_progress(library):
 def code_of(variant):
     """`Code` of the entry points of a variant; SYSTEM needs its own process, as its kernels know `compilation.PARTS`."""
     write_only()
+    being_written.append(variant)
     from tetherfmu.kernels import compilation
 
     compilation.PARTS = variant == SYSTEM
