@@ -22,13 +22,16 @@ NO_MASS = 3.7e-13  # mass of a massless node [kg], as forces are divided by mass
 
 @kernel
 def tear(n, s, parameters):
-    """Remove the stiffness, damper and drag of segment s of n, in the parameters (modified)."""
+    """Remove the stiffness, damper and drag of segment s of n, and brake the winch, in the parameters (modified)."""
     parameters[at.TORN_NOW] = s + 1.0
     parameters[at.WHOLE_STIFFNESS] = property_in(parameters, n, s, at.STIFFNESS)
     parameters[at.WHOLE_DAMPING] = property_in(parameters, n, s, at.DAMPING)
     parameters[at.WHOLE_DRAG_WIDTH] = property_in(parameters, n, s, at.DRAG_WIDTH)
+    parameters[at.WHOLE_CONTROL] = parameters[at.WINCH_CONTROL]
     for which in (at.STIFFNESS, at.DAMPING, at.DRAG_WIDTH):
         put_property(n, which, s, 0.0, parameters)
+    parameters[at.WINCH_CONTROL] = float(at.WINCH_BY_SPEED)
+    parameters[at.WINCH_IS_BRAKED] = 1.0
 
 
 @kernel
@@ -39,8 +42,10 @@ def mend(n, parameters):
         put_property(n, at.STIFFNESS, s, parameters[at.WHOLE_STIFFNESS], parameters)
         put_property(n, at.DAMPING, s, parameters[at.WHOLE_DAMPING], parameters)
         put_property(n, at.DRAG_WIDTH, s, parameters[at.WHOLE_DRAG_WIDTH], parameters)
-        for place in range(at.TORN_NOW, at.WHOLE_DRAG_WIDTH + 1):
+        parameters[at.WINCH_CONTROL] = parameters[at.WHOLE_CONTROL]
+        for place in range(at.TORN_NOW, at.WHOLE_CONTROL + 1):
             parameters[place] = 0.0
+        parameters[at.WINCH_IS_BRAKED] = 0.0
 
 
 @kernel

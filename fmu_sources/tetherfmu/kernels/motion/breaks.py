@@ -242,7 +242,6 @@ def break_line(system, k, s, tension, time):
     note_peak(state, tension)
     stop_winch(system, k, time)
     torn.tear(segments_of(system, k), s, parameters_of(system, k))
-    parts.brake(parameters_of(system, k))
     take_holders(system, k)
     globals_of(system).header[IS_KNOWN] = 0.0
     for j in range(count_of(system)):
@@ -324,6 +323,16 @@ def release_winch(system, k, step, first):
 
 
 @kernel
+def unite_again(system, k, step, before):
+    """Undo `divide_portion`, and the brake of its rope, if it was whole in the states `before`, as in `go_back`."""
+    state, winch = state_of(system, k), first_of(system, k)
+    state[at.SECOND_PART], state[at.FIRST_LUMP], state[at.SECOND_LUMP] = 0.0, 0.0, 0.0
+    parts.unite(segments_of(system, k), 1 if is_freed(system, k) else 0, parameters_of(system, k))
+    if not is_any_torn(with_states(system, before), winch):
+        release_winch(system, winch, step, state_of(with_states(system, before), winch))
+
+
+@kernel
 def go_back(system, step, before):
     """Restore the lines (modified) that are whole in the states `before`, in a communication step [s]."""
     for k in range(lines_of(system)):
@@ -332,9 +341,8 @@ def go_back(system, step, before):
             state[at.TORN_SEGMENT], state[at.TORN_ENERGY], state[at.TORN_AT] = 0.0, first[at.TORN_ENERGY], 0.0
             state[at.WARNED_VALUES + limits.BROKE] = 0.0
             state[at.WARNINGS] -= 1 << limits.BROKE
-            state[at.SECOND_PART], state[at.FIRST_LUMP], state[at.SECOND_LUMP] = 0.0, 0.0, 0.0
-            parts.unite(segments_of(system, k), 1 if is_freed(system, k) else 0, parameters_of(system, k))
-            torn.mend(segments_of(system, k), parameters_of(system, k))
-            with_winch = first_of(system, k)
-            if not is_any_torn(with_states(system, before), with_winch):
-                release_winch(system, with_winch, step, state_of(with_states(system, before), with_winch))
+            if is_portion(system, k):
+                unite_again(system, k, step, before)
+            else:
+                torn.mend(segments_of(system, k), parameters_of(system, k))
+                mend_winch(system, k, step, first)

@@ -52,8 +52,10 @@ def tear(system, k):
 @kernel
 def mend(system, k):
     """Undo `tear` (parameters modified)."""
-    parts.unite(segments_of(system, k), freed_of(system, k), parameters_of(system, k))
-    torn.mend(segments_of(system, k), parameters_of(system, k))
+    if is_portion(system, k):
+        parts.unite(segments_of(system, k), freed_of(system, k), parameters_of(system, k))
+    else:
+        torn.mend(segments_of(system, k), parameters_of(system, k))
 
 
 @kernel
@@ -70,7 +72,7 @@ def fit(system):
             torn.add_segment(segments_of(system, k), parameters_of(system, k))
             mark_freed(system, k, 1)
         tear(system, k)
-        if 1.0 <= state_of(system, k)[at.TORN_SEGMENT] <= segments_of(system, k):
+        if is_portion(system, k) and parameters_of(system, k)[at.TORN_NOW] > 0.0:
             parts.brake(parameters_of(system, first_of(system, k)))
 
 
@@ -79,7 +81,8 @@ def unfit(system):
     """Restore parameters and plan (modified) of the whole lines."""
     for k in range(lines_of(system)):
         mend(system, k)
-        parts.release_brake(parameters_of(system, k))
+        if is_portion(system, k):
+            parts.release_brake(parameters_of(system, k))
         if is_freed(system, k):
             torn.remove_segment(segments_of(system, k) - 1, parameters_of(system, k))
             mark_freed(system, k, 0)
