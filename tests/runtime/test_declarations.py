@@ -50,7 +50,8 @@ def test_each_scalar_of_the_parameters_has_a_place_of_its_own():
     others = ["GROUND_IS_FREE", "KITE_IS_FREE", "CALM_LAYER", "WIND_POINTS", "TORN_NOW", "CAN_BREAK"]
     others += [f"WHOLE_{what}" for what in ("STIFFNESS", "DAMPING", "DRAG_WIDTH", "CONTROL")]
     others += ["IS_PORTION", "GIVEN_PORTION", "SHEAVE_MASS", "SHEAVE_FRICTION", "SHEAVE_EFFICIENCY", "PULLS_BACK"]
-    others += ["LENGTH_BEYOND", "LEAST_LENGTH"]
+    others += ["LENGTH_BEYOND", "LEAST_LENGTH", "WINCH_IS_BRAKED", "IS_PARTED", "FIRST_ENDS", "SECOND_BEGINS"]
+    others += ["REST_BETWEEN", "FIRST_PASSING", "WHOLE_SHARE", "WHOLE_DENSITY"]
     places = [getattr(layout, name) for name in (*declared, *others)]
     for first in (layout.HELD_BY, layout.HELD_RATIO):
         places += range(first, first + layout.MOST_HOLDERS)

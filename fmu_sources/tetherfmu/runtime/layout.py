@@ -156,11 +156,11 @@ END_ACCELERATION = PAYOUT + 8
 DRUM_PAYOUT = PAYOUT + 11
 DRUM_SPEED = PAYOUT + 12  # rate of it [m/s]
 DRUM_ACCELERATION = PAYOUT + 13  # rate of that [m/s2]
-# past values of quantities known by positions only, the latest first, see `kernels/equations/past.py`: times between
-# successive values [s], then for each the kite position, the ground position and the length input of the winch [m]
 # of a portion that broke or has a loose end, see `kernels/equations/parts.py`: what ran off; unstretched length of its
 # second part [m]; rope lumped where it broke at the ends of both parts, and at loose ends [m]
 RUN_OFF, SECOND_PART, FIRST_LUMP, SECOND_LUMP, START_LUMP, END_LUMP = range(PAYOUT + 14, PAYOUT + 20)
+# past values of quantities known by positions only, the latest first, see `kernels/equations/past.py`: times between
+# successive values [s], then for each the kite position, the ground position and the length input of the winch [m]
 PAST_TIMES = PAYOUT + 20
 PAST_VALUES = PAST_TIMES + MOST_PAST
 STATE_HEADER = PAST_VALUES + PAST_SIZE * MOST_PAST

@@ -12,6 +12,8 @@ and so are their Schur complements at the points.
 
 from math import inf, sqrt
 
+from tetherfmu.runtime import layout as at
+
 from ..arrays import copy
 from ..compilation import kernel
 from ..equations import flow, segment
@@ -26,7 +28,7 @@ from ..line.strand_room import GOAL
 from ..linear_algebra import condensed
 from ..linear_algebra.vectors import dot, get, sub
 from . import fixed
-from .room import attempt_of, columns_of, moves, numbers_of, scratch_of
+from .room import any_line, attempt_of, columns_of, moves, numbers_of, scratch_of
 
 # phases of an iteration: from LATE on drum speeds change only if the lines converge with them, from HELD on the
 # ground friction is frozen at the previous iteration
@@ -150,12 +152,21 @@ def try_part(system, taken):
 
 
 @kernel
+def is_limp(system, k):
+    """Whether slack segments of line k do not push."""
+    return parameters_of(system, k)[at.SLACK_STIFFNESS_RATIO] == 0.0
+
+
+is_any_limp = any_line(is_limp)
+
+
+@kernel
 def go_along(system, step, taken, before):
     """Move all lines (modified) by this fraction, halved until Phi decreases; returns the results of `descend`.
 
     In a whole step, near the transition of a stiff segment that does not push, only a small fraction may lower Phi.
     """
-    most = MOST_IN_WHOLE if step.kind == WHOLE else MOST_HALVINGS
+    most = MOST_IN_WHOLE if step.kind == WHOLE and is_any_limp(system) else MOST_HALVINGS
     judged = LEAST_JUDGED * taken
     for _ in range(most + 1):
         try_part(system, taken)
