@@ -143,9 +143,10 @@ def _declared_once(text):
 def write(path, codes):
     """Write the file for browsers; codes : `intermediate_code.Code` of each variant; equal texts are stored once.
 
-    A page shows no energies, so their entry points are left out.
+    A page steps and shows no energies: what it does not call is left out.
     """
-    exported = [name for variant in VARIANTS for name in ahead_of_time.names_of(variant) if name != f"{variant}_energy"]
+    idle = {f"{variant}_{verb}" for variant in VARIANTS for verb in ("fly", "energy")}
+    exported = [name for variant in VARIANTS for name in ahead_of_time.names_of(variant) if name not in idle]
     texts = dict.fromkeys(text for code in codes for text in code.texts)
     names = {name: entry for code in codes for name, entry in code.names.items() if entry in exported}
     text = str(llvm_modules.whole_module(Code(list(texts), names)))
