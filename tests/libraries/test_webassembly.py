@@ -60,7 +60,7 @@ def lying():
 def pulling():
     """A drum under force control."""
     inputs, _ = reeling()
-    inputs[:, at.WINCH_FORCE] = 5000.0
+    inputs[:, at.REEL_OUT_SPEED], inputs[:, at.WINCH_FORCE] = 0.0, 5000.0
     return inputs, {"initial_length": 495.0, "winch_control": "force", "winch_mass": 500.0, "winch_damping": 20.0}
 
 
@@ -68,7 +68,7 @@ def flown(model, inputs):
     """Outputs of each step, array (steps, numbers), and a dict of those at the end."""
     columns, found = by_name(inputs), []
     for k in range(len(inputs)):
-        told = {name: column[k] for name, column in columns.items() if np.any(column[k])}
+        told = {name: np.squeeze(column[k])[()] for name, column in columns.items() if np.any(column[k])}
         outputs = model.step(STEP, **told)._asdict()
         found.append(np.concatenate([np.ravel(each) for each in outputs.values()]))
     return np.array(found), outputs
