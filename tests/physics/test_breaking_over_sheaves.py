@@ -13,6 +13,9 @@ run off      what falls then, falls with g; rope is neither lost nor made
 energy       what the powers do not explain falls with the square of the communication step, over both events
 """
 
+import re
+import warnings
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -240,6 +243,27 @@ def test_a_hoist_of_four_falls_falls(solver):
     assert np.all(fall[:20] < -0.85 * G)
     assert speeds[-1] < -15.0
     assert outputs.portions["hoist"].length.sum() == pytest.approx(80.0 + system_payout(broke), abs=0.1)
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_a_rope_breaks_once(solver):
+    """While the winch pays out; braking it then pulls at the first portion with more than the breaking force."""
+    points = [Point("winch", (0.0, 0.0, 30.0)), Point("crown", (0.5, 0.0, 30.0)), Point("anchor", (1.0, 0.0, 30.0))]
+    points.append(Point("block", mass=2000.0))
+    of_rope = {"diameter": 0.012, "mass_per_length": 0.57, "axial_stiffness": 5e6, "axial_damping": 2e4}
+    own = Tether(segments=6, initial_length=80.0, breaking_force=5400.0, slack_stiffness_ratio=0.0, **of_rope)
+    line = Line("hoist", "winch", "anchor", own, through=["block", "crown", "block"], sheave_efficiency=0.98)
+    system = TetherSystem(points, [line], solver=solver)
+    system.initialize()
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        for k in range(70):
+            outputs = system.step(0.02, reel_out_speeds={"hoist": min(0.04 * k, 2.0)})
+    sentence = r"the line (\S+): .*, broke .* under ([\d.]+) N"
+    ((portion, force),) = re.findall(sentence, "\n".join(str(each.message) for each in told))
+    assert portion == "hoist[4]"
+    assert 5399.99 < float(force) < (5400.01 if solver is ADAPTIVE else 5420.0)
+    assert outputs.lines["hoist"].break_time == pytest.approx(1.1, abs=0.02)  # backward Euler damps its swing
 
 
 def system_payout(steps):

@@ -44,7 +44,7 @@ from ..points.room import (
 )
 from ..points.step import apply_changes, collect_changes, whole_masses
 from . import events
-from .breaks import begin_breaks, break_lines, can_any_break, part_to_break
+from .breaks import begin_breaks, break_lines, can_any_break, check_ends, part_to_break
 
 
 @kernel
@@ -153,7 +153,7 @@ def integrate(system, duration):
     """Advance the lines (modified) over a communication step of `duration` [s] with error-controlled steps.
 
     The state of the first line stores solver memory and counters. Returns a status: OK, STEP_BUDGET_SPENT, STEP_TOO_SMALL
-    or, about a line, NO_LENGTH.
+    or, about a line, NO_LENGTH or ROPE_RUNS_OFF.
     """
     memory = state_of(system, 0)
     time = 0.0
@@ -199,6 +199,9 @@ def integrate(system, duration):
             beyond = 0.0
         idle = idle + 1 if h_now < SMALLEST_PIECE * duration and count_free(system) == 0 else 0
         accept(system, time, h_now, is_last)
+        status = check_ends(system)
+        if status != OK:
+            return status
         is_new = True
         time = duration if is_last else time + h_now
         if may_break and break_lines(system, time):

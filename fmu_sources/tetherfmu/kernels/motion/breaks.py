@@ -1,14 +1,15 @@
 """Breaking of a segment within a communication step, as soon as its tension reaches its breaking force.
 
 The adaptive solver ends a step there, as at an event of a coordinate (`events.py`); fixed steps break lines at their ends,
-which keeps the work bounded. A line breaks once, at the segment closest to its breaking force. Breaking brakes its winch and
-the flowing rope.
+which keeps the work bounded. A line, or a rope over sheaves, breaks once, at the segment closest to its breaking force.
+Breaking brakes its winch and the flowing rope.
 """
 
 from math import inf
 
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import plausibility as limits
+from tetherfmu.runtime.status import OK, ROPE_RUNS_OFF
 
 from ..compilation import kernel
 from ..equations import flow, parts, segment, torn
@@ -20,6 +21,7 @@ from ..equations.lines import (
     hold_length,
     lines_of,
     motion_of,
+    note_line,
     parameters_of,
     put_numbers,
     put_reeling,
@@ -30,7 +32,7 @@ from ..equations.lines import (
 )
 from ..equations.properties import half_density, point_mass, property_of, rest_length
 from ..equations.rope import feels_rope
-from ..equations.ropes import first_of, goes_on, is_freed, is_portion
+from ..equations.ropes import first_of, goes_on, has_sheaves, is_freed, is_portion
 from ..equations.winch import ALL_ALONG, follows_force, length_at, rate_at, reel
 from ..line import strand
 from ..line.drum_events import OVERLOAD, part_of_piece
@@ -38,6 +40,7 @@ from ..line.strand_room import KEPT_REELING, LATE, SECOND_PART, rope_in
 from ..linear_algebra.both_ends import interleave
 from ..linear_algebra.vectors import add_at, dot, get, scale, sub
 from ..notes import note, note_peak
+from ..points import room
 from ..points.room import (
     IS_KNOWN,
     SPEED,
@@ -47,6 +50,7 @@ from ..points.room import (
     chain_with_rope,
     count_of,
     globals_of,
+    has_rope,
     integrator_of,
     let_in,
     moves,
@@ -61,10 +65,20 @@ from .states import go_to_state
 
 
 @kernel
+def is_any_torn(system, k):
+    """Whether any portion of the rope with the first portion k, or a whole line, is broken in its state."""
+    count = state_of(system, k)[at.TORN_SEGMENT] != 0.0
+    while goes_on(system, k):
+        k += 1
+        count += state_of(system, k)[at.TORN_SEGMENT] != 0.0
+    return count > 0
+
+
+@kernel
 def can_break(system, k):
-    """Whether line k may break."""
+    """Whether line k may break; a rope over sheaves breaks once, too."""
     parameters = parameters_of(system, k)
-    return parameters[at.CAN_BREAK] > 0.0 and not (torn.is_torn(parameters) or parts.is_parted(parameters))
+    return parameters[at.CAN_BREAK] > 0.0 and not (parts.is_parted(parameters) or is_any_torn(system, first_of(system, k)))
 
 
 can_any_break = any_line(can_break)
@@ -249,6 +263,18 @@ def break_line(system, k, s, tension, time):
 
 
 @kernel
+def is_first(system, k, lacking, time):
+    """Whether no other portion of the rope of line k lacks less than this force [N] to break at a time [s]."""
+    count = 0
+    for j in range(lines_of(system)):
+        if j != k and first_of(system, j) == first_of(system, k) and can_break(system, j):
+            x, v = motion_of(system, j)
+            _, other, _ = weakest(chain_of_state(system, j, time), x, v)
+            count += other < lacking
+    return count == 0
+
+
+@kernel
 def break_lines(system, time):
     """Break lines (modified) that reach their breaking force at a time [s] of the communication step; whether any did."""
     count = 0
@@ -256,7 +282,7 @@ def break_lines(system, time):
         if can_break(system, k):
             x, v = motion_of(system, k)
             s, lacking, strength = weakest(chain_of_state(system, k, time), x, v)
-            if lacking <= OVERLOAD * strength:
+            if lacking <= OVERLOAD * strength and is_first(system, k, lacking, time):
                 break_line(system, k, s, strength - lacking, time)
                 count += 1
     return count > 0
@@ -268,6 +294,20 @@ def begin_breaks(system):
     if not can_any_break(system):
         return False
     return not break_lines(system, 0.0) or can_any_break(system)
+
+
+@kernel
+def check_ends(system):
+    """OK, or ROPE_RUNS_OFF about a portion whose rope came to its end at a sheave within the communication step."""
+    if has_sheaves(system):
+        for k in range(lines_of(system)):
+            if parts.is_parted(parameters_of(system, k)) or is_freed(system, k):
+                for end in range(room.limited_parts(system, k)):
+                    least = (1.0 + parts.STOPPED) * room.shortest_of_part(system, k, end)
+                    if has_rope(system, k) and room.length_of_part(system, k, end) <= least:
+                        note_line(system.plan, k)
+                        return ROPE_RUNS_OFF
+    return OK
 
 
 @kernel
@@ -302,16 +342,6 @@ def mend_winch(system, k, step, first):
             state[place] = first[place]
     else:
         reel(reeling, step, state)
-
-
-@kernel
-def is_any_torn(system, k):
-    """Whether any portion of the rope with the first portion k, or a whole line, is broken in its state."""
-    count = state_of(system, k)[at.TORN_SEGMENT] != 0.0
-    while goes_on(system, k):
-        k += 1
-        count += state_of(system, k)[at.TORN_SEGMENT] != 0.0
-    return count > 0
 
 
 @kernel

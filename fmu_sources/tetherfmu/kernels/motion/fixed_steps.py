@@ -47,7 +47,7 @@ from ..points.room import (
 )
 from . import events, turning
 from .adaptive_steps import work_of
-from .breaks import begin_breaks, break_lines, can_any_break, place_all_ends
+from .breaks import begin_breaks, break_lines, can_any_break, check_ends, place_all_ends
 from .fallback import (
     ASKED,
     AT_STOP,
@@ -278,7 +278,7 @@ def integrate(system, steps, duration):
     A communication step that is not a multiple is divided evenly into steps of at most their size. Once hard steps have
     used up the iteration budget, the other steps end after `limits.LAST_ITERATIONS` of backward Euler. The state of the
     first line stores the counters, the numbers of each line its truncated iterations. Returns a status:
-    OK, FIXED_STEPS_TOO_MANY, STATE_NOT_FINITE or, about a line, NO_LENGTH or REELED_TOO_SHORT.
+    OK, FIXED_STEPS_TOO_MANY, STATE_NOT_FINITE or, about a line, NO_LENGTH, REELED_TOO_SHORT or ROPE_RUNS_OFF.
     """
     budget = at.ITERATION_BUDGET // work_of(system)
     count = backward_euler.count_of_steps(steps, duration, budget)
@@ -303,6 +303,8 @@ def integrate(system, steps, duration):
         status = turning.balance(system, i * h + h, GAMMA * h if why == 0 else h)
         if status == OK:
             status = turning.check(system)
+        if status == OK:
+            status = check_ends(system)
         if status != OK:
             return status
         known = 3 if why == 0 else 0

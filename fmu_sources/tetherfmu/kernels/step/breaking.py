@@ -7,7 +7,7 @@ within a step runs off it at the beginning of that step.
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import plan_layout as places
 from tetherfmu.runtime import plausibility as limits
-from tetherfmu.runtime.status import OK, RELEASED_WITHOUT_MASS, ROPE_RUNS_OFF
+from tetherfmu.runtime.status import OK, RELEASED_WITHOUT_MASS
 
 from ..compilation import kernel
 from ..equations import flow, node_loads, parts, segment, torn
@@ -28,7 +28,6 @@ from ..linear_algebra.vectors import ZERO_VECTOR, add, add_at, add_scaled, dot, 
 from ..notes import note
 
 EARLY = 1.5  # of the way in a step: rope that may reach its sheave runs off before
-STOPPED = 1e-6  # of its shortest length: rope at its sheave
 
 
 @kernel
@@ -203,7 +202,7 @@ def runs_out(length, count, speed, gain, step, short):
     """
     way = max(speed, 0.0) * step + 0.5 * max(gain, 0.0) * step * step
     least = count * at.MIN_SEGMENT_LENGTH
-    return speed >= 0.0 and length - least <= max(EARLY * way, short) + STOPPED * least
+    return speed >= 0.0 and length - least <= max(EARLY * way, short) + parts.STOPPED * least
 
 
 @kernel
@@ -408,18 +407,6 @@ def energy_of(system, k):
         total += segment.elastic_energy(stiffness, elongation)
     counted = start if parameters[at.IS_PORTION] == at.BEHIND_SHEAVE else 0.0, end
     return total + flow.energy_of_flow(chain, x, v, counted)
-
-
-@kernel
-def check_ends(system):
-    """OK, or ROPE_RUNS_OFF about a portion whose rope came to its end at a sheave within the step."""
-    for k in range(lines_of(system)):
-        for end in range(2):
-            length, _, count = loose_rope(system, k, end) if is_portion(system, k) else (0.0, 0.0, 0)
-            if count > 0 and length <= (1.0 + STOPPED) * count * at.MIN_SEGMENT_LENGTH:
-                system.plan[places.STATUS_LINE] = k
-                return ROPE_RUNS_OFF
-    return OK
 
 
 @kernel

@@ -381,8 +381,6 @@ def advance(system, step, before):
         status = moving_lines.advance(system, step, before)
     if status == OK:
         status = commit(system, step, before)
-    if status == OK and has_sheaves(system):
-        status = breaking.check_ends(system)
     if status != OK:
         copy(before, system.state)
     breaking.end(system)
