@@ -124,6 +124,7 @@ def steps_of_one_size(monkeypatch, segments, part, last_error=0.0):
     monkeypatch.setattr(adaptive_steps, "count_free", lambda system: 0)
     monkeypatch.setattr(adaptive_steps, "part_to_slack", lambda *arguments: inf)
     monkeypatch.setattr(adaptive_steps, "accept", lambda *arguments: None)
+    monkeypatch.setattr(adaptive_steps, "check_ends", lambda system: status.OK)
     monkeypatch.setattr(adaptive_steps, "state_of", lambda system, k: system.state)
     monkeypatch.setattr(adaptive_steps, "work_of", lambda system: segments)
     state = np.zeros(at.STATE_HEADER)
