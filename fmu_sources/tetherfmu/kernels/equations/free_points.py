@@ -10,12 +10,13 @@ from ..compilation import kernel, view
 from ..flat_arrays import part
 from ..linear_algebra.condensed import Rows
 from ..linear_algebra.point_blocks import matrix_size
-from ..linear_algebra.vectors import ZERO_VECTOR, add_scaled, get, put, put_at, vector_at
+from ..linear_algebra.vectors import ZERO_VECTOR, add_at, add_scaled, get, put, put_at, scale, vector_at
 from .continuation import given_derivatives, is_continued
 from .end_motion import estimated_rates
 from .lines import (
     conditions_of,
     lines_of,
+    motion_of,
     number_in,
     number_of_line,
     parameters_of,
@@ -24,6 +25,7 @@ from .lines import (
     state_of,
     with_states,
 )
+from .properties import half_density, point_mass, rest_length
 
 Points = namedtuple("Points", "matrix right solution mass change load_rate")
 Points.__doc__ = """Scratch arrays of F free points, m = 3 F.
@@ -125,3 +127,25 @@ def rows_of(system, k):
     n, conditions = segments_of(system, k), conditions_of(system, k)
     at_start, at_end = is_at_point(system, k, 0), is_at_point(system, k, 1)
     return Rows(n, 1 if at_start else conditions.first, n - 1 if at_end else conditions.last, at_start, at_end)
+
+
+def push_with(chain_of_line):
+    """Return a kernel that pushes a free point; chain_of_line : view of a system, a line and a time [s]: its `Chain`."""
+
+    @kernel
+    def push_point(system, point, impulse, time):
+        """Apply an impulse [N s] to a free point (modified, at the ends of all its lines) at a time [s]."""
+        mass = 0.0
+        for k in range(lines_of(system)):
+            chain = chain_of_line(system, k, time)
+            for end in range(2):
+                if point_at(system, k, end) == point:
+                    s = (chain.n - 1) * end
+                    mass += half_density(chain, s) * rest_length(chain, s) + point_mass(chain, chain.n * end)
+        for k in range(lines_of(system)):
+            _, v = motion_of(system, k)
+            for end in range(2):
+                if point_at(system, k, end) == point:
+                    add_at(v, segments_of(system, k) * end, scale(1.0 / mass, impulse))
+
+    return push_point

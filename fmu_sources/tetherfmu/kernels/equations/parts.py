@@ -38,7 +38,7 @@ STOPPED = 1e-6  # of its shortest length: rope at its sheave
 NO_PART = 1.0  # length of a part that does not exist [m]
 EMPTY = at.SHORTEST_PART * at.MIN_SEGMENT_LENGTH  # length in the state of a portion without rope [m]
 # of `layout.RUN_OFF`, added up: its start, its end has come off its sheave; its first, its second part has run off
-LOOSE, GONE, MOST_FLAGS = 1, 4, 15
+LOOSE, GONE = 1, 4
 
 
 @kernel

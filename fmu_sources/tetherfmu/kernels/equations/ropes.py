@@ -61,6 +61,12 @@ def is_freed(system, k):
 
 
 @kernel
+def freed_of(system, k):
+    """1 for a line that was released, else 0: the number of its additional segments."""
+    return 1 if is_freed(system, k) else 0
+
+
+@kernel
 def is_portion(system, k):
     """Whether line k is a portion of a line over sheaves."""
     return has_sheaves(system) and (goes_on(system, k) or comes_from(system, k))

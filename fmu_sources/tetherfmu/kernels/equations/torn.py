@@ -55,12 +55,6 @@ def has_let_go(state):
 
 
 @kernel
-def is_torn(parameters):
-    """Whether a segment is broken."""
-    return parameters[at.TORN_NOW] > 0.0
-
-
-@kernel
 def move_up(count, first, room, numbers):
     """Move `count` numbers of an array (modified) from a place up by `room`; the vacated places are undefined.
 

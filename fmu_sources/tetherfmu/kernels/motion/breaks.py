@@ -15,7 +15,7 @@ from ..compilation import kernel
 from ..equations import flow, parts, segment, torn
 from ..equations.assembly import node_masses
 from ..equations.boundary import place_ends
-from ..equations.free_points import is_at_point, point_at
+from ..equations.free_points import is_at_point, point_at, push_with
 from ..equations.lines import (
     conditions_of,
     hold_length,
@@ -30,9 +30,9 @@ from ..equations.lines import (
     state_of,
     with_states,
 )
-from ..equations.properties import half_density, point_mass, property_of, rest_length
+from ..equations.properties import property_of, rest_length
 from ..equations.rope import feels_rope
-from ..equations.ropes import first_of, goes_on, has_sheaves, is_freed, is_portion
+from ..equations.ropes import first_of, freed_of, goes_on, has_sheaves, is_freed, is_portion
 from ..equations.winch import ALL_ALONG, follows_force, length_at, rate_at, reel
 from ..line import strand
 from ..line.drum_events import OVERLOAD, part_of_piece
@@ -130,21 +130,7 @@ def stop_winch(system, k, time):
     state[at.LENGTH], state[at.REELING], state[at.ACCELERATION] = chain.length, 0.0, 0.0
 
 
-@kernel
-def push_point(system, point, impulse, time):
-    """Apply an impulse [N s] to a free point (modified, at the ends of all its lines) at a time [s]."""
-    mass = 0.0
-    for k in range(lines_of(system)):
-        chain = chain_of_state(system, k, time)
-        for end in range(2):
-            if point_at(system, k, end) == point:
-                s = (chain.n - 1) * end
-                mass += half_density(chain, s) * rest_length(chain, s) + point_mass(chain, chain.n * end)
-    for k in range(lines_of(system)):
-        _, v = motion_of(system, k)
-        for end in range(2):
-            if point_at(system, k, end) == point:
-                add_at(v, segments_of(system, k) * end, scale(1.0 / mass, impulse))
+push_point = push_with(chain_of_state)
 
 
 @kernel
@@ -201,7 +187,7 @@ def divide_portion(system, k, s, time):
     The momentum of each inner node with its rope is kept.
     """
     state, n, (x, v) = state_of(system, k), segments_of(system, k), motion_of(system, k)
-    freed = 1 if is_freed(system, k) else 0
+    freed = freed_of(system, k)
     go_to_state(system, time)
     chain = chain_with_rope(system, k)
     rest, before = rest_length(chain, s), energy_of_motion(system, k, chain)
@@ -219,44 +205,26 @@ def divide_portion(system, k, s, time):
 
 
 @kernel
-def break_portion(system, k, s, tension, time):
-    """`break_line` for a portion of a rope."""
-    n, state, chain, (x, _) = (
-        segments_of(system, k),
-        state_of(system, k),
-        chain_of_state(system, k, time),
-        motion_of(system, k),
-    )
-    s = parts.torn_between(n - (1 if is_freed(system, k) else 0), s)
-    length, _ = segment.geometry(sub(get(x, s + 1), get(x, s)))
-    elongation, stiffness = segment.spring(chain, s, length, False)
-    state[at.TORN_ENERGY] += segment.elastic_energy(stiffness, elongation) + divide_portion(system, k, s, time)
-    state[at.TORN_AT] = state[at.CLOCK] - state[at.LAST_STEP] + time
-    note(state, limits.BROKE, tension * tension, 0.0)
-    note_peak(state, tension)
-    brake_rope(system, first_of(system, k), time)
-    globals_of(system).header[IS_KNOWN] = 0.0
-    for j in range(count_of(system)):
-        take_brake(system, j)
-
-
-@kernel
 def break_line(system, k, s, tension, time):
     """Break segment s of line k (modified) under a tension [N] at a time [s] of the communication step."""
-    if is_portion(system, k):
-        break_portion(system, k, s, tension, time)
-        return
     state, chain, (x, _) = state_of(system, k), chain_of_state(system, k, time), motion_of(system, k)
+    if is_portion(system, k):
+        s = parts.torn_between(segments_of(system, k) - freed_of(system, k), s)
     length, _ = segment.geometry(sub(get(x, s + 1), get(x, s)))
     elongation, stiffness = segment.spring(chain, s, length, False)
-    state[at.TORN_SEGMENT] = s + 1.0
+    lost = segment.elastic_energy(stiffness, elongation)
+    if is_portion(system, k):
+        lost += divide_portion(system, k, s, time)
+        brake_rope(system, first_of(system, k), time)
+    else:
+        state[at.TORN_SEGMENT] = s + 1.0
+        stop_winch(system, k, time)
+        torn.tear(segments_of(system, k), s, parameters_of(system, k))
+        take_holders(system, k)
+    state[at.TORN_ENERGY] += lost
     state[at.TORN_AT] = state[at.CLOCK] - state[at.LAST_STEP] + time  # the clock is at the end of the communication step
-    state[at.TORN_ENERGY] += segment.elastic_energy(stiffness, elongation)
     note(state, limits.BROKE, tension * tension, 0.0)
     note_peak(state, tension)
-    stop_winch(system, k, time)
-    torn.tear(segments_of(system, k), s, parameters_of(system, k))
-    take_holders(system, k)
     globals_of(system).header[IS_KNOWN] = 0.0
     for j in range(count_of(system)):
         take_brake(system, j)
@@ -357,7 +325,7 @@ def unite_again(system, k, step, before):
     """Undo `divide_portion`, and the brake of its rope, if it was whole in the states `before`, as in `go_back`."""
     state, winch = state_of(system, k), first_of(system, k)
     state[at.SECOND_PART], state[at.FIRST_LUMP], state[at.SECOND_LUMP] = 0.0, 0.0, 0.0
-    parts.unite(segments_of(system, k), 1 if is_freed(system, k) else 0, parameters_of(system, k))
+    parts.unite(segments_of(system, k), freed_of(system, k), parameters_of(system, k))
     if not is_any_torn(with_states(system, before), winch):
         release_winch(system, winch, step, state_of(with_states(system, before), winch))
 

@@ -9,9 +9,9 @@ from tetherfmu.runtime import plan_layout as places
 from tetherfmu.runtime import plausibility as limits
 from tetherfmu.runtime.status import OK, RELEASED_WITHOUT_MASS
 
-from ..compilation import kernel
+from ..compilation import kernel, view
 from ..equations import flow, node_loads, parts, segment, torn
-from ..equations.free_points import is_at_point, point_at
+from ..equations.free_points import is_at_point, point_at, push_with
 from ..equations.lines import inputs_of, lines_of, motion_of, parameters_of, segments_of, state_of, with_states
 from ..equations.properties import (
     chain_of,
@@ -23,8 +23,8 @@ from ..equations.properties import (
     rest_length,
     section_of,
 )
-from ..equations.ropes import first_of, goes_on, has_sheaves, is_freed, is_portion
-from ..linear_algebra.vectors import ZERO_VECTOR, add, add_at, add_scaled, dot, get, put, scale, sub
+from ..equations.ropes import first_of, freed_of, goes_on, has_sheaves, is_freed, is_portion
+from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, dot, get, put, scale, sub
 from ..notes import note
 
 EARLY = 1.5  # of the way in a step: rope that may reach its sheave runs off before
@@ -55,12 +55,6 @@ def mend(system, k):
         parts.unite(segments_of(system, k), freed_of(system, k), parameters_of(system, k))
     else:
         torn.mend(segments_of(system, k), parameters_of(system, k))
-
-
-@kernel
-def freed_of(system, k):
-    """1 for a line that was released, else 0."""
-    return 1 if is_freed(system, k) else 0
 
 
 @kernel
@@ -275,7 +269,7 @@ def run_over(system, k, end, other):
     parts.add_momentum(chain_of(n, parameters_of(system, other), state_of(system, other)), x, v, -1.0)
     if is_at_point(system, k, end):
         lost = sub(momentum, add(momentum_of(system, k), momentum_of(system, other)))
-        push_point(system, point_at(system, k, end), lost)
+        push_point(system, point_at(system, k, end), lost, 0.0)
     state_of(system, other)[at.TORN_ENERGY] += energy - energy_of_all(system)
 
 
@@ -301,21 +295,13 @@ def momentum_of(system, k):
     return total
 
 
-@kernel
-def push_point(system, point, impulse):
-    """Apply an impulse [N s] to a free point (modified, at the ends of all its lines)."""
-    mass = 0.0
-    for k in range(lines_of(system)):
-        chain = chain_of(segments_of(system, k), parameters_of(system, k), state_of(system, k))
-        for end in range(2):
-            if point_at(system, k, end) == point:
-                s = (chain.n - 1) * end
-                mass += half_density(chain, s) * rest_length(chain, s) + point_mass(chain, chain.n * end)
-    for k in range(lines_of(system)):
-        _, v = motion_of(system, k)
-        for end in range(2):
-            if point_at(system, k, end) == point:
-                add_at(v, segments_of(system, k) * end, scale(1.0 / mass, impulse))
+@view
+def chain_at_start(system, k, time):
+    """`Chain` of line k in its state, at the start of a step."""
+    return chain_of(segments_of(system, k), parameters_of(system, k), state_of(system, k))
+
+
+push_point = push_with(chain_at_start)
 
 
 @kernel
