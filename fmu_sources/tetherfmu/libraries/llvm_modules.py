@@ -31,7 +31,7 @@ APART = (
     *("boundary14inputs_of_step", "transaction5begin"),
 )
 
-# Rooms and modules of kernels that do not lie in the loop of an adaptive step, or only call it: their code is kept short, so
+# Rooms and modules of kernels that do not lie in the loop of a step, only call it or gain little: their code is kept short, so
 # that it calls long kernels instead of taking them in. A loop over a tuple must not be among them: only once it is unrolled,
 # LLVM sees that its index is in range
 RARE = (
@@ -48,24 +48,25 @@ RARE = (
     "motion6states",
     "motion7turning",
     "motion8fallback",
-    "motion11fixed_steps",
-    "points7descent",
     "points5fixed",
-    "points5guess",
     "points11coordinates",
     "step12plausibility",
     "step13power_balance",
 )
+OF_FIXED_STEPS = "motion11fixed_steps", "points7descent", "points5guess"  # short too in a browser, which loads them
 
 
-def whole_module(code):
-    """A module of all functions without unreachable code; a second round alone would leave some Python code in it."""
-    linked = _linked(code)
+def whole_module(code, short=RARE):
+    """A module of all functions without unreachable code; a second round alone would leave some Python code in it.
+
+    short : names as in `RARE` of the kernels whose code is kept short.
+    """
+    linked = _linked(code, short)
     optimize(linked, machine_of(ANY), level=1)
     return linked
 
 
-def _linked(code):
+def _linked(code, short):
     """One LLVM module of all functions, with nothing but the entry points exported, and names by place."""
     linked = as_one_module(code.texts)
     for name, exported in code.names.items():
@@ -73,7 +74,7 @@ def _linked(code):
     for function in linked.functions:
         if any(name in function.name for name in APART):
             function.add_function_attribute("noinline")
-        if _is_rare(function.name):
+        if re.match(rf"_ZN9tetherfmu7kernels\d+({'|'.join(short)})", function.name):  # by numba's name
             function.add_function_attribute("optsize")
     # numba's names contain counters and addresses
     for place, item in enumerate([*linked.global_variables, *linked.functions]):
@@ -83,11 +84,6 @@ def _linked(code):
         elif item.name.startswith("numba.dynamic.globals"):
             item.name = f"python.{place}"
     return linked
-
-
-def _is_rare(name):
-    """Whether a function, by numba's name, is a kernel of `RARE`."""
-    return re.match(rf"_ZN9tetherfmu7kernels\d+({'|'.join(RARE)})", name) is not None
 
 
 def as_one_module(texts):
