@@ -40,7 +40,6 @@ RARE = (
     "variants11rope_shares",
     "variants12winch_start",
     "variants12first_shares",
-    "variants12sought_drums",
     "step8breaking",
     "packing",
     "motion6breaks",

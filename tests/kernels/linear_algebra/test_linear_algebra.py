@@ -7,7 +7,6 @@ import pytest
 
 from tetherfmu.kernels.linear_algebra import profile
 from tetherfmu.kernels.linear_algebra.block_tridiagonal import Matrix, factorize, solve
-from tetherfmu.kernels.linear_algebra.point_blocks import add_to_block, factorize_definite, matrix_size, solve_definite
 from tetherfmu.kernels.linear_algebra.profile import Profile
 
 
@@ -40,23 +39,6 @@ def test_singular_pivot_is_reported(bad, row):
     assert not factorize(0, 3, Matrix(diagonal, np.zeros(36), np.zeros(36)))
 
 
-@pytest.mark.parametrize("w", [0, 1, 2])
-def test_definite_matrix_of_points(w):
-    rng, count = np.random.default_rng(2), 5
-    near = np.kron(abs(np.subtract.outer(range(count), range(count))) <= w, np.ones((3, 3)))
-    whole = near * rng.normal(size=(15, 15)) + 15.0 * np.eye(15)
-    for matrix, is_definite in ((whole, True), (whole - 100.0 * np.diag(np.arange(15) == 7), False)):
-        blocks, b = np.zeros(matrix_size(count, w)), rng.normal(size=15)
-        for p, q in product(range(count), repeat=2):
-            if abs(p - q) <= w:
-                add_to_block(count, w, p, q, tuple(matrix[3 * p : 3 * p + 3, 3 * q : 3 * q + 3].ravel()), blocks)
-        assert factorize_definite(count, w, blocks) == is_definite
-        if is_definite:
-            found = b.copy()
-            solve_definite(count, w, blocks, found)
-            np.testing.assert_allclose(found, np.linalg.solve(matrix, b), rtol=1e-12)
-
-
 def in_profile(matrix, first):
     """`Profile` of a matrix whose row and column i begin at first[i]."""
     m = len(first)
@@ -84,6 +66,28 @@ def test_matrix_with_a_profile(first, held):
     assert profile.factorize(stored, 7)
     profile.solve(stored, 7, b, found)
     np.testing.assert_allclose(found, np.linalg.solve(matrix, b), rtol=1e-12)
+
+
+@pytest.mark.parametrize("pivot", [None, 0, 7, 14])
+def test_definite_matrix_with_a_profile(pivot):
+    """Blocks of points in a row; one negative number on the diagonal."""
+    rng, whole = np.random.default_rng(2), np.zeros((15, 15))
+    stored = in_profile(whole, [3 * max(0, i // 3 - 1) for i in range(15)])
+    for p, q in product(range(5), repeat=2):
+        if abs(p - q) <= 1:
+            block = rng.normal(size=(3, 3)) + 15.0 * (p == q) * np.eye(3)
+            whole[3 * p : 3 * p + 3, 3 * q : 3 * q + 3] = block
+            profile.add_block(stored, 3 * p, 3 * q, tuple(block.ravel()))
+    if pivot is not None:
+        profile.add_entry(stored, pivot, pivot, -100.0)
+    assert profile.factorize(stored, 15)
+    assert profile.is_positive(stored, 15) == (pivot is None)
+    if pivot is None:
+        b, found = rng.normal(size=15), np.zeros(15)
+        profile.solve(stored, 15, b, found)
+        np.testing.assert_allclose(found, np.linalg.solve(whole, b), rtol=1e-12)
+        profile.clear(stored, 15)
+        assert not stored.lower.any() and not stored.upper.any()
 
 
 @pytest.mark.parametrize("bad", [0.0, np.nan])

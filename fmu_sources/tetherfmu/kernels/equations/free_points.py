@@ -5,11 +5,10 @@ from collections import namedtuple
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import plan_layout as places
 
-from ..arrays import behind, split
+from ..arrays import behind
 from ..compilation import kernel, view
 from ..flat_arrays import part
 from ..linear_algebra.condensed import Rows
-from ..linear_algebra.point_blocks import matrix_size
 from ..linear_algebra.vectors import ZERO_VECTOR, add_at, add_scaled, get, put, put_at, scale, vector_at
 from .continuation import given_derivatives, is_continued
 from .end_motion import estimated_rates
@@ -27,10 +26,9 @@ from .lines import (
 )
 from .properties import half_density, point_mass, rest_length
 
-Points = namedtuple("Points", "matrix right solution mass change load_rate")
+Points = namedtuple("Points", "mass change load_rate")
 Points.__doc__ = """Scratch arrays of F free points, m = 3 F.
 
-matrix, right, solution : of the search at rest, see `linear_algebra.point_blocks`; m.
 mass : of the point with its half segments [kg], F.  change : velocity changes after a step [m/s], m.
 load_rate : rates of the loads in the communication step [N/s], m."""
 
@@ -51,12 +49,6 @@ def is_at_point(system, k, end):
 def free_points(system):
     """Number of free points."""
     return number_in(system.plan, places.FREE_POINTS)
-
-
-@kernel
-def size_of_blocks(system):
-    """Rows and width of the matrix of the free points, see `linear_algebra.point_blocks`."""
-    return free_points(system), number_in(system.plan, places.BAND)
 
 
 @kernel
@@ -105,20 +97,16 @@ def take_loads(system, k, step, before):
 
 
 @kernel
-def points_size(points, band):
-    """Length of `Points` in `work` for this number of free points and this band of their matrix."""
-    return matrix_size(points, band) + 13 * points
+def points_size(points):
+    """Length of `Points` in `work` for this number of free points."""
+    return 7 * points
 
 
 @view
 def points_of(system):
     """`Points` of a system."""
     count, room = free_points(system), behind(number_in(system.plan, places.POINTS_WORK), system.work)
-    m, size = 3 * count, matrix_size(*size_of_blocks(system))
-    matrix, room = part(room, 0, size), behind(size, room)
-    right, solution, change, room = split(m, room)
-    load_rate, room = part(room, 0, m), behind(m, room)
-    return Points(matrix, right, solution, part(room, 0, count), change, load_rate)
+    return Points(part(room, 0, count), part(room, count, 3 * count), part(room, 4 * count, 3 * count))
 
 
 @kernel

@@ -45,6 +45,22 @@ def add_entry(profile, i, j, value):
 
 
 @kernel
+def add_block(profile, row, column, block):
+    """Add a 3x3 matrix to the entries from a row and a column on (modified)."""
+    for i in range(3):
+        for j in range(3):
+            add_entry(profile, row + i, column + j, block[3 * i + j])
+
+
+@kernel
+def clear(profile, m):
+    """Set all entries of m rows to 0 (modified)."""
+    count = int(profile.start[m - 1]) + m if m > 0 else 0
+    for i in range(count):
+        profile.lower[i] = profile.upper[i] = 0.0
+
+
+@kernel
 def hold_row(profile, m, i):
     """Replace row i (modified) by a unit row."""
     for j in range(int(profile.first[i]), i):
@@ -81,6 +97,15 @@ def factorize(profile, m):
         regular = regular and abs(pivot) > 0.0
         lower[here + i] = 1.0 / pivot
     return regular
+
+
+@kernel
+def is_positive(profile, m):
+    """Whether all pivots of m factorized rows are positive, as those of a definite symmetric matrix are."""
+    others = 0
+    for i in range(m):
+        others += not profile.lower[int(profile.start[i]) + i] > 0.0
+    return others == 0
 
 
 @kernel

@@ -14,7 +14,7 @@ from tetherfmu.runtime import plan_layout as places
 
 from ..compilation import kernel, view
 from ..equations import winch
-from ..equations.lines import inputs_of, lines_of, number_in, number_of_line, parameters_of
+from ..equations.lines import inputs_of, lines_of, number_of_line, parameters_of
 from ..equations.ropes import goes_on, has_coordinates, is_portion, is_turned
 from ..flat_arrays import part
 
@@ -125,28 +125,11 @@ def is_shared_out(system, k):
 
 # --- scratch space of the search at rest
 
-LENGTH_AT_REST, REST_NUMBERS = 0, 2  # [m]
+LENGTH_AT_REST, GIVEN_AT_REST = 0, 1  # [m]; as the search begins [m]
+TENSION_AT_REST, REST_NUMBERS = 2, 4  # at both ends [N]
 
 
 @view
 def numbers_at_rest(system, k):
-    """Numbers of line k while equilibrium lengths are solved: LENGTH_AT_REST."""
+    """Numbers of line k while equilibrium lengths are solved."""
     return part(system.work, number_of_line(system, k, places.PORTION_WORK), REST_NUMBERS)
-
-
-@kernel
-def rest_size(count):
-    """Length of `shared_at_rest` for so many coordinates."""
-    return count * (2 * count + 4) + 1
-
-
-@view
-def shared_at_rest(system, count):
-    """Two matrices and three vectors for so many coordinates, plus one number each, and one."""
-    first, square = number_in(system.plan, places.SHEAVES_WORK), count * count
-    vectors = first + 2 * square
-    matrices = part(system.work, first, square), part(system.work, first + square, square)
-    three = part(system.work, vectors, count), part(system.work, vectors + count, count)
-    last = part(system.work, vectors + 2 * count, count)
-    behind_them = part(system.work, vectors + 3 * count, count)
-    return (*matrices, *three, last), behind_them, part(system.work, vectors + 4 * count, 1)

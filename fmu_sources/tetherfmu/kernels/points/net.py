@@ -252,10 +252,7 @@ def place_blocks(system, k, matrix):
         for other in range(2):
             if is_at_point(system, k, end) and is_at_point(system, k, other):
                 block = condensed.condensed_block(n, end, other, matrix, columns)
-                row, column = 3 * point_at(system, k, end), 3 * point_at(system, k, other)
-                for i in range(3):
-                    for j in range(3):
-                        profile.add_entry(whole, row + i, column + j, block[3 * i + j])
+                profile.add_block(whole, 3 * point_at(system, k, end), 3 * point_at(system, k, other), block)
 
 
 @kernel
@@ -320,10 +317,7 @@ def inner_of_line(rows, a, b):
 @kernel
 def clear_matrix(system):
     """Set the matrix of the global unknowns to 0 (modified)."""
-    m, whole = unknowns_of(system), globals_of(system).matrix
-    count = int(whole.start[m - 1]) + m if m > 0 else 0
-    for i in range(count):
-        whole.lower[i] = whole.upper[i] = 0.0
+    profile.clear(globals_of(system).matrix, unknowns_of(system))
 
 
 @kernel

@@ -9,13 +9,16 @@ from tetherfmu.runtime import layout as at
 from ..arrays import clear, copy
 from ..compilation import kernel
 from ..equations import node_loads
-from ..equations.free_points import free_points, load_on, point_at, points_of, size_of_blocks
+from ..equations.free_points import free_points, load_on, point_at
 from ..equations.ground import carries, under
 from ..equations.lines import lines_of, parameters_of, segments_of, state_of
 from ..equations.properties import chain_of, point_mass, property_of, rest_length
+from ..linear_algebra import profile
 from ..linear_algebra.matrices import IDENTITY, scale_matrix
-from ..linear_algebra.point_blocks import add_to_block, factorize_blocks, solve_blocks
 from ..linear_algebra.vectors import add_at, get, norm, put, scale
+from ..points.coordinates import is_shared_out
+from ..points.room import globals_of
+from .resting_forces import unknowns_at_rest
 from .resting_line import given_position, is_any_sought, is_point_sought, is_sought
 
 PULLS = np.array((1.0, 0.3, 3.0))  # spring force of the guesses: weaker springs stretch the lines more
@@ -51,20 +54,22 @@ def half_weight(system, k):
 
 
 @kernel
-def largest(vectors):
-    """Size of the largest of the vectors in a flat array."""
-    most = 0.0
-    for k in range(len(vectors) // 3):
-        most = max(most, norm(get(vectors, k)))
+def largest(system, numbers, search):
+    """Size of the largest vector at a point, or of the largest number at a coordinate, of an array of all unknowns."""
+    points, most = free_points(system), 0.0
+    for point in range(points):
+        most = max(most, norm(get(numbers, point)))
+    for j in range(3 * points, unknowns_at_rest(system, search)):
+        most = max(most, abs(numbers[j]))
     return most
 
 
 @kernel
 def shortest_line(system):
-    """Length [m] of the shortest line at a sought point."""
+    """Length [m] of the shortest line at a sought point or coordinate."""
     shortest = inf
     for k in range(lines_of(system)):
-        if is_any_sought(system, k):
+        if is_any_sought(system, k) or is_shared_out(system, k):
             shortest = min(shortest, state_of(system, k)[at.LENGTH])
     return shortest
 
@@ -75,30 +80,33 @@ def guess(system, pull, search):
 
     At their length the springs pull with `pull` times the largest outer force.
     """
-    points, size, x = points_of(system), size_of_blocks(system), search.x
-    copy(search.outer, points.right)
+    whole, m, x = globals_of(system), unknowns_at_rest(system, search), search.x
+    clear(whole.right)
+    copy(search.outer, whole.right)
     for k in range(lines_of(system)):
         for end in range(2):
             if is_sought(system, k, end):
-                add_at(points.right, point_at(system, k, end), half_weight(system, k))
-    force = largest(points.right)
-    clear(points.matrix)
+                add_at(whole.right, point_at(system, k, end), half_weight(system, k))
+    force = largest(system, whole.right, search)
+    profile.clear(whole.matrix, m)
     for point in range(free_points(system)):
         if not is_point_sought(system, point):  # it is fixed
-            add_to_block(*size, point, point, IDENTITY, points.matrix)
+            profile.add_block(whole.matrix, 3 * point, 3 * point, IDENTITY)
+    for i in range(3 * free_points(system), m):
+        profile.add_entry(whole.matrix, i, i, 1.0)
     for k in range(lines_of(system)):
         density = pull * (force if force > 0.0 else 1.0) / state_of(system, k)[at.LENGTH]
         for end in range(2):
             if is_sought(system, k, end):
                 point, other = point_at(system, k, end), point_at(system, k, 1 - end)
-                add_to_block(*size, point, point, scale_matrix(density, IDENTITY), points.matrix)
+                profile.add_block(whole.matrix, 3 * point, 3 * point, scale_matrix(density, IDENTITY))
                 if is_sought(system, k, 1 - end):
-                    add_to_block(*size, point, other, scale_matrix(-density, IDENTITY), points.matrix)
+                    profile.add_block(whole.matrix, 3 * point, 3 * other, scale_matrix(-density, IDENTITY))
                 else:
-                    add_at(points.right, point, scale(density, given_position(system, k, 1 - end)))
-    if not factorize_blocks(*size, points.matrix):
+                    add_at(whole.right, point, scale(density, given_position(system, k, 1 - end)))
+    if not profile.factorize(whole.matrix, m):
         return False
-    solve_blocks(*size, points.matrix, points.right, x)
+    profile.solve(whole.matrix, m, whole.right, x)
     ground, apart = under(parameters_of(system, 0)), SPREAD * shortest_line(system)
     along_x, along_y = apart, 0.0
     for point in range(free_points(system)):
@@ -113,9 +121,12 @@ def guess(system, pull, search):
 def set_off(system, start, search):
     """Place the sought points, search.x [m] (modified), for search number `start`; False if that is impossible.
 
+    Rope coordinates begin at 0.
+
     AS_GIVEN : at the line inputs.  DROPPED : below or above these, where the ground carries their weight.
     GUESSED and above : at a `guess`.
     """
+    clear(search.x)
     if start >= GUESSED:
         return guess(system, PULLS[start - GUESSED], search)
     parameters = parameters_of(system, 0)

@@ -9,6 +9,7 @@ from ..compilation import kernel
 from ..equations.lines import System
 from ..flat_arrays import part
 from ..linear_algebra.vectors import ZERO_VECTOR, get, put, put_at, vector_at
+from ..points.room import globals_size
 from . import resting_points
 from .resting_forces import search_size
 from .resting_line import line_work_size
@@ -22,7 +23,7 @@ ROOM_AT = PLAN + INPUTS + (PLAN + INPUTS) % 2  # offset of the scratch space of 
 @kernel
 def work_size(n):
     """Length of the work array: the plan and the inputs of the system, then scratch space of its line and its point."""
-    return ROOM_AT + line_work_size(n) + search_size(1, BAND) + outputs_size(0)
+    return ROOM_AT + line_work_size(n) + globals_size(1, BAND, 1) + search_size(1, BAND, 0) + outputs_size(0)
 
 
 @kernel
@@ -30,8 +31,9 @@ def write_plan(n, plan):
     """Plan (modified) of a system of one line of n segments from a driven point to a sought one."""
     clear(plan)
     plan[places.LINES], plan[places.FREE_POINTS], plan[places.BAND] = 1.0, 1.0, BAND
-    plan[places.POINTS_WORK] = line_work_size(n)
-    plan[places.OUTPUTS_WORK] = line_work_size(n) + search_size(1, BAND)
+    plan[places.SHEAVES_WORK] = line_work_size(n)
+    plan[places.POINTS_WORK] = line_work_size(n) + globals_size(1, BAND, 1)
+    plan[places.OUTPUTS_WORK] = line_work_size(n) + globals_size(1, BAND, 1) + search_size(1, BAND, 0)
     plan[places.OUTPUTS_SIZE] = outputs_size(0)
     row = part(plan, places.PLAN_HEADER, places.LINE_NUMBERS)
     row[places.SEGMENTS] = n

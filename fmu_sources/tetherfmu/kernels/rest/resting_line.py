@@ -11,7 +11,7 @@ from tetherfmu.runtime.status import OK
 
 from ..compilation import kernel, view
 from ..equations import assembly, segment
-from ..equations.free_points import point_at, size_of_blocks
+from ..equations.free_points import point_at
 from ..equations.ground import carries, support, support_slope, under
 from ..equations.lines import inputs_of, lines_of, motion_of, number_of_line, parameters_of, room_of, segments_of, state_of
 from ..equations.properties import chain_of, property_of
@@ -19,9 +19,10 @@ from ..equations.ropes import is_turned, outputs_of_line
 from ..flat_arrays import part
 from ..linear_algebra import condensed
 from ..linear_algebra.matrices import ZERO_MATRIX, scale_matrix, subtract
-from ..linear_algebra.point_blocks import add_to_block
+from ..linear_algebra.profile import add_block
 from ..linear_algebra.vectors import ZERO_VECTOR, add_at, add_scaled, get, norm, put, scale, vector_at
 from ..points.coordinates import LENGTH_AT_REST, is_shared_out, numbers_at_rest, start_speed
+from ..points.room import globals_of
 from ..step import transaction
 from . import dynamic_chain, end_tensions, newton
 from .rigid_body import Body
@@ -94,21 +95,30 @@ def start_state(system, k):
 
 
 @kernel
+def shape_line(system, k, shape, x):
+    """Put line k (modified) into a shape between its points, with the sought ones at x [m]; a status."""
+    n, parameters, state = segments_of(system, k), parameters_of(system, k), state_of(system, k)
+    status = start_state(system, k)
+    if status != OK:
+        return status
+    nodes, v = motion_of(system, k)
+    if shape == at.STATIC_EQUILIBRIUM:
+        state[at.REELING] = 0.0  # its damper force would violate equilibrium
+    for end in range(2):
+        put(nodes, n * end, position(system, k, end, x))
+        if shape == at.STATIC_EQUILIBRIUM:
+            put(v, n * end, ZERO_VECTOR)
+    return dynamic_chain.initialize(n, parameters, shape, state, room_of(system, k))
+
+
+@kernel
 def rest_line(system, k, x):
     """Bring line k to rest between its points, with the sought ones at x [m]; a status.
 
     Its state, its scratch space and its outputs in the scratch space are modified.
     """
     n, parameters, state = segments_of(system, k), parameters_of(system, k), state_of(system, k)
-    status = start_state(system, k)
-    if status != OK:
-        return status
-    state[at.REELING] = 0.0  # its damper force would violate equilibrium
-    nodes, v = motion_of(system, k)
-    for end in range(2):
-        put(nodes, n * end, position(system, k, end, x))
-        put(v, n * end, ZERO_VECTOR)
-    status = dynamic_chain.initialize(n, parameters, float(at.STATIC_EQUILIBRIUM), state, room_of(system, k))
+    status = shape_line(system, k, float(at.STATIC_EQUILIBRIUM), x)
     if status == OK:
         points = number_of_line(system, k, places.SHAPE_POINTS)
         dynamic_chain.outputs_of(n, parameters, state, points, room_outputs(system, k), room_of(system, k))
@@ -179,7 +189,7 @@ def add_slopes(system, k, search):
                     slope = support_slope(body.ground, get(nodes, n * row_end), ZERO_VECTOR, ZERO_MATRIX)
                     block = subtract(block, scale_matrix(w.mass[n * row_end], slope))
                 row, column = point_at(system, k, row_end), point_at(system, k, column_end)
-                add_to_block(*size_of_blocks(system), row, column, block, search.slopes)
+                add_block(globals_of(system).matrix, 3 * row, 3 * column, block)
     return True
 
 

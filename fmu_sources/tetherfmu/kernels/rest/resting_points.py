@@ -1,6 +1,6 @@
-"""Free points in equilibrium with all lines at rest: Newton's method on the sought positions.
+"""Free points and rope coordinates in equilibrium with all lines at rest: Newton's method on positions and payouts.
 
-    R_p = sum over the lines at p of their force on it + m_p g + load_p = 0
+    R_p = sum over the lines at p of their force on it + m_p g + load_p = 0,   R_j : `resting_ropes.py`
 
 Each line is in equilibrium between its two points (`dynamic_chain.initialize`), and never a compressed chain. The slopes of
 its forces by the end positions (`resting_line.py`) are summed in S = -dR/dX. Apart from drag, R is minus the gradient
@@ -27,21 +27,23 @@ import numpy as np
 
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import plan_layout as places
-from tetherfmu.runtime.status import NO_EQUILIBRIUM_OF_POINT, NO_POINT_IS_GIVEN, OK
+from tetherfmu.runtime.status import NO_EQUILIBRIUM_OF_POINT, NO_POINT_IS_GIVEN, NO_SHARES, OK
 
 from ..arrays import copy
 from ..compilation import kernel
-from ..equations.free_points import free_points, point_at, points_of, size_of_blocks
+from ..equations.free_points import point_at
 from ..equations.ground import has_ground
 from ..equations.lines import inputs_of, lines_of, parameters_of
-from ..linear_algebra.matrices import IDENTITY, scale_matrix
-from ..linear_algebra.point_blocks import add_to_block, factorize_definite, solve_definite
-from ..linear_algebra.vectors import dot, get, put_at
-from .resting_forces import find_residual, find_slopes, least_balanced, search_of
+from ..linear_algebra import profile
+from ..linear_algebra.vectors import get, put_at
+from ..points.coordinates import is_shared_out
+from ..points.room import globals_of
+from .resting_forces import begin, find_residual, find_slopes, least_balanced, search_of, unknowns_at_rest
 from .resting_guess import AS_GIVEN, GUESSED, PULLS, find_outer, largest, set_off, shortest_line
 from .resting_line import any_sought, is_any_sought, is_sought, start_state
+from .resting_ropes import part_within
 
-ITERATIONS = 300
+ITERATIONS, WITH_ROPES = 300, 60  # of a search; with coordinates
 BUDGET = 150000.0  # Newton iterations for line shapes in the whole search, mean of all lines
 STALLED = 0.5  # residual over the previous residual above which it stalls
 HARDER, SOFTER = 2.0, 0.2  # factor on the damping after a shortened step; after a whole one
@@ -58,14 +60,14 @@ DENSEST = 0.25  # largest of these for the first equilibrium
 @kernel
 def find_move(system, damping, search):
     """dX into search.move [m] (modified), along which the potential falls: its damping [N/m], and whether it was found."""
-    size, matrix = size_of_blocks(system), points_of(system).matrix
+    m, matrix = unknowns_at_rest(system, search), globals_of(system).matrix
     for _ in range(LARGEST_DAMPING):
-        copy(search.slopes, matrix)
-        for point in range(free_points(system)):
-            add_to_block(*size, point, point, scale_matrix(damping, IDENTITY), matrix)
-        if factorize_definite(*size, matrix):
-            copy(search.residual, search.move)
-            solve_definite(*size, matrix, search.move)
+        copy(search.lower, matrix.lower)
+        copy(search.upper, matrix.upper)
+        for i in range(m):
+            profile.add_entry(matrix, i, i, damping)
+        if profile.factorize(matrix, m) and profile.is_positive(matrix, m):
+            profile.solve(matrix, m, search.residual, search.move)
             return damping, True
         damping *= HARDER
     return damping, False
@@ -78,23 +80,23 @@ def try_part(system, taken, search):
         search.trial[k] = search.x[k] + taken * search.move[k]
     if not find_residual(system, search.trial, search):
         return -inf
-    return work_along(search)
+    return work_along(system, search)
 
 
 @kernel
-def work_along(search):
+def work_along(system, search):
     """R dX [N m]."""
     total = 0.0
-    for point in range(len(search.size)):
-        total += dot(get(search.residual, point), get(search.move, point))
+    for i in range(unknowns_at_rest(system, search)):
+        total += search.residual[i] * search.move[i]
     return total
 
 
 @kernel
-def part_within(limit, search):
-    """Fraction of a step that is no longer than a limit [m] at any point."""
-    longest = largest(search.move)
-    return 1.0 if longest <= limit else limit / longest
+def longest_part(system, limit, search):
+    """Fraction of a step that is no longer than a limit [m] at any point or coordinate, and changes no rope too much."""
+    longest = largest(system, search.move, search)
+    return min(1.0 if longest <= limit else limit / longest, part_within(system, search))
 
 
 @kernel
@@ -103,7 +105,7 @@ def go_along(system, most, overshot, search):
 
     overshot : permitted rise of the potential at the end over its fall at the start; secant steps reduce a larger one.
     """
-    start, taken = work_along(search), most
+    start, taken = work_along(system, search), most
     for trial in range(TRIALS):
         left = try_part(system, taken, search)
         if left > -overshot * start or trial == TRIALS - 1:
@@ -121,13 +123,14 @@ def search_from(system, way, search):
     """
     limit = shortest_line(system)
     search.slides[0] = 1.0 if way == SLIDING else 0.0
-    damping, last, worst = 0.0, inf, any_sought(system)
+    damping, last, worst, stalls = 0.0, inf, max(any_sought(system), 0), 0
     found = find_residual(system, search.x, search)
-    for _ in range(ITERATIONS):
+    for _ in range(WITH_ROPES if search.count[0] > 0.0 else ITERATIONS):
         if not found or search.spent[0] > BUDGET * lines_of(system):
             return worst, False
-        residual = largest(search.residual)
-        worst, over = least_balanced(residual > STALLED * last, search)
+        residual = largest(system, search.residual, search)
+        stalls = stalls + 1 if residual > STALLED * last else 0
+        worst, over = least_balanced(stalls > (1 if search.count[0] > 0.0 else 0), search)
         last = residual
         if over <= 1.0:
             return worst, True
@@ -138,7 +141,9 @@ def search_from(system, way, search):
         damping, found = find_move(system, damping, search)
         if not found:
             return worst, False
-        most, overshot = part_within(LONGEST[way] * limit, search), inf if way == SLOWLY else OVERSHOT
+        most, overshot = longest_part(system, LONGEST[way] * limit, search), inf if way == SLOWLY else OVERSHOT
+        if most == 0.0:  # a rope runs off
+            return worst, False
         taken, found = go_along(system, most, overshot, search)
         damping *= SOFTER if taken == (1.0 if way == SLOWLY else most) else HARDER
     worst, over = least_balanced(True, search)
@@ -148,9 +153,10 @@ def search_from(system, way, search):
 @kernel
 def search_everywhere(system, begins_as_given, search):
     """Search from all starts, one method after the other: the least balanced point, and whether it was found."""
-    worst, found = 0, False
+    worst, found, has_points = 0, False, any_sought(system) != places.DRIVEN
+    first = AS_GIVEN if begins_as_given or not has_points else GUESSED
     for way in range(WAYS if has_ground(parameters_of(system, 0)) else SLIDING):
-        for start in range(AS_GIVEN if begins_as_given else GUESSED, GUESSED + len(PULLS)):
+        for start in range(first, GUESSED + len(PULLS) if has_points else AS_GIVEN + 1):
             if not found and set_off(system, start, search):
                 worst, found = search_from(system, way, search)
     return worst, found
@@ -171,6 +177,16 @@ def search_on(system, search):
     if not found:
         copy(search.kept, search.x)
     return worst, found
+
+
+@kernel
+def search_with_held_ropes(system, begins_as_given, search):
+    """Search from the equilibrium of the points with the given lengths: returns the results of `search_from`."""
+    count = search.count[0]
+    search.count[0] = 0.0
+    worst, found = search_everywhere(system, begins_as_given, search)
+    search.count[0] = count
+    return search_on(system, search) if found else (worst, False)
 
 
 @kernel
@@ -218,13 +234,13 @@ def search_by_continuation(system, begins_as_given, search):
 
 @kernel
 def check(system):
-    """Start all lines at sought points (modified), without inner nodes: OK, or the reason for refusal.
+    """Start all lines at sought points or coordinates (modified), without inner nodes: OK, or the reason for refusal.
 
     Without any given point, NO_POINT_IS_GIVEN about ALL_LINES.
     """
     given = 0
     for k in range(lines_of(system)):
-        if is_any_sought(system, k):
+        if is_any_sought(system, k) or is_shared_out(system, k):
             system.plan[places.STATUS_LINE] = k
             status = start_state(system, k)
             if status != OK:
@@ -235,32 +251,29 @@ def check(system):
 
 
 @kernel
-def spent_in(system):
-    """Newton iterations for the shapes of all lines in the last search [-]; 0 without sought points."""
-    return 0.0 if any_sought(system) == places.DRIVEN else search_of(system).spent[0]
-
-
-@kernel
 def find(system, begins_as_given):
     """Write the equilibrium positions of the sought points into the inputs of their lines (modified); a status.
 
     begins_as_given : whether the search begins at the input positions, before the guesses.
-    OK, NO_POINT_IS_GIVEN, NO_EQUILIBRIUM_OF_POINT with the number of the least balanced point, or the start status of
-    a line; inputs change on OK only. The states of the lines at these points are modified.
+    OK, NO_POINT_IS_GIVEN, NO_SHARES with coordinates, else NO_EQUILIBRIUM_OF_POINT with the number of the least balanced
+    point, or the start status of a line; inputs change on OK only. Lengths (`coordinates.numbers_at_rest`) and states of the
+    lines are modified.
     """
-    if any_sought(system) == places.DRIVEN:
+    search = search_of(system)
+    begin(system, search)
+    if unknowns_at_rest(system, search) == 0 or (any_sought(system) == places.DRIVEN and search.count[0] == 0.0):
         return OK
     status = check(system)
     if status != OK:
         return status
-    search = search_of(system)
-    search.spent[0] = 0.0
     find_outer(system, search)
     worst, found = search_everywhere(system, begins_as_given, search)
+    if not found and search.count[0] > 0.0 and any_sought(system) != places.DRIVEN:
+        worst, found = search_with_held_ropes(system, begins_as_given, search)
     if not found and has_ground(parameters_of(system, 0)):
         worst, found = search_by_continuation(system, begins_as_given, search)
     if not found:
-        return NO_EQUILIBRIUM_OF_POINT | worst << 8
+        return NO_SHARES if search.count[0] > 0.0 else NO_EQUILIBRIUM_OF_POINT | worst << 8
     for k in range(lines_of(system)):
         for end in range(2):
             if is_sought(system, k, end):

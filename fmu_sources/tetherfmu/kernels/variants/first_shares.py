@@ -19,7 +19,13 @@ from ..points.coordinates import (
     shortest_of,
 )
 from ..rest.resting_line import given_position, is_any_sought, is_sought
-from .sought_drums import has_several, part_of_drum
+from ..rest.resting_ropes import part_of_drum
+
+
+@kernel
+def has_several(system, k):
+    """Whether line k carries a sought drum that is not equivalent to a winch of its own."""
+    return has_sought_drum(system, k) and not is_alone(system, k)
 
 
 @kernel

@@ -51,8 +51,8 @@ from ..line.backward_euler import given_steps
 from ..linear_algebra.vectors import add, get, put_at, scale, sub, vector_at
 from ..motion import adaptive_steps, fixed_steps, states
 from ..points import room
-from ..points.coordinates import REST_NUMBERS, carries_drum, has_own_drum, is_alone, is_shared_out, rest_size
-from ..rest import dynamic_chain, resting_forces, resting_line, resting_points
+from ..points.coordinates import REST_NUMBERS, carries_drum, has_own_drum, is_alone, is_shared_out
+from ..rest import dynamic_chain, resting_forces, resting_line, resting_points, resting_ropes
 from ..step import breaking, power_balance, transaction
 from ..step.outputs import complete
 from . import moving_lines, rope_shares
@@ -95,10 +95,9 @@ def complete_plan(plan):
     plan[places.STATUS_LINE] = places.ALL_LINES
     plan[places.SHEAVES], plan[places.COORDINATES], plan[places.SHEAVES_WORK] = sheaves, sheaves + drums, work
     most = sheaves + plan[places.LINES]
-    size = max(room.globals_size(plan[places.FREE_POINTS], plan[places.BAND], most), rest_size(sheaves + drums))
-    work += size + size % 2
+    work += room.globals_size(plan[places.FREE_POINTS], plan[places.BAND], most)
     plan[places.POINTS_WORK] = work
-    work += resting_forces.search_size(plan[places.FREE_POINTS], plan[places.BAND])
+    work += resting_forces.search_size(plan[places.FREE_POINTS], plan[places.BAND], sheaves + drums)
     plan[places.OUTPUTS_WORK] = work
     plan[places.PARAMETERS_SIZE] = parameters
     plan[places.INPUTS_SIZE] = inputs + 3 * plan[places.FREE_POINTS]
@@ -222,7 +221,7 @@ def start_line(system, k):
     if status == OK:
         status = settle(n, parameters, inputs, state, work)
     if status == OK and is_portion(system, k):
-        rope_shares.take_tensions_at_rest(system, k)
+        resting_ropes.take_tensions_at_rest(system, k)
     if status == OK and carries_drum(system, k):
         state[at.DRUM_SPEED] = inputs[at.REEL_OUT_SPEED]
     return transaction.commit_start(n, parameters, inputs, status, state)
