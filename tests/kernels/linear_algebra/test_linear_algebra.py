@@ -80,8 +80,7 @@ def test_definite_matrix_with_a_profile(pivot):
             profile.add_block(stored, 3 * p, 3 * q, tuple(block.ravel()))
     if pivot is not None:
         profile.add_entry(stored, pivot, pivot, -100.0)
-    assert profile.factorize(stored, 15)
-    assert profile.is_positive(stored, 15) == (pivot is None)
+    assert profile.factorize_definite(stored, 15) == (pivot is None)
     if pivot is None:
         b, found = rng.normal(size=15), np.zeros(15)
         profile.solve(stored, 15, b, found)

@@ -100,12 +100,25 @@ def factorize(profile, m):
 
 
 @kernel
-def is_positive(profile, m):
-    """Whether all pivots of m factorized rows are positive, as those of a definite symmetric matrix are."""
-    others = 0
-    for i in range(m):
-        others += not profile.lower[int(profile.start[i]) + i] > 0.0
-    return others == 0
+def factorize_definite(profile, m):
+    """Factorize m rows in place (modified), row after row; False if a pivot is not positive.
+
+    Products are subtracted one by one: with lines that are far stiffer axially than laterally, sums of them lose accuracy.
+    """
+    first, start, lower, upper = profile
+    for k in range(m):
+        pivot = lower[int(start[k]) + k]
+        if not pivot > 0.0:
+            return False
+        for i in range(k + 1, m):
+            if int(first[i]) <= k:
+                factor = lower[int(start[i]) + k] / pivot
+                lower[int(start[i]) + k] = factor
+                for j in range(k + 1, m):
+                    if int(first[j]) <= k:
+                        add_entry(profile, i, j, -factor * upper[int(start[j]) + k])
+        lower[int(start[k]) + k] = 1.0 / pivot
+    return True
 
 
 @kernel

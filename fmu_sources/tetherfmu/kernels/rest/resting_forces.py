@@ -25,10 +25,7 @@ from .rigid_body import GIVE
 
 ACCURATE, BALANCED = 1e-12, 1e-10  # residual at a point over its line forces: goal, acceptable if it stalls
 ROUNDED = 4.0  # residual over the tension rounding errors, acceptable if it stalls
-ROPES_BALANCED, ROPES_ROUNDED = (
-    1e-10,
-    1e-7,
-)  # residual of a coordinate over the largest tension: goal, acceptable if it stalls
+ROPES_BALANCED, ROPES_ROUNDED = 1e-12, 1e-7  # of a coordinate over the largest tension: goal, acceptable if it stalls
 
 Search = namedtuple(
     "Search", "lower upper x trial residual held move outer size rounding grip kept carrier count tension spent slides"

@@ -66,7 +66,7 @@ def find_move(system, damping, search):
         copy(search.upper, matrix.upper)
         for i in range(m):
             profile.add_entry(matrix, i, i, damping)
-        if profile.factorize(matrix, m) and profile.is_positive(matrix, m):
+        if profile.factorize_definite(matrix, m):
             profile.solve(matrix, m, search.residual, search.move)
             return damping, True
         damping *= HARDER
