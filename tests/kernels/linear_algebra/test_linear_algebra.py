@@ -83,7 +83,7 @@ def test_definite_matrix_with_a_profile(pivot):
     assert profile.factorize_definite(stored, 15) == (pivot is None)
     if pivot is None:
         b, found = rng.normal(size=15), np.zeros(15)
-        profile.solve(stored, 15, b, found)
+        profile.solve_definite(stored, 15, b, found)
         np.testing.assert_allclose(found, np.linalg.solve(whole, b), rtol=1e-12)
         profile.clear(stored, 15)
         assert not np.concatenate([stored.lower, stored.upper]).any()

@@ -133,3 +133,18 @@ def solve(profile, m, right, solution):
         solution[i] *= lower[here + i]
         for k in range(own, i):
             solution[k] -= upper[here + k] * solution[i]
+
+
+@kernel
+def solve_definite(profile, m, right, solution):
+    """Solution (modified) of m equations factorized by `factorize_definite`, also one product at a time."""
+    first, start, lower, upper = profile
+    for i in range(m):
+        solution[i] = right[i]
+        for k in range(int(first[i]), i):
+            solution[i] -= lower[int(start[i]) + k] * solution[k]
+    for i in range(m - 1, -1, -1):
+        for k in range(i + 1, m):
+            if int(first[k]) <= i:
+                solution[i] -= upper[int(start[k]) + i] * solution[k]
+        solution[i] *= lower[int(start[i]) + i]

@@ -67,7 +67,7 @@ def find_move(system, damping, search):
         for i in range(m):
             profile.add_entry(matrix, i, i, damping)
         if profile.factorize_definite(matrix, m):
-            profile.solve(matrix, m, search.residual, search.move)
+            profile.solve_definite(matrix, m, search.residual, search.move)
             return damping, True
         damping *= HARDER
     return damping, False
