@@ -43,7 +43,7 @@ from .resting_guess import AS_GIVEN, GUESSED, PULLS, find_outer, largest, set_of
 from .resting_line import any_sought, is_any_sought, is_sought, start_state
 from .resting_ropes import part_within
 
-ITERATIONS, WITH_ROPES = 300, 60  # of a search; with coordinates
+ITERATIONS, WITH_ROPES = 300, 150  # of a search; with coordinates
 BUDGET = 150000.0  # Newton iterations for line shapes in the whole search, mean of all lines
 STALLED = 0.5  # residual over the previous residual above which it stalls
 HARDER, SOFTER = 2.0, 0.2  # factor on the damping after a shortened step; after a whole one
