@@ -14,7 +14,7 @@ from numba.core.compiler import CompilerBase, DefaultPassBuilder
 from numba.core.targetconfig import ConfigStack
 from numba.extending import intrinsic, overload
 
-PARTS = True  # whether kernels know lines in two parts (`equations/parts.py`), which a single tether never is
+PARTS = True  # whether kernels know lines in two parts (`equations/parts.py`) and portions, which a single tether never is
 OPTIONS = {"error_model": "numpy", "no_cfunc_wrapper": True}  # `entry_point` still has a C wrapper
 WITHOUT = {  # passes of numba for features that kernels lack: closures, inlined functions, array expressions
     "WithLifting",

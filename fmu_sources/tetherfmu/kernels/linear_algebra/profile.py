@@ -100,34 +100,39 @@ def factorize(profile, m):
 
 
 @kernel
+def less(number, a, at_a, b, at_b, count):
+    """A number minus the inner product of `inner`, one product after the other."""
+    for k in range(count):
+        number -= a[at_a + k] * b[at_b + k]
+    return number
+
+
+@kernel
 def factorize_definite(profile, m):
-    """Factorize m rows in place (modified), row after row; False if a pivot is not positive.
+    """Factorize m rows in place (modified); False if a pivot is not positive.
 
     Products are subtracted one by one: with lines that are far stiffer axially than laterally, sums of them lose accuracy.
     """
     first, start, lower, upper = profile
-    for k in range(m):
-        pivot = lower[int(start[k]) + k]
+    for i in range(m):
+        own, here = int(first[i]), int(start[i])
+        for j in range(own, i):
+            there = int(start[j])
+            begin = max(own, int(first[j]))
+            left = less(lower[here + j], lower, here + begin, upper, there + begin, j - begin)
+            upper[here + j] = less(upper[here + j], lower, there + begin, upper, here + begin, j - begin)
+            lower[here + j] = left * lower[there + j]
+        pivot = less(lower[here + i], lower, here + own, upper, here + own, i - own)
         if not pivot > 0.0:
             return False
-        for i in range(k + 1, m):
-            if int(first[i]) <= k:
-                factor = lower[int(start[i]) + k] / pivot
-                lower[int(start[i]) + k] = factor
-                for j in range(k + 1, m):
-                    if int(first[j]) <= k:
-                        add_entry(profile, i, j, -factor * upper[int(start[j]) + k])
-        lower[int(start[k]) + k] = 1.0 / pivot
+        lower[here + i] = 1.0 / pivot
     return True
 
 
 @kernel
-def solve(profile, m, right, solution):
-    """Solution (modified) of m factorized equations."""
+def solve_back(profile, m, solution):
+    """Solve with the columns of U for a right-hand side, which becomes the solution."""
     first, start, lower, upper = profile
-    for i in range(m):
-        own, here = int(first[i]), int(start[i])
-        solution[i] = right[i] - inner(lower, here + own, solution, own, i - own)
     for i in range(m - 1, -1, -1):
         own, here = int(first[i]), int(start[i])
         solution[i] *= lower[here + i]
@@ -136,15 +141,20 @@ def solve(profile, m, right, solution):
 
 
 @kernel
-def solve_definite(profile, m, right, solution):
-    """Solution (modified) of m equations factorized by `factorize_definite`, also one product at a time."""
-    first, start, lower, upper = profile
+def solve(profile, m, right, solution):
+    """Solution (modified) of m factorized equations."""
+    first, start, lower, _ = profile
     for i in range(m):
-        solution[i] = right[i]
-        for k in range(int(first[i]), i):
-            solution[i] -= lower[int(start[i]) + k] * solution[k]
-    for i in range(m - 1, -1, -1):
-        for k in range(i + 1, m):
-            if int(first[k]) <= i:
-                solution[i] -= upper[int(start[k]) + i] * solution[k]
-        solution[i] *= lower[int(start[i]) + i]
+        own, here = int(first[i]), int(start[i])
+        solution[i] = right[i] - inner(lower, here + own, solution, own, i - own)
+    solve_back(profile, m, solution)
+
+
+@kernel
+def solve_definite(profile, m, right, solution):
+    """`solve` after `factorize_definite`, also one product at a time."""
+    first, start, lower, _ = profile
+    for i in range(m):
+        own, here = int(first[i]), int(start[i])
+        solution[i] = less(right[i], lower, here + own, solution, own, i - own)
+    solve_back(profile, m, solution)

@@ -12,7 +12,7 @@ the search for equilibrium lengths stores its numbers.
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import plan_layout as places
 
-from ..compilation import kernel, view
+from ..compilation import PARTS, kernel, view
 from ..equations import winch
 from ..equations.lines import inputs_of, lines_of, number_of_line, parameters_of
 from ..equations.ropes import goes_on, has_coordinates, is_portion, is_turned
@@ -103,7 +103,7 @@ def is_alone(system, k):
 @kernel
 def has_sought_drum(system, k):
     """Whether the drum on line k starts in a balance that involves sheaves or several lines."""
-    if not (carries_drum(system, k) and winch.is_sought(parameters_of(system, k))):
+    if not (PARTS and carries_drum(system, k) and winch.is_sought(parameters_of(system, k))):
         return False
     return goes_on(system, k) or not is_alone(system, k)
 
@@ -120,7 +120,7 @@ def is_sought_by_drums(system, k):
 @kernel
 def is_shared_out(system, k):
     """Whether the initial length of line k is solved with others: a portion, or a line of such a drum."""
-    return is_portion(system, k) or is_sought_by_drums(system, k)
+    return PARTS and (is_portion(system, k) or is_sought_by_drums(system, k))
 
 
 # --- scratch space of the search at rest

@@ -43,7 +43,8 @@ from .resting_guess import AS_GIVEN, GUESSED, PULLS, find_outer, largest, set_of
 from .resting_line import any_sought, is_any_sought, is_sought, start_state
 from .resting_ropes import part_within
 
-ITERATIONS, WITH_ROPES = 300, 150  # of a search; with coordinates
+ITERATIONS = 300  # of a search
+PATIENCE = 60  # iterations of a search with coordinates in which the residual must be halved
 BUDGET = 150000.0  # Newton iterations for line shapes in the whole search, mean of all lines
 STALLED = 0.5  # residual over the previous residual above which it stalls
 HARDER, SOFTER = 2.0, 0.2  # factor on the damping after a shortened step; after a whole one
@@ -124,11 +125,15 @@ def search_from(system, way, search):
     limit = shortest_line(system)
     search.slides[0] = 1.0 if way == SLIDING else 0.0
     damping, last, worst, stalls = 0.0, inf, max(any_sought(system), 0), 0
+    halved, waited = inf, 0
     found = find_residual(system, search.x, search)
-    for _ in range(WITH_ROPES if search.count[0] > 0.0 else ITERATIONS):
+    for _ in range(ITERATIONS):
         if not found or search.spent[0] > BUDGET * lines_of(system):
             return worst, False
         residual = largest(system, search.residual, search)
+        halved, waited = (residual, 0) if residual < 0.5 * halved else (halved, waited + 1)
+        if waited > PATIENCE and search.count[0] > 0.0:
+            return worst, False
         stalls = stalls + 1 if residual > STALLED * last else 0
         worst, over = least_balanced(stalls > (1 if search.count[0] > 0.0 else 0), search)
         last = residual

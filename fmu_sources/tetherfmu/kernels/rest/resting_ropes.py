@@ -13,7 +13,7 @@ from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.status import OK
 
 from ..arrays import positions_and_velocities
-from ..compilation import kernel
+from ..compilation import PARTS, kernel
 from ..equations.drum import HELD, INWARDS, OUTWARDS, balance, drum_of
 from ..equations.free_points import free_points, point_at
 from ..equations.lines import inputs_of, lines_of, parameters_of, segments_of, state_of
@@ -52,7 +52,7 @@ def is_balanced(system, k):
         count += parameters_of(system, j)[at.GIVEN_PORTION] == 0.0
         j += 1
     count += parameters_of(system, j)[at.GIVEN_PORTION] == 0.0
-    return goes_on(system, k) and count > 0
+    return PARTS and goes_on(system, k) and count > 0
 
 
 @kernel
