@@ -31,9 +31,9 @@ APART = (
     *("boundary14inputs_of_step", "transaction5begin"),
 )
 
-# Rooms and modules of kernels that do not lie in the loop of a step, only call it or gain little: their code is kept short, so
-# that it calls long kernels instead of taking them in. A loop over a tuple must not be among them: only once it is unrolled,
-# LLVM sees that its index is in range
+# Rooms and modules of kernels that do not lie in the loop of a step, only call it or gain little: their code is kept short,
+# so that it calls long kernels instead of taking them in. A loop over a tuple must not be among them: only once it is
+# unrolled, LLVM sees that its index is in range
 RARE = (
     "rest",
     "line11drum_events",
