@@ -40,7 +40,7 @@ def environment_of(python, version):
     subprocess.run([python, "-m", "venv", folder], check=True)
     found = folder / ("Scripts" if sys.platform == "win32" else "bin") / "python"
     wanted = [*project["dependencies"], *project["optional-dependencies"]["build"], f"numba=={version}.*"]
-    subprocess.run([found, "-m", "pip", "install", "--quiet", *wanted], check=True)
+    subprocess.run([found, "-m", "pip", "install", "--quiet", "--no-compile", *wanted], check=True)
     return found
 
 
