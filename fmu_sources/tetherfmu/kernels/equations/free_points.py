@@ -121,19 +121,23 @@ def push_with(chain_of_line):
     """Return a kernel that pushes a free point; chain_of_line : view of a system, a line and a time [s]: its `Chain`."""
 
     @kernel
-    def push_point(system, point, impulse, time):
-        """Apply an impulse [N s] to a free point (modified, at the ends of all its lines) at a time [s]."""
-        mass = 0.0
+    def push_point(system, point, impulse, mass, time):
+        """Apply an impulse [N s] to a free point (modified, at the ends of all its lines) at a time [s].
+
+        mass : that moves with the point [kg], besides its own.  Returns the change of velocity [m/s].
+        """
         for k in range(lines_of(system)):
             chain = chain_of_line(system, k, time)
             for end in range(2):
                 if point_at(system, k, end) == point:
                     s = (chain.n - 1) * end
                     mass += half_density(chain, s) * rest_length(chain, s) + point_mass(chain, chain.n * end)
+        change = scale(1.0 / mass, impulse)
         for k in range(lines_of(system)):
             _, v = motion_of(system, k)
             for end in range(2):
                 if point_at(system, k, end) == point:
-                    add_at(v, segments_of(system, k) * end, scale(1.0 / mass, impulse))
+                    add_at(v, segments_of(system, k) * end, change)
+        return change
 
     return push_point

@@ -145,7 +145,7 @@ def jump_alone(system, k, chain, change, time):
     for i in range(own.conditions.first, own.conditions.last + 1):
         impulse = scale(change, get(by_gain, i))
         if i == 0 and is_at_point(system, k, 0):
-            push_point(system, point_at(system, k, 0), impulse, time)
+            push_point(system, point_at(system, k, 0), impulse, 0.0, time)
         elif not (i == own.n and is_at_point(system, k, 1)):
             add_at(v, i, scale(1.0 / own.w.stage_mass[i], impulse))
 

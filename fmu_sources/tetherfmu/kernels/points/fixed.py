@@ -22,7 +22,6 @@ from ..equations.free_points import free_points, is_at_point, load_at, point_at,
 from ..equations.ground import has_ground
 from ..equations.lines import conditions_of, lines_of, motion_of, parameters_of, segments_of
 from ..equations.node_loads import free_acceleration
-from ..equations.properties import property_of
 from ..equations.rope import feels_rope
 from ..line import backward_euler, contact, incremental_potential, strand
 from ..line.strand_room import (
@@ -374,7 +373,7 @@ def left_over(system, j, time, h, way, change):
     if is_drum(system, j):
         counter = own[room.LOAD] + time * own[room.LOAD_RATE] + own[room.DAMPING] * speed
         return ahead - behind - counter - way * own[room.FRICTION] - inertia
-    moving = property_of(conditions_of(system, line_of(system, j)), 0, at.LINE_DENSITY) * speed * speed
+    moving = net.density_on(system, j) * speed * speed
     loss_1 = own[room.LOSS] if way > HELD and behind > moving else 1.0
     loss_2 = own[room.LOSS] if way < HELD and ahead > moving else 1.0
     return loss_2 * (ahead - moving) - loss_1 * (behind - moving) - inertia

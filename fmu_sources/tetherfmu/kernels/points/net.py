@@ -66,9 +66,16 @@ TINY = 1e-200  # avoids 0/0
 
 
 @kernel
-def moving_at(system, k, j):
-    """mu u^2 [N] of rope of line k on sheave j at a stage."""
-    return property_of(conditions_of(system, k), 0, at.LINE_DENSITY) * coordinate_at(system, j)[room.SPEED_NOW] ** 2
+def density_on(system, j):
+    """Line density [kg/m] of the rope on sheave j, which moves: the last segment before it exists."""
+    k = line_of(system, j)
+    return property_of(conditions_of(system, k), segments_of(system, k) - 1, at.LINE_DENSITY)
+
+
+@kernel
+def moving_at(system, j):
+    """mu u^2 [N] of the rope on sheave j at a stage."""
+    return density_on(system, j) * coordinate_at(system, j)[room.SPEED_NOW] ** 2
 
 
 @kernel
@@ -88,7 +95,7 @@ def own_force(system, j, time):
     if own[room.SIGN] == 0.0:
         return 0.0
     behind, ahead = losses_beside(system, j)
-    return (behind - ahead) * moving_at(system, line_of(system, j), j)
+    return (behind - ahead) * moving_at(system, j)
 
 
 @kernel
@@ -98,8 +105,7 @@ def take_damping(system, j):
     own[room.BY_SPEED] = own[room.DAMPING]
     if not is_drum(system, j) and own[room.SIGN] != 0.0:
         behind, ahead = losses_beside(system, j)
-        density = property_of(conditions_of(system, line_of(system, j)), 0, at.LINE_DENSITY)
-        own[room.BY_SPEED] += 2.0 * (ahead - behind) * density * own[room.SPEED_NOW]
+        own[room.BY_SPEED] += 2.0 * (ahead - behind) * density_on(system, j) * own[room.SPEED_NOW]
 
 
 @kernel
@@ -194,7 +200,7 @@ def loss_at(system, k, end, tension):
     sign = 1.0
     if end == 0 and comes_from(system, k):
         j, sign = int(numbers_of(system, k - 1)[room.SHEAVE]), -1.0
-    if j < 0 or sign * coordinate_at(system, j)[room.SIGN] <= 0.0 or tension <= moving_at(system, k, j):
+    if j < 0 or sign * coordinate_at(system, j)[room.SIGN] <= 0.0 or tension <= moving_at(system, j):
         return 1.0
     return coordinate_at(system, j)[room.LOSS]
 
@@ -602,7 +608,7 @@ def add_wrap(system, j, time, d):
     if grip == 0.0 or sign == 0.0 or loss == 1.0:
         return
     (to_1, to_2), n = away_at_stage(system, k), segments_of(system, k)
-    factor = -sign * grip * loss * (tension - moving_at(system, line, j))
+    factor = -sign * grip * loss * (tension - moving_at(system, j))
     by_1, by_2 = scale(factor, turn_of(to_1, to_2)), scale(factor, turn_of(to_2, to_1))
     behind, ahead = -numbers_of(system, k)[SLOPE + 1], numbers_of(system, k + 1)[SLOPE]
     add_to_row(system, k, 1, n - 1, scale(1.0 / behind, by_1), time, d)

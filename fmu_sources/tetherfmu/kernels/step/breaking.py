@@ -4,6 +4,8 @@ A line is released at the beginning of the first step in which its input `releas
 within a step runs off it at the beginning of that step.
 """
 
+from math import sqrt
+
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import plan_layout as places
 from tetherfmu.runtime import plausibility as limits
@@ -24,9 +26,10 @@ from ..equations.properties import (
     section_of,
 )
 from ..equations.ropes import first_of, freed_of, goes_on, has_sheaves, is_freed, is_portion
-from ..linear_algebra.vectors import ZERO_VECTOR, add, add_scaled, dot, get, put, scale, sub
+from ..linear_algebra.vectors import ZERO_VECTOR, add, add_at, add_scaled, dot, get, put, scale, sub
 from ..notes import note
 
+STRAIGHT = 0.999  # chord over unstretched length of rope that is divided anew
 EARLY = 1.5  # of the way in a step: rope that may reach its sheave runs off before
 
 
@@ -192,9 +195,10 @@ def reaches(system, k, end):
 def runs_out(length, count, speed, gain, step, short):
     """Whether rope of this length [m] in `count` segments, which runs out at a speed [m/s] and gains more [m/s2], ends soon.
 
-    Within a step [s], or EARLY times its way; or it is shorter than `short` [m].
+    Within a step [s], or EARLY times its way; or it is shorter than `short` [m]. Waves accelerate it for less than a step.
     """
-    way = max(speed, 0.0) * step + 0.5 * max(gain, 0.0) * step * step
+    way = max(speed, 0.0) * step
+    way += min(way, 0.5 * max(gain, 0.0) * step * step)
     least = count * at.MIN_SEGMENT_LENGTH
     return speed >= 0.0 and length - least <= max(EARLY * way, short) + parts.STOPPED * least
 
@@ -207,7 +211,7 @@ def too_short(system, k, end, other, speed):
     """
     n, state = segments_of(system, k), state_of(system, k)
     tension = state[at.TENSION_TO] if end == 1 else state[at.TENSION_FROM]
-    if property_in(parameters_of(system, k), n, (n - 1) * end, at.LINE_DENSITY) * speed * speed <= tension:
+    if property_in(parameters_of(system, k), n, (n - 1) * end, at.LINE_DENSITY) * speed * speed <= abs(tension):
         return 0.0
     n = segments_of(system, other)
     return rest_length(chain_of(n, parameters_of(system, other), state_of(system, other)), 0 if end == 1 else n - 1)
@@ -253,12 +257,13 @@ def run_off_again(system, step, before):
 def run_over(system, k, end, other):
     """Take the rope at an end of portion k off the sheave there, into the portion `other` (states and parameters modified).
 
-    Momentum is kept: a free point at the sheave gets what the rope loses around it. The energy lost is noted.
+    Momentum is kept: a free point at the sheave gets, with the lump beside it, what the rope loses around it. The energy
+    lost, also that of the sheave, is noted.
     """
     sheave, at_sheave = (state_of(system, other), 1) if end == 0 else (state_of(system, k), 0)
     energy, momentum = energy_of_all(system), add(momentum_of(system, k), momentum_of(system, other))
     length, lump, _ = loose_rope(system, k, end)
-    take_in(system, other, at_sheave, length + lump)
+    take_in(system, other, at_sheave, length, lump)
     let_out(system, k, end, length + lump)
     stop_rate(system, other, at_sheave, sheave[at.SHEAVE_SPEED], sheave[at.SHEAVE_ACCELERATION])
     stop_rate(system, k, end, sheave[at.SHEAVE_SPEED], sheave[at.SHEAVE_ACCELERATION])
@@ -266,10 +271,12 @@ def run_over(system, k, end, other):
     tear(system, other)
     tear(system, k)
     n, (x, v) = segments_of(system, other), motion_of(system, other)
-    parts.add_momentum(chain_of(n, parameters_of(system, other), state_of(system, other)), x, v, -1.0)
+    chain = chain_of(n, parameters_of(system, other), state_of(system, other))
+    parts.add_momentum(chain, x, v, -1.0)
     if is_at_point(system, k, end):
-        lost = sub(momentum, add(momentum_of(system, k), momentum_of(system, other)))
-        push_point(system, point_at(system, k, end), lost, 0.0)
+        lost, lump = sub(momentum, add(momentum_of(system, k), momentum_of(system, other))), n - 1 if at_sheave == 1 else 1
+        carried = parts.node_mass(chain, lump)
+        add_at(v, lump, push_point(system, point_at(system, k, end), lost, carried, 0.0))
     state_of(system, other)[at.TORN_ENERGY] += energy - energy_of_all(system)
 
 
@@ -322,8 +329,14 @@ def stop_rate(system, k, end, speed, gain):
 
 
 @kernel
-def take_in(system, k, end, length):
-    """Loosen an end of portion k, over which rope of a length [m] comes in, in its state (modified)."""
+def take_in(system, k, end, length, lump):
+    """Loosen an end of portion k, over which rope of a length [m] with a lump [m] comes in, in its state (modified).
+
+    The part there is divided into one segment less. If it is straight, it ends so far before the sheave, h, that the rope
+    behind that, in one lump, keeps its height where portions are parallel:
+
+        h (h/2 + length + lump) = length (length/2 + lump)
+    """
     n, parameters, state, (x, v) = (
         segments_of(system, k),
         parameters_of(system, k),
@@ -331,25 +344,47 @@ def take_in(system, k, end, length):
         motion_of(system, k),
     )
     chain, s, i, node = chain_of(n, parameters, state), (n - 1) * end, n - 1 if end == 1 else 1, n * end
-    rest, half = rest_length(chain, s), half_density(chain, s)
+    rest, half, added = rest_length(chain, s), half_density(chain, s), length + lump
     rate = chain.leaving if end == 1 else chain.reeling + chain.leaving
     velocity = add_scaled(get(v, node), rate / rest, sub(get(x, s + 1), get(x, s)))
     parts.add_momentum(chain, x, v, 1.0)
-    mass, added = parts.node_mass(chain, i), half * (rest + 2.0 * length)
-    put(v, i, scale(1.0 / (mass + added), add_scaled(scale(mass, get(v, i)), added, velocity)))
+    a, b, c, d = parts.bounds_of_parts(n - freed_of(system, k), state)
+    first, last = (a, b) if end == 0 or c == d else (c, d)
+    h, (chord, _) = rest, segment.geometry(sub(get(x, last), get(x, first)))
+    if last - first > 1 and chord > STRAIGHT * (last - first) * rest:
+        h = min(rest, sqrt(added * added + length * (length + 2.0 * lump)) - added)
+    added += h
+    at_sheave, mass, gained = get(v, node), parts.node_mass(chain, i) - half * rest, 2.0 * half * added
+    put(v, node, velocity)
+    divide_anew(x, first, last, end, 1.0 - h / rest)
+    divide_anew(v, first, last, end, 1.0 - h / rest)
+    put(v, i, scale(1.0 / (mass + gained), add_scaled(scale(mass, get(v, i)), gained, velocity)))
+    put(v, node, at_sheave)
     is_torn = state[at.TORN_SEGMENT] != 0.0
     if end == 1:
-        state[at.END_LUMP] += rest + length
-        state[at.SECOND_PART] = state[at.SECOND_PART] - rest if is_torn else parts.NO_PART
+        state[at.END_LUMP] += added
+        state[at.SECOND_PART] = state[at.SECOND_PART] - h if is_torn else parts.NO_PART
     else:
-        state[at.START_LUMP] += rest + length
-        state[at.SECOND_PART] = state[at.SECOND_PART] if is_torn else state[at.LENGTH] - rest
+        state[at.START_LUMP] += added
+        state[at.SECOND_PART] = state[at.SECOND_PART] if is_torn else state[at.LENGTH] - h
     parts.add_flag(state, parts.LOOSE, end)
-    state[at.LENGTH] += length
+    state[at.LENGTH] += length + lump
     parts.unite(n, freed_of(system, k), parameters)
     _, _, begins, ends = parts.bounds_of_parts(n - freed_of(system, k), state)
     if begins == ends:
         state[at.SECOND_PART] = parts.NO_PART
+
+
+@kernel
+def divide_anew(nodes, first, last, end, share):
+    """Divide a line through flat `nodes` first to last (modified) into one segment less, away from its end 0 or 1.
+
+    share : of the segment at this end that is kept.
+    """
+    for i in range(1, last - first):
+        j = first + i if end == 1 else last - i
+        towards = sub(get(nodes, j + 2 * end - 1), get(nodes, j))
+        put(nodes, j, add_scaled(get(nodes, j), i * share / (last - first - 1), towards))
 
 
 @kernel
@@ -371,14 +406,14 @@ def let_out(system, k, end, length):
 
 @kernel
 def energy_of(system, k):
-    """Energy [J] of line k in its state, without its sheave, as in `power_balance`."""
+    """Energy [J] of line k in its state with the sheave at its end, as in `power_balance`."""
     n, parameters, state, (x, v) = (
         segments_of(system, k),
         parameters_of(system, k),
         state_of(system, k),
         motion_of(system, k),
     )
-    chain, total = chain_of(n, parameters, state), 0.0
+    chain, total = chain_of(n, parameters, state), 0.5 * parameters[at.SHEAVE_MASS] * state[at.SHEAVE_SPEED] ** 2
     start, end = parameters[at.GROUND_IS_FREE], parameters[at.KITE_IS_FREE]
     for i in range(n + 1):
         free = start if i == 0 else (end if i == n else 1.0)
