@@ -8,7 +8,7 @@ that enters over either end, at the rates a_0 and a_1, stays in the part there:
 
 broke        the broken segment lies between both parts; half of its rope is lumped at each torn end, so that no node changes
              its mass
-loose end    the end has come off its sheave: the segment there carries nothing, and its rope is lumped at the inner node
+loose end    the end has come off its sheave: the segment there carries nothing, and what came in is lumped at the inner node
 ran off      a part has left over its sheave: its segments carry nothing and have no mass
 
 Segments that carry nothing have neither spring, damper, drag nor mass. In the parameters of a kernel the second part has

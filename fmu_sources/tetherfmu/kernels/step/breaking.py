@@ -253,6 +253,15 @@ def run_off_again(system, step, before):
         run_off(system, step)
 
 
+@view
+def chain_at_start(system, k, time):
+    """`Chain` of line k in its state, at the start of a step."""
+    return chain_of(segments_of(system, k), parameters_of(system, k), state_of(system, k))
+
+
+push_point = push_with(chain_at_start)
+
+
 @kernel
 def run_over(system, k, end, other):
     """Take the rope at an end of portion k off the sheave there, into the portion `other` (states and parameters modified).
@@ -270,45 +279,29 @@ def run_over(system, k, end, other):
     sheave[at.SHEAVE_SPEED] = sheave[at.SHEAVE_ACCELERATION] = 0.0
     tear(system, other)
     tear(system, k)
-    n, (x, v) = segments_of(system, other), motion_of(system, other)
-    chain = chain_of(n, parameters_of(system, other), state_of(system, other))
+    chain, (x, v) = chain_at_start(system, other, 0.0), motion_of(system, other)
     parts.add_momentum(chain, x, v, -1.0)
     if is_at_point(system, k, end):
-        lost, lump = sub(momentum, add(momentum_of(system, k), momentum_of(system, other))), n - 1 if at_sheave == 1 else 1
-        carried = parts.node_mass(chain, lump)
-        add_at(v, lump, push_point(system, point_at(system, k, end), lost, carried, 0.0))
+        lost = sub(momentum, add(momentum_of(system, k), momentum_of(system, other)))
+        i = chain.n - 1 if at_sheave == 1 else 1
+        add_at(v, i, push_point(system, point_at(system, k, end), lost, parts.node_mass(chain, i), 0.0))
     state_of(system, other)[at.TORN_ENERGY] += energy - energy_of_all(system)
 
 
 @kernel
 def momentum_of(system, k):
     """Momentum [N s] of line k with its flowing rope, and with the point masses that it carries."""
-    n, parameters, state, (x, v) = (
-        segments_of(system, k),
-        parameters_of(system, k),
-        state_of(system, k),
-        motion_of(system, k),
-    )
-    chain = chain_of(n, parameters, state)
+    chain, (x, v) = chain_at_start(system, k, 0.0), motion_of(system, k)
     part, total = flow.first_passing(chain), ZERO_VECTOR
-    for s in range(n):
+    for s in range(chain.n):
         share, half, r = property_of(chain, s, at.SHARE), half_density(chain, s), sub(get(x, s + 1), get(x, s))
         (c_p, _), (c_q, _) = flow.passing(chain, share, part), flow.passing(chain, share, part - share)
         total = add_scaled(total, half * (c_p + c_q), r)
         total = add_scaled(total, half * rest_length(chain, s), add(get(v, s), get(v, s + 1)))
         part -= share
-    for i in range(n + 1):
+    for i in range(chain.n + 1):
         total = add_scaled(total, point_mass(chain, i), get(v, i))
     return total
-
-
-@view
-def chain_at_start(system, k, time):
-    """`Chain` of line k in its state, at the start of a step."""
-    return chain_of(segments_of(system, k), parameters_of(system, k), state_of(system, k))
-
-
-push_point = push_with(chain_at_start)
 
 
 @kernel
@@ -337,13 +330,9 @@ def take_in(system, k, end, length, lump):
 
         h (h/2 + length + lump) = length (length/2 + lump)
     """
-    n, parameters, state, (x, v) = (
-        segments_of(system, k),
-        parameters_of(system, k),
-        state_of(system, k),
-        motion_of(system, k),
-    )
-    chain, s, i, node = chain_of(n, parameters, state), (n - 1) * end, n - 1 if end == 1 else 1, n * end
+    chain, state, (x, v) = chain_at_start(system, k, 0.0), state_of(system, k), motion_of(system, k)
+    n = chain.n
+    s, i, node = (n - 1) * end, n - 1 if end == 1 else 1, n * end
     rest, half, added = rest_length(chain, s), half_density(chain, s), length + lump
     rate = chain.leaving if end == 1 else chain.reeling + chain.leaving
     velocity = add_scaled(get(v, node), rate / rest, sub(get(x, s + 1), get(x, s)))
@@ -369,7 +358,7 @@ def take_in(system, k, end, length, lump):
         state[at.SECOND_PART] = state[at.SECOND_PART] if is_torn else state[at.LENGTH] - h
     parts.add_flag(state, parts.LOOSE, end)
     state[at.LENGTH] += length + lump
-    parts.unite(n, freed_of(system, k), parameters)
+    parts.unite(n, freed_of(system, k), parameters_of(system, k))
     _, _, begins, ends = parts.bounds_of_parts(n - freed_of(system, k), state)
     if begins == ends:
         state[at.SECOND_PART] = parts.NO_PART
@@ -407,13 +396,8 @@ def let_out(system, k, end, length):
 @kernel
 def energy_of(system, k):
     """Energy [J] of line k in its state with the sheave at its end, as in `power_balance`."""
-    n, parameters, state, (x, v) = (
-        segments_of(system, k),
-        parameters_of(system, k),
-        state_of(system, k),
-        motion_of(system, k),
-    )
-    chain, total = chain_of(n, parameters, state), 0.5 * parameters[at.SHEAVE_MASS] * state[at.SHEAVE_SPEED] ** 2
+    chain, parameters, (x, v) = chain_at_start(system, k, 0.0), parameters_of(system, k), motion_of(system, k)
+    n, total = chain.n, 0.5 * parameters[at.SHEAVE_MASS] * state_of(system, k)[at.SHEAVE_SPEED] ** 2
     start, end = parameters[at.GROUND_IS_FREE], parameters[at.KITE_IS_FREE]
     for i in range(n + 1):
         free = start if i == 0 else (end if i == n else 1.0)
