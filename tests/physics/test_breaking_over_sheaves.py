@@ -4,7 +4,6 @@ The rope of the solvers is inextensible; a broken one ends in half of the broken
 the sheave, l1 and l2 the lengths on its sides.
 
 two masses   (m1 + mu (l1 + l2) + J/r2) a = (mu (l2 - l1) - m1) g, after m2 was lost: the payout is a hyperbolic cosine
-loss         T1 - T2 = (1/efficiency - 1) (T2 - mu u^2) where the rope runs from side 2 to side 1
 running      before and after the break, whose time is the time at which the tension reaches the breaking force
 run off      what falls then, falls with g; rope is neither lost nor made
 """
@@ -65,25 +64,6 @@ def test_a_rope_of_two_masses_breaks(sheave_mass, solver, within):
     assert outputs.portions["rope"].tension_to[0] == pytest.approx(scene.tension(time), abs=100.0 * within)
     assert outputs.points["b"].position[2] - low == pytest.approx(-0.5 * G * time**2, abs=within)
     assert outputs.portions["rope"].length.sum() == pytest.approx(20.0, abs=1e-12)
-
-
-@pytest.mark.parametrize("solver", [ADAPTIVE, SECOND])
-def test_a_sheave_with_losses(solver):
-    scene, efficiency = Snapped(), 0.8
-    loss = 1.0 / efficiency
-
-    def rates(time, state):
-        out, speed = state  # towards the mass that is left
-        left, tail = scene.m1 + DENSITY * (scene.length + out), DENSITY * (scene.tail - out)
-        force = (left - loss * tail) * G + (loss - 1.0) * DENSITY * speed**2
-        return speed, force / (left + loss * tail)
-
-    exact = solve_ivp(rates, (0.0, 0.3), (0.0, 0.0), rtol=1e-10, atol=1e-12).y[:, -1]
-    system = scene.system(solver, sheave_efficiency=efficiency)
-    for _ in range(30):
-        outputs = system.step(0.01)
-    assert -outputs.portions["rope"].payout[0] == pytest.approx(exact[0], abs=4e-4)
-    assert -outputs.portions["rope"].speed[0] == pytest.approx(exact[1], abs=1e-3)
 
 
 # --- a rope that runs when it breaks
