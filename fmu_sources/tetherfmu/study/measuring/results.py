@@ -138,8 +138,9 @@ def summary(columns):
     for name, values in columns.items():
         own = own_name(name)
         if own in SHOWN and (own not in DERIVED or np.any(values)):
-            low, high = values.argmin(), values.argmax()
-            mean, least, largest = alike(values.mean(), values[low], values[high])
+            rounding = 1e-12 * np.abs(values).max()  # the first of equal ones
+            low, high = np.argmax(values <= values.min() + rounding), np.argmax(values >= values.max() - rounding)
+            mean, least, largest = alike(values.mean(), values.min(), values.max())
             when = [f"{time[k]:.6g} s" if least != largest else "" for k in (low, high)]
             rows.append((f"{name} [{unit_of(own)}]", mean, least, when[0], largest, when[1]))
         before = name[: len(name) - len(own)]
