@@ -190,7 +190,8 @@ def check_with_sheaves(lines, winches):
     if name is None:
         return
     for line in lines:
-        check_drum(line, why)
+        if line.winch.winch_control == at.WINCH_BY_FORCE:
+            check_turned(line, f"its winch is controlled by force, and {why}")
         if line.through and line.tethers[0].damping_law != at.STRAIN_RATE:
             raise ValueError(f"{line.name}.damping_law is stretch_rate; over sheaves it must be strain_rate")
         if line.through and line.tethers[0].breaking_force != 0.0 and line.tethers[0].segments < LEAST_TO_BREAK:
@@ -205,14 +206,3 @@ def check_turned(line, why):
     for tether in line.tethers:
         if tether.damping_law != at.STRAIN_RATE:
             raise ValueError(f"{line.name}.damping_law is stretch_rate, and {why}; it must be strain_rate")
-
-
-def check_drum(line, why):
-    """ValueError if the drum of a line has unsupported features in a system with sheaves; why : the reason."""
-    if line.winch.winch_control != at.WINCH_BY_FORCE:
-        return
-    for name in ("shortest_length", "longest_length"):
-        stop = getattr(line.winch, name)
-        if line.through and stop:
-            raise ValueError(f"{line.name}.{name} is {stop!r}, and {line.name} runs over sheaves; it must be 0")
-    check_turned(line, f"its winch is controlled by force, and {why}")

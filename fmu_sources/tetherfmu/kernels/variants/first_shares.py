@@ -15,6 +15,7 @@ from ..points.coordinates import (
     has_sought_drum,
     is_alone,
     is_shared_out,
+    longest_of,
     numbers_at_rest,
     shortest_of,
 )
@@ -66,6 +67,8 @@ def share_ropes(system, is_straight):
                 sought += parameters_of(system, j)[at.GIVEN_PORTION] == 0.0
             if is_straight and has_sought_drum(system, k) and is_alone(system, k):
                 whole = straight_length(system, k, spans)
+            if has_sought_drum(system, k) and goes_on(system, k):
+                whole = min(max(whole, parameters_of(system, k)[at.SHORTEST_LENGTH]), longest_of(system, k))
             spread = 1.0 / (last + 1 - k)
             for j in range(k, last + 1):
                 length = parameters_of(system, j)[at.GIVEN_PORTION] * whole / given if unknown == 0 else 0.0
