@@ -95,7 +95,10 @@ def room_to_stop(system, j, sign):
 @kernel
 def may_move(system, j, sign):
     """Whether a coordinate can move forwards (sign 1) or backwards (-1) from a stage."""
-    return coordinate_at(system, j)[room.IS_BRAKED] == 0.0 and room_to_stop(system, j, sign) > AT_STOP / LOCATED
+    own = coordinate_at(system, j)
+    is_rounded = own[room.SPEED] == 0.0 and parameters_of(system, 0)[at.FIXED_STEP] > 0.0  # as fixed steps stop it
+    close = at.ROUNDED_STOP if is_rounded else AT_STOP
+    return own[room.IS_BRAKED] == 0.0 and room_to_stop(system, j, sign) > close / LOCATED
 
 
 @kernel
