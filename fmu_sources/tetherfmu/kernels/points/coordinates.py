@@ -52,7 +52,7 @@ def ratio_of(system, k, carrier):
 @kernel
 def shortest_of(system, k):
     """Shortest unstretched length [m] of line k; of a portion as its segments permit."""
-    return parameters_of(system, k)[at.LEAST_LENGTH if is_portion(system, k) else at.SHORTEST_LENGTH]
+    return parameters_of(system, k)[at.LEAST_LENGTH if PARTS and is_portion(system, k) else at.SHORTEST_LENGTH]
 
 
 @kernel

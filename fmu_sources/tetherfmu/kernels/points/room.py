@@ -496,6 +496,8 @@ def take_weights(system, k):
             share = property_of(conditions, i, at.SHARE)
             own.growth_first[i] = own.growth_last[i] = share
             of_start -= share
+        if is_portion(system, k) and conditions.parameters[at.LENGTH_BEYOND] != 0.0:  # only the last segment grows there
+            own.last[i], own.growth_last[min(i, n - 1)] = (-1.0, 1.0) if i == n else (0.0, 0.0)
 
 
 @kernel
@@ -662,13 +664,13 @@ def limited_parts(system, k):
 def limits_of(system, k):
     """Number of lengths that line k limits: the whole rope is the last one, if k is its first portion, at a drum."""
     parts = limited_parts(system, k)
-    return parts + 1 if goes_on(system, k) and is_turned(system, k) else parts
+    return parts + 1 if PARTS and goes_on(system, k) and is_turned(system, k) else parts
 
 
 @kernel
 def is_whole(system, k, which):
     """Whether a length with limits is that of the whole rope."""
-    return which == limited_parts(system, k)
+    return PARTS and which == limited_parts(system, k)
 
 
 @kernel
@@ -800,7 +802,7 @@ def is_on_drum(system, k):
 @kernel
 def has_longest(system, k, end):
     """Whether a drum limits the length of line k; of a rope over sheaves it limits the whole."""
-    return is_on_drum(system, k) and is_whole(system, k, end) == is_portion(system, k)
+    return is_on_drum(system, k) and (not PARTS or is_whole(system, k, end) == is_portion(system, k))
 
 
 @kernel

@@ -144,9 +144,9 @@ def find_slopes(system, search):
             held = search.grip[point] / GIVE
             block = held, 0.0, 0.0, 0.0, held, 0.0, 0.0, 0.0, 0.0
             profile.add_block(matrix, 3 * point, 3 * point, block)
-    hold_stopped(system, search)
         if not is_point_sought(system, point):
             profile.add_block(matrix, 3 * point, 3 * point, IDENTITY)
+    hold_stopped(system, search)
     copy(part(matrix.lower, 0, len(search.lower)), search.lower)
     copy(part(matrix.upper, 0, len(search.upper)), search.upper)
     return True

@@ -178,8 +178,9 @@ def end_tensions_at_rest(n, parameters, state):
     chain, held = chain_without_flow(n, parameters, state), vector_at(state, at.GROUND_TENSION_VECTOR)
     if norm(held) > 0.0:
         half = half_density(chain, 0) * rest_length(chain, 0) * chain.gravity
+        last = half_density(chain, n - 1) * rest_length(chain, n - 1) * chain.gravity
         at_end = vector_at(state, at.KITE_TENSION_VECTOR)
-        return norm(held) - half * held[2] / norm(held), norm(at_end) + half * at_end[2] / norm(at_end)
+        return norm(held) - half * held[2] / norm(held), norm(at_end) + last * at_end[2] / norm(at_end)
     x, v = positions_and_velocities(n, state)
     return tensions_of_rope(chain, x, v, 0.0)
 
