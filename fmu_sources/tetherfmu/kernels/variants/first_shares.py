@@ -28,6 +28,7 @@ def has_several(system, k):
     """Whether line k carries a sought drum that is not equivalent to a winch of its own."""
     return has_sought_drum(system, k) and not is_alone(system, k)
 
+
 LEAST_PART = 0.01  # of a distance that sections beyond the one over the sheave take up
 
 
