@@ -124,7 +124,7 @@ def room_to_stop(system, k, way):
 
     inf without one: drums stop at the lengths of whole ropes over sheaves.
     """
-    if not (goes_on(system, k) and is_alone(system, k)):
+    if not (PARTS and goes_on(system, k) and is_alone(system, k)):
         return inf
     length, parameters, j = numbers_at_rest(system, k)[LENGTH_AT_REST], parameters_of(system, k), k
     while goes_on(system, j):
@@ -139,7 +139,7 @@ def hold_stopped(system, search):
     """Make the matrix (modified) hold drums whose R is 0, as a stop holds them; after `find_imbalances`."""
     points = 3 * free_points(system)
     for j in range(int(search.count[0])):
-        if search.carrier[j] < 0.0 and search.residual[points + j] == 0.0:
+        if PARTS and search.carrier[j] < 0.0 and search.residual[points + j] == 0.0:
             add_entry(globals_of(system).matrix, points + j, points + j, RIGID)
 
 
