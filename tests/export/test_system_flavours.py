@@ -186,6 +186,20 @@ def hoisted(method):
     return Flight(text, lambda k: {"hoist.reel_out_speed": -0.01 * k}, {}, parameters, text + more, seen=rope_runs("hoist"))
 
 
+def stopped():
+    """A drum over a sheave, which the load draws to its stop."""
+    text, longest = text_of("two_fall_hoist"), 40.3
+    parameters = {"hoist.winch_control": 2, "hoist.winch_mass": 500.0, "hoist.longest_length": longest}
+    more = f'\nwinch_control = "force"\nwinch_mass = 500\nlongest_length = {longest}\n'
+
+    def seen(rows):
+        assert rows[HALF]["hoist.winch_speed"] > 0.5
+        assert rows[-1]["hoist.tether_length"] == pytest.approx(longest, rel=1e-9)
+        assert rows[-1]["hoist.winch_speed"] == 0.0
+
+    return Flight(text, lambda k: {"hoist.winch_force": 10.0 * k}, {}, parameters, text + more, seen=seen)
+
+
 def let_go(line, k_of_release):
     def seen(rows):
         assert not rows[k_of_release][f"{line}.broken"]
@@ -271,6 +285,7 @@ FLIGHTS = {
     "a hoist": Flight(text_of("two_fall_hoist"), lambda k: {"hoist.reel_out_speed": -0.01 * k}, seen=rope_runs("hoist")),
     "a hoist in fixed steps": hoisted("second_order"),
     "a hoist by backward Euler": hoisted("backward_euler"),
+    "a hoist whose drum stops": stopped(),
     "wind at the points of its falls": Flight(
         text_of("two_fall_hoist"), winds_of_falls, winds_of_falls(0), wind_points=WINDY
     ),

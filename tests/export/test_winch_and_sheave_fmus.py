@@ -75,18 +75,18 @@ def test_a_refused_step_names_the_winches(fmu, name, inputs, says):
     assert says in str(host.messages)
 
 
-ENDS = "shortest_length or longest_length is given for a line over sheaves"
+ENDS = "the unstretched length is {} m at the start, beyond a stop of the winch"
 NOT_IN_BALANCE = "lift.winch_force, 1.0 N, with trim.winch_start and lift.winch_start 2 (equilibrium)"
 STARTS = [
-    ("drums", {"c.winch_control": FORCE, "c.longest_length": 50.0}, f"the line c: {ENDS}"),
+    ("drums", {"c.winch_control": FORCE, "c.longest_length": 20.0}, f"the line c: {ENDS.format(22.6)}"),
     ("drum starts", {"lift.winch_force": 1.0}, NOT_IN_BALANCE),
     ("drum starts", {"trim.winch_start": 3}, "winch_start is 3; it must be one of 1 (given), 2 (equilibrium)"),
     ("drum starts", {"trim.reel_out_speed": NO_NUMBER}, "trim.reel_out_speed"),
     ("two winches", {"main.shortest_length": 50.0, "main.longest_length": 40.0}, "the line main: shortest_length is 50"),
     ("atwood", {"rope.sheave_efficiency[1]": 2.0}, "rope.sheave_efficiency"),
     ("atwood", {"rope.breaking_force": 1e5, "rope.segments": 2}, "breaking_force is given for a line over sheaves"),
-    ("atwood", {"rope.shortest_length": 5.0, "rope.winch_control": FORCE}, ENDS),
-    ("atwood", {"rope.longest_length": 90.0, "rope.winch_control": FORCE}, ENDS),
+    ("atwood", {"rope.shortest_length": 25.0, "rope.winch_control": FORCE}, ENDS.format(20.0)),
+    ("atwood", {"rope.longest_length": 15.0, "rope.winch_control": FORCE}, ENDS.format(20.0)),
 ]
 
 

@@ -283,11 +283,6 @@ WRONG = {
     "a number of sheaves": ({"sheave_mass": [1.0, 2.0]}, {}, "sheave_mass has 2 numbers"),
     "a range": ({"sheave_efficiency": 1.2}, {}, "sheave_efficiency is 1.2; it must be"),
     "two losses": ({"sheave_efficiency": 0.9, "sheave_friction": 0.1}, {}, "both given"),
-    "a stop": (
-        {"winch": Winch(winch_control="force", longest_length=20.0)},
-        {},
-        "r.longest_length is 20.0, and r runs over",
-    ),
     "a law": ({"tether": Tether(initial_length=16.0, damping_law="stretch_rate")}, {}, "damping_law is stretch_rate"),
     "breaking": ({"tether": Tether(segments=2, initial_length=16.0, breaking_force=1e4)}, {}, "r.segments is 2; over"),
     "no point": ({"through": ["x"]}, {}, "point x, which does not exist"),

@@ -9,7 +9,7 @@ random ropes      agree with the adaptive solution, converge to it, and their wo
 import numpy as np
 import pytest
 
-from over_sheaves import Atwood, block_system, corner, energy_from_nowhere, hanging_pulley, reeved
+from over_sheaves import LIGHT, Atwood, G, block_system, corner, energy_from_nowhere, hanging_pulley, reeved, rope
 from random_sheaves import random_ropes, started, told
 from solvers import METHODS, bounded_flight, fixed
 from tetherfmu import Line, Point, Solver, StepRefused, Tether, TetherSystem
@@ -101,6 +101,22 @@ def test_a_portion_stops_before_it_vanishes(method):
     assert min(each.length[0] for each in found) == pytest.approx(0.05, rel=1e-6)
     assert max(each.speed[0] for each in found) > 2.0
     assert [each.length[0] for each in found[:30]] == pytest.approx(other, abs=0.01)
+
+
+@pytest.mark.parametrize("step", [0.001, 0.002])
+@pytest.mark.parametrize("method", METHODS)
+def test_a_sheave_at_its_stop_feels_both_pulls(method, step):
+    """4 s: weights at rest below a sheave that rounding stopped up to 1e-6 of the length before its stop."""
+    points = [Point("a", (0.0, 0.0, -1.0), mass=20.0), Point("s", (0.0, 0.0, 0.0)), Point("b", (0.0, 0.0, -4.0), mass=60.0)]
+    tether = rope(5.0, 5, **LIGHT | {"axial_damping": 2e3})
+    line = Line("rope", "a", "b", tether, through=["s"], initial_portions=[1.0, 4.0])
+    system = TetherSystem(points, [line], solver=fixed(step, method))
+    system.initialize()
+    for _ in range(200):
+        own = system.step(0.02).portions["rope"]
+    assert own.speed[0] == 0.0
+    pulls = (20.0 + 0.2 * 0.05) * G, (60.0 + 0.2 * 4.95) * G
+    assert (own.tension_to[0], own.tension_from[1]) == pytest.approx(pulls, rel=5e-4)
 
 
 def test_where_a_sheave_begins_to_run_a_step_is_one_of_backward_euler():

@@ -26,13 +26,13 @@ def instance_of(system):
         (
             each.line.name,
             numbers_of(
-                each.line.tethers,
+                each.tethers,
                 system.environment,
                 system.solver,
                 Winch() if each.number else system.winch_of(each.line),
                 system.ground,
             ),
-            len(each.line.tethers),
+            len(each.tethers),
             [name in system.free_names for name in (each.start, each.end)],
             [masses[name] for name in own],
         )

@@ -22,7 +22,7 @@ class Turned:
     def __init__(self, system):
         self.winches, lines = system.winches, {line.name: line for line in system.lines}
         self._held, self.ratios, self._shares = shares_of(system.winches)
-        lengths = {name: sum(each.initial_length for each in lines[name].tethers) for name in self._held}
+        lengths = {name: lines[name].initial_length for name in self._held}
         self._first_lengths, self.told = np.array([*lengths.values()]), np.zeros(len(system.winches))
         self._first, self._terms, self._starting = {}, {}, {}  # by places of inputs: number, pairs of a winch and its factor
         winches = {each.name: (j, each.input) for j, each in enumerate(system.winches)}

@@ -45,9 +45,8 @@ RELEASED_WITHOUT_MASS = 28
 SHEAVES_WITH_STRETCH_RATE = 29
 SHEAVES_THAT_BREAK = 30
 NO_SHARES = 31
-SHEAVES_WITH_STOP = 32
+ROPE_RUNS_OFF = 32
 NO_BALANCE_OF_DRUMS = 33
-ROPE_RUNS_OFF = 35
 # of the wind
 UNKNOWN_WIND_LAW = 34
 
@@ -153,10 +152,6 @@ SENTENCES = {
         "no lengths of the portions were found at which each sheave has equal tensions on both sides, and, with "
         "winch_start 2 (equilibrium), the line pulls with winch_force; give them as initial_portions, set winch_start to 1 "
         "(given), or check the positions of the points, the loads, winch_force and initial_length"
-    ),
-    SHEAVES_WITH_STOP: (
-        "shortest_length or longest_length is given for a line over sheaves with force control, whose drum stops only where "
-        "a portion gets too short: both must be 0"
     ),
     NO_BALANCE_OF_DRUMS: (
         "no lengths of the lines that its winch holds were found at which the sum of their tensions times their ratios is "

@@ -166,7 +166,7 @@ def lines_of(system):
         RunningLine(
             each.name,
             (*names_of_inputs(system, each), *each.wind_at_names(system.wind_points)),
-            system.shape_points_of(each.line),
+            system.shape_points_of(each),
             system.wind_points,
             *(number.get(name, plan.DRIVEN) for name in (each.start, each.end)),
             each.is_through,

@@ -130,7 +130,8 @@ class Line:
     start, end : str
         Names of two points. The winch is at the start.
     tether : Tether
-        A sequence of them is joined in series, from the start to the end; the winch changes the length of the first.
+        A sequence of them is joined in series, from the start to the end; the winch changes the length of the first, which
+        alone runs over sheaves: the others hang beyond the last one, where their joint stops.
     reel_out_speed : float
         Rate of the unstretched length [m/s] at the start; positive pays out.
     winch : Winch
@@ -182,6 +183,11 @@ class Line:
         """Its tethers in series, a sequence also for a single one."""
         return tuple(self.tether) if isinstance(self.tether, list | tuple) else (self.tether,)
 
+    @property
+    def initial_length(self) -> float:
+        """Unstretched length at the start [m], of all its tethers."""
+        return sum(each.initial_length for each in self.tethers)
+
 
 def numbers_in(line, name):
     """One number of each sheave of a line, a tuple; ValueError for another count, or if one is not allowed."""
@@ -211,8 +217,6 @@ def check_sheaves(line):
                     f"{line.name}.{name} is {getattr(line, name)!r} and has no effect: {line.name} runs through no point"
                 )
         return
-    if len(line.tethers) > 1:
-        raise ValueError(f"the line {line.name} is of {len(line.tethers)} tethers in series; over sheaves it must be of one")
     stops = (line.start, *line.through, line.end)
     twice = next((a for a, b in pairwise(stops) if a == b), None)
     if twice is not None:
@@ -226,14 +230,15 @@ def check_sheaves(line):
 
 def check_portions(line):
     """ValueError unless the given portions match the line."""
-    given, whole, count = tuple(line.initial_portions), line.tethers[0].initial_length, len(line.through) + 1
+    given, whole, count = tuple(line.initial_portions), line.initial_length, len(line.through) + 1
     if len(given) != count or not all(LENGTH.allows(each) and each > 0.0 for each in given):
         raise ValueError(f"{line.name}.initial_portions is {list(given)!r}; it must be {count} lengths above 0")
-    least = at.MIN_SEGMENT_LENGTH * line.tethers[0].segments
-    if min(given) < least:
+    least, beyond = at.MIN_SEGMENT_LENGTH * line.tethers[0].segments, whole - line.tethers[0].initial_length
+    if min(*given[:-1], given[-1] - beyond) < least:
         raise ValueError(
             f"{line.name}.initial_portions is {list(given)!r}; each must be at least {least:g} m, "
             f"{at.MIN_SEGMENT_LENGTH:g} m for each of its {line.tethers[0].segments} segments"
+            + (f", and the last one {beyond:g} m more for the tethers beyond the first" if beyond else "")
         )
     if abs(sum(given) - whole) > 1e-9 * whole:
         raise ValueError(

@@ -1,5 +1,6 @@
 """Portions of lines that run over sheaves: each is a line of its own for the kernels, between two points that follow."""
 
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 from ..runtime.inputs import wind_at_names
@@ -25,6 +26,13 @@ class Portion(NamedTuple):
         """Names of the wind at its wind points: the line numbers the points of its portions consecutively."""
         own = wind_at_names((self.number + 1) * count)[3 * self.number * count :]
         return tuple(f"{self.line.name}.{name}" for name in own)
+
+    @property
+    def tethers(self):
+        """Its tethers in series: the first one of the line, which runs over all sheaves; in the last portion all of them."""
+        if not self.is_through:
+            return self.line.tethers
+        return (replace(self.line.tethers[0], initial_length=self.line.initial_length),)
 
     @property
     def ends(self):

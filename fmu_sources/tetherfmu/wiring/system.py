@@ -74,7 +74,7 @@ class System:
         return holding(self.winches, line)
 
     def shape_points_of(self, line):
-        """Number of points in the shape of a line, or of each of its portions."""
+        """Number of points in the shape of a line or a portion; in FMUs all portions of a line have as many."""
         return sum(each.segments for each in line.tethers) + 1 if self.shape_points is None else self.shape_points
 
     def position_of(self, point):

@@ -190,14 +190,28 @@ def check_with_sheaves(lines, winches):
     if name is None:
         return
     for line in lines:
-        check_drum(line, why)
-        if line.through and line.tethers[0].damping_law != at.STRAIN_RATE:
-            raise ValueError(f"{line.name}.damping_law is stretch_rate; over sheaves it must be strain_rate")
-        if line.through and line.tethers[0].breaking_force != 0.0 and line.tethers[0].segments < LEAST_TO_BREAK:
-            raise ValueError(
-                f"{line.name}.segments is {line.tethers[0].segments}; over sheaves a line with breaking_force must have at "
-                f"least {LEAST_TO_BREAK}"
-            )
+        if line.winch.winch_control == at.WINCH_BY_FORCE:
+            check_turned(line, f"its winch is controlled by force, and {why}")
+        if line.through:
+            check_rope(line)
+
+
+def check_rope(line):
+    """ValueError if a line over sheaves has a law, or may break where it cannot."""
+    first, *others = line.tethers
+    if first.damping_law != at.STRAIN_RATE:
+        raise ValueError(f"{line.name}.damping_law is stretch_rate; over sheaves it must be strain_rate")
+    strength = max(each.breaking_force for each in line.tethers)
+    if others and strength != 0.0:
+        raise ValueError(
+            f"{line.name}.breaking_force is {strength!r}, and {line.name} is of {len(line.tethers)} tethers in series over "
+            "sheaves; it must be 0"
+        )
+    if strength != 0.0 and first.segments < LEAST_TO_BREAK:
+        raise ValueError(
+            f"{line.name}.segments is {first.segments}; over sheaves a line with breaking_force must have at least "
+            f"{LEAST_TO_BREAK}"
+        )
 
 
 def check_turned(line, why):
@@ -205,14 +219,3 @@ def check_turned(line, why):
     for tether in line.tethers:
         if tether.damping_law != at.STRAIN_RATE:
             raise ValueError(f"{line.name}.damping_law is stretch_rate, and {why}; it must be strain_rate")
-
-
-def check_drum(line, why):
-    """ValueError if the drum of a line has unsupported features in a system with sheaves; why : the reason."""
-    if line.winch.winch_control != at.WINCH_BY_FORCE:
-        return
-    for name in ("shortest_length", "longest_length"):
-        stop = getattr(line.winch, name)
-        if line.through and stop:
-            raise ValueError(f"{line.name}.{name} is {stop!r}, and {line.name} runs over sheaves; it must be 0")
-    check_turned(line, f"its winch is controlled by force, and {why}")

@@ -207,6 +207,8 @@ def tensions_of_rope(chain, x, v, moves):
         share, height = property_of(chain, s, at.SHARE), segment.mean_height(x_p, x_q)
         piece = piece_of(chain, s, segment.beyond_rest(r, rest_length(chain, s)))
         own, other = Side(share, part, part - share), Side(share, part - 1.0, part - share - 1.0)
+        if chain.has_sections:  # only the last segment grows at the end
+            other = Side(1.0, 0.0, -1.0) if s == chain.n - 1 else Side(0.0, 0.0, 0.0)
         flow, heights = flow_past(own, other, (chain.reeling, 0.0), (0.0, 0.0)), (height - lowest, height - highest)
         of_first, of_last = pulls(piece, flow, own, other, r, u, heights, ZERO_VECTOR, ZERO_VECTOR)
         total += of_first

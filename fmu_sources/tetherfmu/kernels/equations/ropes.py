@@ -61,6 +61,12 @@ def is_freed(system, k):
 
 
 @kernel
+def runs_off(system, k):
+    """Whether rope of a released line may run off the sheave at the start of line k: joints of tethers in series do not."""
+    return is_freed(system, k) and parameters_of(system, k)[at.LENGTH_BEYOND] == 0.0
+
+
+@kernel
 def freed_of(system, k):
     """1 for a line that was released, else 0: the number of its additional segments."""
     return 1 if is_freed(system, k) else 0

@@ -32,7 +32,7 @@ from ..equations.lines import (
 )
 from ..equations.properties import property_of, rest_length
 from ..equations.rope import feels_rope
-from ..equations.ropes import first_of, freed_of, goes_on, has_sheaves, is_freed, is_portion
+from ..equations.ropes import first_of, freed_of, goes_on, has_sheaves, is_portion, runs_off
 from ..equations.winch import ALL_ALONG, follows_force, length_at, rate_at, reel
 from ..line import strand
 from ..line.drum_events import OVERLOAD, part_of_piece
@@ -269,7 +269,7 @@ def check_ends(system):
     """OK, or ROPE_RUNS_OFF about a portion whose rope came to its end at a sheave within the communication step."""
     if has_sheaves(system):
         for k in range(lines_of(system)):
-            if parts.is_parted(parameters_of(system, k)) or is_freed(system, k):
+            if parts.is_parted(parameters_of(system, k)) or runs_off(system, k):
                 for end in range(room.limited_parts(system, k)):
                     least = (1.0 + parts.STOPPED) * room.shortest_of_part(system, k, end)
                     if has_rope(system, k) and room.length_of_part(system, k, end) <= least:

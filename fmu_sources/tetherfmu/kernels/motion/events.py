@@ -81,12 +81,13 @@ def room_to_stop(system, j, sign):
     """Margin until a coordinate that moves forwards (sign 1) or backwards (-1) reaches a stop, over LOCATED, at a stage."""
     least = inf
     for k in range(lines_of(system)):
-        for end in range(room.limited_parts(system, k)):
-            growth, length = sign * room.growth_of_part(system, j, k, end), room.length_of_part(system, k, end)
+        for end in range(room.limits_of(system, k)):
+            growth = sign * room.growth_of_part(system, j, k, end)
+            length = room.length_of_part(system, k, end) if growth != 0.0 else 0.0
             if growth < 0.0:
                 shortest = room.shortest_of_part(system, k, end)
                 least = min(least, (length - shortest) / (LOCATED * shortest))
-            elif growth > 0.0 and has_longest(system, k):
+            elif growth > 0.0 and has_longest(system, k, end):
                 least = min(least, (longest_of(system, k) - length) / (LOCATED * longest_of(system, k)))
     return least
 
@@ -94,7 +95,10 @@ def room_to_stop(system, j, sign):
 @kernel
 def may_move(system, j, sign):
     """Whether a coordinate can move forwards (sign 1) or backwards (-1) from a stage."""
-    return coordinate_at(system, j)[room.IS_BRAKED] == 0.0 and room_to_stop(system, j, sign) > AT_STOP / LOCATED
+    own = coordinate_at(system, j)
+    is_rounded = own[room.SPEED] == 0.0 and parameters_of(system, 0)[at.FIXED_STEP] > 0.0  # as fixed steps stop it
+    close = at.ROUNDED_STOP if is_rounded else AT_STOP
+    return own[room.IS_BRAKED] == 0.0 and room_to_stop(system, j, sign) > close / LOCATED
 
 
 @kernel

@@ -37,10 +37,10 @@ from ..points.room import (
     coordinate_at,
     count_of,
     globals_of,
-    has_longest,
     has_rope,
     holders_of,
     integrator_of,
+    is_on_drum,
     is_rope,
     numbers_of,
     strand_of,
@@ -187,7 +187,7 @@ def tension_at(system, k, end):
 def write_ends(system, k):
     """Store the end tensions of line k in its state (modified), after `evaluate`; note a slack rope at a sheave."""
     state = state_of(system, k)
-    if has_longest(system, k) and feels_rope(conditions_of(system, k).parameters):
+    if is_on_drum(system, k) and feels_rope(conditions_of(system, k).parameters):
         state[at.TENSION_AT_DRUM] = numbers_of(system, k)[TENSION]
     if not is_portion(system, k):
         return

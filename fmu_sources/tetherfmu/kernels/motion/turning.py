@@ -28,9 +28,9 @@ from ..points.room import (
     chain_with_rope,
     coordinate_at,
     count_of,
-    has_longest,
     has_rope,
     is_drum,
+    is_on_drum,
     line_of,
     numbers_of,
     take_rates,
@@ -236,7 +236,7 @@ def energy_and_power(system, k, x, v):
         return energy, abs(into) * (brought + strain)
     power = flow.most_power(chain, x, v) + density * abs(leaving) * dot(get(v, n), get(v, n))
     power += density * abs(into) * (into * into + dot(get(v, 0), get(v, 0)))
-    if has_longest(system, k) or comes_from_winch:
+    if is_on_drum(system, k) or comes_from_winch:
         power += abs(into) * (strain + density * chain.gravity * abs(x[2]))
     return energy, power
 

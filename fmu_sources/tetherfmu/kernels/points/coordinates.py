@@ -51,8 +51,8 @@ def ratio_of(system, k, carrier):
 
 @kernel
 def shortest_of(system, k):
-    """Shortest unstretched length [m] of line k."""
-    return parameters_of(system, k)[at.SHORTEST_LENGTH]
+    """Shortest unstretched length [m] of line k; of a portion as its segments permit."""
+    return parameters_of(system, k)[at.LEAST_LENGTH if PARTS and is_portion(system, k) else at.SHORTEST_LENGTH]
 
 
 @kernel
@@ -64,7 +64,7 @@ def part_of_shortest(system, k, part):
 
 @kernel
 def longest_of(system, k):
-    """Longest unstretched length [m] to which its drum pays out line k."""
+    """Longest unstretched length [m] to which its drum pays out line k, or the whole rope that begins with it."""
     return parameters_of(system, k)[at.LONGEST_LENGTH]
 
 

@@ -94,10 +94,10 @@ def place_lines(system, end):
 
 @kernel
 def is_out_of_limits(system, k, end, sign):
-    """Whether line k, or the part at an end, exceeds its longest (sign 1) or is below its shortest (-1) length."""
+    """Whether line k, a part of it or its rope exceeds its longest (sign 1) or is below its shortest (-1) length."""
     length = room.length_of_part(system, k, end)
     if sign > 0.0:
-        return has_longest(system, k) and length > (1.0 + WITHIN) * longest_of(system, k)
+        return has_longest(system, k, end) and length > (1.0 + WITHIN) * longest_of(system, k)
     return length < (1.0 - WITHIN) * room.shortest_of_part(system, k, end)
 
 
@@ -106,7 +106,7 @@ def stop_what_exceeds(system, h):
     """Stop coordinates (modified) that move lines beyond their length limits in a step of h [s]; returns how many."""
     count = 0
     for k in range(lines_of(system)):
-        for end in range(room.limited_parts(system, k)):
+        for end in range(room.limits_of(system, k)):
             for sign in (-1.0, 1.0):
                 if has_rope(system, k) and is_out_of_limits(system, k, end, sign):
                     for j in range(count_of(system)):
@@ -140,13 +140,13 @@ def room_left(longer, shorter):
 
 @kernel
 def limits_by(system, k, end, growth, speed, h):
-    """Lowest and highest speed [m/s] of a coordinate that lengthens line k, or the part at an end, by `growth` per metre.
+    """Lowest and highest speed [m/s] of a coordinate that lengthens line k, a part of it or its rope by `growth` per metre.
 
     speed : present one.
     """
     length = room.length_of_part(system, k, end) - growth * (h * speed)
     inwards = room_left(length, room.shortest_of_part(system, k, end)) / (abs(growth) * h)
-    outwards = room_left(longest_of(system, k), length) / (abs(growth) * h) if has_longest(system, k) else inf
+    outwards = room_left(longest_of(system, k), length) / (abs(growth) * h) if has_longest(system, k, end) else inf
     return (-inwards, outwards) if growth > 0.0 else (-outwards, inwards)
 
 
@@ -156,7 +156,7 @@ def take_limits(system, j, h):
     own = coordinate_at(system, j)
     speed, lowest, highest, least = own[room.SPEED_NOW], -inf, inf, inf
     for k in range(lines_of(system)):
-        for end in range(room.limited_parts(system, k)):
+        for end in range(room.limits_of(system, k)):
             growth = room.growth_of_part(system, j, k, end)
             if growth != 0.0:
                 down, up = limits_by(system, k, end, growth, speed, h)
@@ -556,7 +556,7 @@ def unconverged(system, step):
         for j in range(count_of(system)):
             count += is_unconverged(system, j, step.h)
         for k in range(lines_of(system)):
-            for end in range(room.limited_parts(system, k)):
+            for end in range(room.limits_of(system, k)):
                 if has_rope(system, k):
                     count += is_out_of_limits(system, k, end, -1.0) or is_out_of_limits(system, k, end, 1.0)
     return count

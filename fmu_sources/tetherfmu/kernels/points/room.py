@@ -33,7 +33,7 @@ from ..equations.lines import (
 from ..equations.parts import is_parted
 from ..equations.properties import chain_with_flow, property_of, section_of
 from ..equations.rope import feels_rope
-from ..equations.ropes import comes_from, goes_on, has_coordinates, has_sheaves, is_freed, is_turned
+from ..equations.ropes import comes_from, goes_on, has_coordinates, has_sheaves, is_freed, is_portion, is_turned
 from ..flat_arrays import part
 from ..line import rosenbrock, second_order
 from ..line.backward_euler import WHOLE
@@ -496,6 +496,8 @@ def take_weights(system, k):
             share = property_of(conditions, i, at.SHARE)
             own.growth_first[i] = own.growth_last[i] = share
             of_start -= share
+        if is_portion(system, k) and conditions.parameters[at.LENGTH_BEYOND] != 0.0:  # only the last segment grows there
+            own.last[i], own.growth_last[min(i, n - 1)] = (-1.0, 1.0) if i == n else (0.0, 0.0)
 
 
 @kernel
@@ -649,25 +651,52 @@ def second_part(parameters):
     return parameters[at.LENGTH_BEYOND] - parameters[at.REST_BETWEEN]
 
 
-# --- limits of lengths: of a whole line, or of both parts of a portion
+# --- limits of lengths: of a line, or of both parts of a portion; then of the whole rope that a drum pays out
 
 
 @kernel
 def limited_parts(system, k):
-    """Number of lengths of line k that have limits."""
+    """Number of lengths of line k that have limits, without the whole rope."""
     return 2 if is_parted(parameters_of(system, k)) else 1
 
 
 @kernel
+def limits_of(system, k):
+    """Number of lengths that line k limits: the whole rope is the last one, if k is its first portion, at a drum."""
+    parts = limited_parts(system, k)
+    return parts + 1 if PARTS and goes_on(system, k) and is_turned(system, k) else parts
+
+
+@kernel
+def is_whole(system, k, which):
+    """Whether a length with limits is that of the whole rope."""
+    return PARTS and which == limited_parts(system, k)
+
+
+@kernel
 def growth_of_part(system, j, k, end):
-    """`growth_of` a line, or of the part at an end of a portion."""
+    """`growth_of` a line, of the part at an end of a portion, or of the whole rope."""
+    if is_whole(system, k, end):
+        return weight_of(system, j, k, 0)
     return weight_of(system, j, k, end) if is_parted(parameters_of(system, k)) else growth_of(system, j, k)
 
 
 @kernel
+def length_of_rope(system, k):
+    """Unstretched length [m] at a stage of the rope whose first portion is k."""
+    length = numbers_of(system, k)[LENGTH]
+    while goes_on(system, k):
+        k += 1
+        length += numbers_of(system, k)[LENGTH]
+    return length
+
+
+@kernel
 def length_of_part(system, k, end):
-    """Unstretched length [m] of line k, or of the part at an end, at a stage."""
+    """Unstretched length [m] of line k, of the part at an end, or of the whole rope, at a stage."""
     parameters, length = parameters_of(system, k), numbers_of(system, k)[LENGTH]
+    if is_whole(system, k, end):
+        return length_of_rope(system, k)
     if not is_parted(parameters):
         return length
     return section_of(parameters, length) if end == 0 else second_part(parameters)
@@ -675,8 +704,10 @@ def length_of_part(system, k, end):
 
 @kernel
 def shortest_of_part(system, k, end):
-    """Shortest unstretched length [m] of line k, or of the part at an end."""
+    """Shortest unstretched length [m] of line k, of the part at an end, or of the whole rope."""
     parameters = parameters_of(system, k)
+    if is_whole(system, k, end):
+        return parameters[at.SHORTEST_LENGTH]
     if not is_parted(parameters):
         return shortest_of(system, k)
     count = parameters[at.FIRST_ENDS] if end == 0 else segments_of(system, k) - parameters[at.SECOND_BEGINS]
@@ -763,9 +794,15 @@ def has_free_nodes(system, k):
 
 
 @kernel
-def has_longest(system, k):
-    """Whether a drum limits the length of line k."""
+def is_on_drum(system, k):
+    """Whether a force-controlled drum pays out line k."""
     return is_turned(system, k) or has_own_drum(system, k)
+
+
+@kernel
+def has_longest(system, k, end):
+    """Whether a drum limits the length of line k; of a rope over sheaves it limits the whole."""
+    return is_on_drum(system, k) and (not PARTS or is_whole(system, k, end) == is_portion(system, k))
 
 
 @kernel

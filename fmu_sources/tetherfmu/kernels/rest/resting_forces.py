@@ -20,7 +20,7 @@ from ..linear_algebra.vectors import add_at, get, norm, put
 from ..points.coordinates import is_shared_out
 from ..points.room import globals_of, profile_size
 from .resting_line import add_slopes, add_support, force_at, is_any_sought, is_point_sought, is_sought, rounding_at
-from .resting_ropes import add_slopes_of_rope, find_imbalances, put_lengths, settle, take_coordinates
+from .resting_ropes import add_slopes_of_rope, find_imbalances, hold_stopped, put_lengths, settle, take_coordinates
 from .rigid_body import GIVE
 
 ACCURATE, BALANCED = 1e-12, 1e-10  # residual at a point over its line forces: goal, acceptable if it stalls
@@ -146,6 +146,7 @@ def find_slopes(system, search):
             profile.add_block(matrix, 3 * point, 3 * point, block)
         if not is_point_sought(system, point):
             profile.add_block(matrix, 3 * point, 3 * point, IDENTITY)
+    hold_stopped(system, search)
     copy(part(matrix.lower, 0, len(search.lower)), search.lower)
     copy(part(matrix.upper, 0, len(search.upper)), search.upper)
     return True

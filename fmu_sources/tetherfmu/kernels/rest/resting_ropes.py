@@ -9,12 +9,14 @@ the force of a line on its end e, T and F are slopes of one potential; the slope
     -dR_i/dq_j = - sum of w_i g_j dT/dL,   -dF_e/dq_j = -g_j dF_e/dL = -dR_j/dx_e
 """
 
+from math import inf
+
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.status import OK
 
 from ..arrays import positions_and_velocities
 from ..compilation import PARTS, kernel
-from ..equations.drum import HELD, INWARDS, OUTWARDS, balance, drum_of
+from ..equations.drum import HELD, INWARDS, OUTWARDS, SAME_PLACE, balance, drum_of
 from ..equations.free_points import free_points, point_at
 from ..equations.lines import inputs_of, lines_of, parameters_of, segments_of, state_of
 from ..equations.properties import chain_without_flow, half_density, rest_length
@@ -27,6 +29,7 @@ from ..points.coordinates import (
     LENGTH_AT_REST,
     TENSION_AT_REST,
     has_sought_drum,
+    is_alone,
     is_shared_out,
     is_sought_by_drums,
     largest_ratio,
@@ -41,6 +44,7 @@ DIFFERENCE = 1e-7  # of the length of a line, for slopes
 LONGEST_STEP = 0.25  # of a line
 RUN_OFF = 1e-6  # of a line: room left for its change below which its rope runs off
 LONGEST = 1e5  # [m] of a line, as `initial_length` may be
+RIGID = 1e30  # [N/m]: a stop that holds a drum
 
 
 @kernel
@@ -115,9 +119,45 @@ def put_lengths(system, x, search):
 
 
 @kernel
+def room_to_stop(system, k, way):
+    """Rope [m] that the drum on line k can pay out (way > 0) or reel in (< 0) until its stop.
+
+    inf without one: drums stop at the lengths of whole ropes over sheaves.
+    """
+    if not (PARTS and goes_on(system, k) and is_alone(system, k)):
+        return inf
+    length, parameters, j = numbers_at_rest(system, k)[LENGTH_AT_REST], parameters_of(system, k), k
+    while goes_on(system, j):
+        j += 1
+        length += numbers_at_rest(system, j)[LENGTH_AT_REST]
+    room = parameters[at.LONGEST_LENGTH] - length if way > 0.0 else length - parameters[at.SHORTEST_LENGTH]
+    return room if room > SAME_PLACE * length else 0.0
+
+
+@kernel
+def hold_stopped(system, search):
+    """Make the matrix (modified) hold drums whose R is 0, as a stop holds them; after `find_imbalances`."""
+    points = 3 * free_points(system)
+    for j in range(int(search.count[0])):
+        if PARTS and search.carrier[j] < 0.0 and search.residual[points + j] == 0.0:
+            add_entry(globals_of(system).matrix, points + j, points + j, RIGID)
+
+
+@kernel
 def part_within(system, search):
-    """Fraction of a step at which no line changes too much, or becomes too short; 0 if it has no room left."""
+    """Fraction of a step at which no line changes too much, or becomes too short, and no drum passes its stop.
+
+    0 if a line has no room left. A drum at its stop does not move beyond it (search.move modified).
+    """
     part = 1.0
+    for j in range(int(search.count[0])):
+        if search.carrier[j] < 0.0:
+            move = search.move[3 * free_points(system) + j]
+            room = room_to_stop(system, int(-1.0 - search.carrier[j]), move)
+            if room == 0.0:
+                search.move[3 * free_points(system) + j] = 0.0
+            elif abs(move) * part > room:
+                part = room / abs(move)
     for k in range(lines_of(system)):
         if is_shared_out(system, k):
             change, length = change_of(system, k, search.move, search), numbers_at_rest(system, k)[LENGTH_AT_REST]
@@ -138,8 +178,9 @@ def end_tensions_at_rest(n, parameters, state):
     chain, held = chain_without_flow(n, parameters, state), vector_at(state, at.GROUND_TENSION_VECTOR)
     if norm(held) > 0.0:
         half = half_density(chain, 0) * rest_length(chain, 0) * chain.gravity
+        last = half_density(chain, n - 1) * rest_length(chain, n - 1) * chain.gravity
         at_end = vector_at(state, at.KITE_TENSION_VECTOR)
-        return norm(held) - half * held[2] / norm(held), norm(at_end) + half * at_end[2] / norm(at_end)
+        return norm(held) - half * held[2] / norm(held), norm(at_end) + last * at_end[2] / norm(at_end)
     x, v = positions_and_velocities(n, state)
     return tensions_of_rope(chain, x, v, 0.0)
 
@@ -197,6 +238,8 @@ def find_imbalances(system, search):
                 weight = weight_at_rest(system, carrier, k, end)
                 if weight != 0.0:
                     total += weight * numbers_at_rest(system, k)[TENSION_AT_REST + end]
+        if carrier < 0.0 and room_to_stop(system, int(-1.0 - carrier), total) == 0.0:
+            total = 0.0  # a stop holds the drum
         search.residual[3 * free_points(system) + j] = total
 
 

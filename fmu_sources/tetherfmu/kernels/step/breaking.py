@@ -25,7 +25,7 @@ from ..equations.properties import (
     rest_length,
     section_of,
 )
-from ..equations.ropes import first_of, freed_of, goes_on, has_sheaves, is_freed, is_portion
+from ..equations.ropes import first_of, freed_of, goes_on, has_sheaves, is_portion, runs_off
 from ..linear_algebra.vectors import ZERO_VECTOR, add, add_at, add_scaled, dot, get, put, scale, sub
 from ..notes import note
 
@@ -171,7 +171,7 @@ def loose_rope(system, k, end):
     """
     state, parameters, n = state_of(system, k), parameters_of(system, k), segments_of(system, k)
     if not parts.is_parted(parameters):
-        return (state[at.LENGTH], 0.0, n - 1) if is_freed(system, k) and end == 0 else (0.0, 0.0, 0)
+        return (state[at.LENGTH], 0.0, n - 1) if runs_off(system, k) and end == 0 else (0.0, 0.0, 0)
     first = section_of(parameters, state[at.LENGTH])
     if end == 0 and parameters[at.FIRST_ENDS] > 0.0:
         lump = state[at.FIRST_LUMP] if state[at.TORN_SEGMENT] != 0.0 else state[at.END_LUMP]

@@ -15,6 +15,7 @@ from ..points.coordinates import (
     has_sought_drum,
     is_alone,
     is_shared_out,
+    longest_of,
     numbers_at_rest,
     shortest_of,
 )
@@ -28,6 +29,9 @@ def has_several(system, k):
     return has_sought_drum(system, k) and not is_alone(system, k)
 
 
+LEAST_PART = 0.01  # of a distance that sections beyond the one over the sheave take up
+
+
 @kernel
 def straight_length(system, k, spans):
     """Unstretched length [m] at which a straight rope over this distance [m] pulls with the force of its winch."""
@@ -37,10 +41,17 @@ def straight_length(system, k, spans):
 
 @kernel
 def span_of(system, k):
-    """Distance of the ends of portion k if both are given [m], else 0."""
+    """Distance of the ends of portion k if both are given [m], less what is `beyond`; else 0."""
     if is_sought(system, k, 0) or is_sought(system, k, 1):
         return 0.0
-    return norm(sub(given_position(system, k, 1), given_position(system, k, 0)))
+    span = norm(sub(given_position(system, k, 1), given_position(system, k, 0)))
+    return max(span - beyond(system, k), LEAST_PART * span)
+
+
+@kernel
+def beyond(system, k):
+    """Rope [m] of portion k beyond its section that runs over sheaves."""
+    return parameters_of(system, k)[at.LENGTH_BEYOND] if is_portion(system, k) else 0.0
 
 
 @kernel
@@ -59,19 +70,22 @@ def share_ropes(system, is_straight):
             last, given, spans, unknown = k, 0.0, 0.0, 0
             while goes_on(system, last):
                 last += 1
+            rest = beyond(system, last)
             for j in range(k, last + 1):
                 given += parameters_of(system, j)[at.GIVEN_PORTION]
                 spans += span_of(system, j)
                 unknown += parameters_of(system, j)[at.GIVEN_PORTION] == 0.0
                 sought += parameters_of(system, j)[at.GIVEN_PORTION] == 0.0
             if is_straight and has_sought_drum(system, k) and is_alone(system, k):
-                whole = straight_length(system, k, spans)
+                whole = rest + straight_length(system, k, spans)
+            if has_sought_drum(system, k) and goes_on(system, k):
+                whole = min(max(whole, parameters_of(system, k)[at.SHORTEST_LENGTH]), longest_of(system, k))
             spread = 1.0 / (last + 1 - k)
             for j in range(k, last + 1):
                 length = parameters_of(system, j)[at.GIVEN_PORTION] * whole / given if unknown == 0 else 0.0
                 if unknown > 0:
                     span = span_of(system, j)
-                    length = whole * (span / spans if spans > 0.0 and span > 0.0 else spread)
+                    length = (whole - rest) * (span / spans if spans > 0.0 and span > 0.0 else spread) + beyond(system, j)
                 numbers_at_rest(system, j)[LENGTH_AT_REST] = length
             if unknown > 0:
                 even_out(system, k, last, whole)
@@ -102,7 +116,7 @@ def rope_at(system, k):
     length, spans, unknown = 0.0, 0.0, 0
     for j in range(k, lines_of(system)):
         length += numbers_at_rest(system, j)[LENGTH_AT_REST]
-        spans += span_of(system, j)
+        spans += span_of(system, j) + beyond(system, j)
         unknown += is_any_sought(system, j)
         if not goes_on(system, j):
             return j, length, 0.0 if unknown > 0 else spans
@@ -112,11 +126,12 @@ def rope_at(system, k):
 @kernel
 def even_out(system, k, last, whole):
     """Set the total length [m] of the portions from k to the last (modified)."""
-    total = 0.0
+    total, rest = 0.0, beyond(system, last)
     for j in range(k, last + 1):
         total += numbers_at_rest(system, j)[LENGTH_AT_REST]
     for j in range(k, last + 1):
-        numbers_at_rest(system, j)[LENGTH_AT_REST] *= whole / total
+        length = numbers_at_rest(system, j)[LENGTH_AT_REST] - beyond(system, j)
+        numbers_at_rest(system, j)[LENGTH_AT_REST] = length * ((whole - rest) / (total - rest)) + beyond(system, j)
 
 
 @kernel

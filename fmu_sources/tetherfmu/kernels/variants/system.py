@@ -11,7 +11,6 @@ from tetherfmu.runtime.status import (
     KITE_AND_WINCH_SOUGHT,
     OK,
     SHEAVES_THAT_BREAK,
-    SHEAVES_WITH_STOP,
     SHEAVES_WITH_STRETCH_RATE,
 )
 
@@ -46,7 +45,7 @@ from ..equations.ropes import (
     is_turned,
     outputs_of_line,
 )
-from ..equations.winch import follows_force, follows_length, from_length, is_sought
+from ..equations.winch import follows_length, from_length, is_sought
 from ..line.backward_euler import given_steps
 from ..linear_algebra.vectors import add, get, put_at, scale, sub, vector_at
 from ..motion import adaptive_steps, fixed_steps, states
@@ -240,15 +239,8 @@ def check_sought(system):
 
 
 @kernel
-def has_stop(n, parameters):
-    """Whether a drum has its own stop, in addition to the shortest segments."""
-    shortest = at.MIN_SEGMENT_LENGTH / property_in(parameters, n, 0, at.SHARE)
-    return parameters[at.SHORTEST_LENGTH] > shortest or parameters[at.LONGEST_LENGTH] != at.NO_STOP
-
-
-@kernel
 def check_ropes(system):
-    """OK, or the reason why a line cannot have coordinates: its law, breaking, its stop."""
+    """OK, or the reason why a line cannot have coordinates: its law, breaking."""
     for k in range(lines_of(system)):
         parameters = parameters_of(system, k)
         system.plan[places.STATUS_LINE] = k
@@ -256,8 +248,6 @@ def check_ropes(system):
             return SHEAVES_WITH_STRETCH_RATE
         if is_portion(system, k) and parameters[at.CAN_BREAK] != 0.0 and segments_of(system, k) < LEAST_SEGMENTS:
             return SHEAVES_THAT_BREAK
-        if goes_on(system, k) and follows_force(parameters) and has_stop(segments_of(system, k), parameters):
-            return SHEAVES_WITH_STOP
     return OK
 
 

@@ -1,0 +1,346 @@
+"""Drums of ropes over sheaves that stop at the shortest and longest length of the whole rope, with each solver.
+
+oracle     a load on a light rope over a sheave with mass: equations written here and solved by DOP853, which stops the drum
+           without a bounce (L' = 0), and lets it go when the rope pulls less than W at the longest length, or more than W
+           at the shortest
+winch      a drum that is pressed against its stop is a winch at rest, to rounding: with losses, on the ground, limp, broken,
+           released
+falls      at the stop each fall carries its part of the load
+start      a balance beyond a stop is a start at this stop
+energy     at a stop never exceeds that of the start, of the winch and of the rope that leaves it
+"""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from over_sheaves import LIGHT, STIFF, G, rope
+from random_shared_drums import random_winches, told
+from solvers import ADAPTIVE, METHODS, fixed, with_each_solver
+from tetherfmu import Environment, Ground, Line, Point, Solver, StepRefused, Tether, TetherSystem, Winch
+
+pytestmark = pytest.mark.filterwarnings("ignore::tetherfmu.PlausibilityWarning")  # loads that stop at once
+STEP = 0.02
+
+# --- a solver of its own
+
+EA, DAMPING, DRUM, SHEAVE, LOAD = 2e4, 40.0, 5.0, 0.5, 20.0  # [N], [N.s], then masses [kg]
+STOPS = {"shortest_length": 19.0, "longest_length": 20.6}
+RAMP = 80.0  # of the winch force [N/s]
+NO_MASS = {"diameter": 1e-4, "mass_per_length": 1e-9, "drag_coefficient": 0.0, "slack_stiffness_ratio": 0.0}
+
+
+def light(solver):
+    """A load at 12 m of rope beyond a sheave, which is 8 m from the winch."""
+    points = [Point("winch", (-8.0, 0.0, 0.0)), Point("head", (0.0, 0.0, 0.0)), Point("load", (0.0, 0.0, -12.05), mass=LOAD)]
+    tether = Tether(segments=1, initial_length=20.0, axial_stiffness=EA, axial_damping=DAMPING, **NO_MASS)
+    winch = Winch(winch_control="force", winch_mass=DRUM, **STOPS)
+    sheave = {"through": ["head"], "initial_portions": [8.0, 12.0], "sheave_mass": SHEAVE}
+    return TetherSystem(points, [Line("rope", "winch", "load", tether, winch=winch, **sheave)], solver=solver)
+
+
+def pulls(stretched, length, rate, growth):
+    """Tension of a segment, and tension where rope enters it [N]; with their rates [m/s]."""
+    if stretched < length:
+        return 0.0, 0.0
+    damper = DAMPING / length * (rate - stretched / length * growth)
+    pull = EA * (stretched**2 / length**2 - 1.0) / 2.0 + damper * stretched / length
+    return EA * (stretched / length - 1.0) + damper, 2.0 * pull / (1.0 + np.sqrt(1.0 + 2.0 * pull / EA))
+
+
+def rates(_, state, is_held, force):
+    """Rates of height, L and rope over the sheave, and of their speeds."""
+    height, length, passed, climb, speed, running = state
+    _, behind = pulls(8.0, length - passed - 12.0, 0.0, speed - running)
+    tension, ahead = pulls(-height, 12.0 + passed, -climb, running)
+    gained = 0.0 if is_held else (behind - force) / DRUM
+    return climb, 0.0 if is_held else speed, running, tension / LOAD - G, gained, (ahead - behind) / SHEAVE
+
+
+def alone(force, times):
+    """Height, length and rope over the sheave at these times [s], and the times of the events; force : W [N] over time."""
+    state, now, side, found, events = np.array((-12.05, 20.0, 0.0, 0.0, 0.0, 0.0)), 0.0, 0, [], []
+
+    def excess(time, state, *_):
+        _, tension = pulls(8.0, state[1] - state[2] - 12.0, 0.0, -state[5])
+        return tension - force(time)
+
+    def reaching(stop, direction):
+        def left(_, state, *__):
+            return state[1] - stop
+
+        left.terminal, left.direction = True, direction
+        return left
+
+    excess.terminal = True
+    stops = {1: reaching(STOPS["longest_length"], 1.0), -1: reaching(STOPS["shortest_length"], -1.0)}
+    while now < times[-1]:
+        excess.direction = -side
+        seen = [excess] if side else list(stops.values())
+        options = {"rtol": 1e-11, "atol": 1e-12, "dense_output": True, "max_step": 0.001}
+        solved = solve_ivp(
+            lambda time, state, held=side: rates(time, state, held, force(time)),
+            (now, times[-1]), state, "DOP853", events=seen, **options,
+        )  # fmt: skip
+        found += [solved.sol(time)[:3] for time in times if now < time <= solved.t[-1]]
+        now, state = solved.t[-1], solved.y[:, -1]
+        if solved.status == 1:
+            events.append(now)
+            side = 0 if side else (1 if len(solved.t_events[0]) else -1)
+            state[4] = 0.0
+            side = side if excess(now, state) * side > 0.0 else 0
+    return np.array(found), events
+
+
+def flown(solver, force, times):
+    """Height, length and rope over the sheave at these times [s]."""
+    system, found = light(solver), []
+    system.initialize(winch_forces={"rope": force(0.0)})
+    for time in times:
+        outputs = system.step(STEP, winch_forces={"rope": force(time - STEP)})
+        line, own = outputs.lines["rope"], outputs.portions["rope"]
+        found.append((outputs.points["load"].position[2], line.tether_length, own.payout[0]))
+    return np.array(found)
+
+
+FORCES = {"constant": lambda _: 120.0, "ramp": lambda time: 140.0 + RAMP * time if time >= STEP else 140.0}
+
+
+@pytest.mark.parametrize(("name", "count"), [("constant", 5), ("ramp", 2)])
+def test_against_a_solver_of_its_own(name, count):
+    """3 s: the drum stops at 2.8 and 1.7 m/s, bounces not, and is drawn away; the ramp reels in to the shortest length."""
+    times = STEP * np.arange(1, 151)
+    exact, events = alone(FORCES[name], times)
+    assert len(events) == count
+    found = flown(Solver(relative_tolerance=1e-9), FORCES[name], times)
+    assert np.abs(found - exact).max() < 2e-6  # 8e-8 until the rope goes slack, which makes the sheave swing
+    assert found[:, 1].max() <= 20.6 * (1.0 + 1e-9)
+    coarse, fine = (np.abs(flown(fixed(h, "second_order"), FORCES[name], times) - exact).max() for h in (0.004, 0.0005))
+    assert fine < 0.4 * coarse < (1e-3 if name == "constant" else 0.01)
+
+
+def test_backward_euler_against_a_solver_of_its_own():
+    """Order 1 with the constant force; the ramp turns the drum round so close to its stop that it needs steps of 0.1 ms."""
+    times, force, errors = STEP * np.arange(1, 151), FORCES["constant"], []
+    exact, _ = alone(force, times)
+    for step in (0.002, 5e-4):
+        errors.append(np.abs(flown(fixed(step, "backward_euler"), force, times) - exact).max())
+    assert errors[1] < 0.3 * errors[0] < 0.01
+
+
+# --- a drum at its stop is a winch at rest
+
+LENGTH = 32.5  # of a `hoist` [m]
+RESTING = {"winch_mass": 3.0, "winch_damping": 20.0}
+OF_ROPE = {**LIGHT, "axial_damping": 300.0}
+HOISTS = {  # keywords of the line, of the tether, of the system
+    "two falls": ({}, {}, {}),
+    "capstan": ({"sheave_friction": 0.2, "sheave_mass": 2.0}, {}, {}),
+    "efficiency": ({"sheave_efficiency": 0.9, "sheave_mass": 0.5}, {}, {}),
+    "ground": ({"sheave_mass": 1.0}, {}, {"ground": Ground(ground_contact="flat", ground_height=-14.2)}),
+    "limp": ({}, {"slack_stiffness_ratio": 0.0}, {"environment": Environment(gravity=0.0)}),
+    "broken": ({"sheave_mass": 1.0}, {"breaking_force": 400.0}, {}),
+}
+
+
+def hoist(kind, winch, solver):
+    """A load on two falls; the rope runs from the winch over a head, too."""
+    of_line, of_tether, of_system = HOISTS[kind]
+    points = [Point("winch", (-8.0, 0.0, -3.0)), Point("head", (0.0, 0.0, 0.0)), Point("load", (0.7, 0.0, -12.0), mass=60.0)]
+    points.append(Point("anchor", (1.5, 0.0, 0.0)))
+    tether = rope(LENGTH, 4, **{**OF_ROPE, **of_tether})
+    line = Line("rope", "winch", "anchor", tether, winch=winch, through=["head", "load"], **of_line)
+    return TetherSystem(points, [line], solver=solver, **of_system)
+
+
+@with_each_solver(0.005)
+@pytest.mark.parametrize("kind", HOISTS)
+def test_a_drum_at_its_stop_is_a_winch_at_rest(kind, solver):
+    """Pushed, lifted until the rope is slack, and dropped: the drum holds what the rope draws, and reels nothing in."""
+    held = hoist(kind, Winch(winch_control="force", longest_length=LENGTH, **RESTING), solver)
+    still = hoist(kind, Winch(), solver)
+    held.initialize(winch_forces={"rope": -500.0})  # the motor pays out
+    still.initialize()
+    for k in range(60):
+        loads = {"load": (20.0 * np.sin(0.3 * k), 5.0, 900.0 if 20 <= k < 40 else 0.0)}
+        release = {"rope": kind == "capstan" and k >= 45}
+        one, other = (system.step(STEP, loads=loads, releases=release) for system in (held, still))
+        np.testing.assert_allclose(held.positions["rope"], still.positions["rope"], rtol=0.0, atol=1e-12)
+        np.testing.assert_allclose(one.portions["rope"].payout, other.portions["rope"].payout, rtol=0.0, atol=1e-12)
+        assert one.lines["rope"].winch_speed == 0.0
+    assert one.lines["rope"].broken == (kind in ("broken", "capstan"))
+    assert np.abs(one.portions["rope"].payout).max() > 1e-3
+
+
+# --- release, start, energy
+
+
+@with_each_solver(0.005)
+@pytest.mark.parametrize("is_outer", [True, False])
+def test_it_leaves_its_stop_when_the_force_lets_it(is_outer, solver):
+    """In the communication step in which the force passes the pull of the rope, which it has at rest."""
+    stop, way = ({"longest_length": LENGTH}, 1.0) if is_outer else ({"shortest_length": LENGTH}, -1.0)
+    system = hoist("two falls", Winch(winch_control="force", **RESTING, **stop), solver)
+    pull = system.initialize(winch_forces={"rope": -way * 1e3}).portions["rope"].tension_from[0]
+    for k in range(400):
+        force = pull + way * (k - 100.0)
+        outputs = system.step(STEP, winch_forces={"rope": force})
+        if outputs.lines["rope"].winch_speed != 0.0:
+            break
+        assert outputs.lines["rope"].tether_length == pytest.approx(LENGTH, rel=1e-15)
+        pull_now = outputs.portions["rope"].tension_from[0]
+    assert way * (force - pull_now) < 2.0
+    assert k > 50
+    assert way * outputs.lines["rope"].winch_speed < 0.0
+
+
+@with_each_solver(0.005)
+@pytest.mark.parametrize("falls", [2, 4])
+def test_falls_at_the_stop(falls, solver):
+    """The block sinks until its rope is paid out, 1/n of it, swings and hangs there; each fall carries 1/n of the load."""
+    through = ["block"] if falls == 2 else ["block", "crown", "block"]
+    points = [Point("winch", (0.0, 0.0, 30.0)), Point("anchor", (0.02, 0.0, 30.0)), Point("block", mass=2000.0)]
+    points += [Point("crown", (0.01, 0.0, 30.0))] if falls == 4 else []
+    share, length = 2000.0 * G / falls, 20.0 * falls
+    winch = Winch(winch_control="force", winch_mass=500.0, winch_damping=3e3, longest_length=length + 1.5)
+    tether = rope(length, 3, **STIFF | {"axial_damping": 2e6})
+    system = TetherSystem(points, [Line("rope", "winch", "anchor", tether, winch=winch, through=through)], solver=solver)
+    start = system.initialize(winch_forces={"rope": 0.9 * share})
+    for _ in range(600):
+        outputs = system.step(STEP)
+    assert outputs.lines["rope"].winch_speed == 0.0
+    assert outputs.portions["rope"].length.sum() == pytest.approx(length + 1.5, rel=1e-9)
+    sunk = start.points["block"].position[2] - outputs.points["block"].position[2]
+    assert sunk == pytest.approx(1.5 / falls * (1.0 + share / 1e7), abs=2e-4)
+    weight = 20.0 * STIFF["mass_per_length"] * G
+    assert outputs.portions["rope"].tension_to == pytest.approx([share] * falls, rel=1e-3, abs=1.1 * weight)
+
+
+START = {"winch_control": "force", "winch_start": "equilibrium", "winch_mass": 5.0}
+
+
+@pytest.mark.parametrize(
+    ("stops", "length"),
+    [({"longest_length": 19.7}, 19.7), ({"shortest_length": 19.9}, 19.9), ({"longest_length": 20.5}, 20.0 / 1.01)],
+)
+@pytest.mark.parametrize("given", [19.0, 19.8, 21.0])
+def test_a_balance_beyond_a_stop_starts_at_the_stop(given, stops, length):
+    """Straight without gravity: T = EA (d/L - 1) is the winch force at d/(1 + W/EA); the drum stays where it starts."""
+    points = [Point("winch", (-8.0, 0.0, 0.0)), Point("head", (0.0, 0.0, 0.0)), Point("anchor", (0.0, 0.0, -12.0))]
+    line = Line("rope", "winch", "anchor", rope(given, 3, **LIGHT), winch=Winch(**START, **stops), through=["head"])
+    system = TetherSystem(points, [line], Environment(gravity=0.0))
+    start = system.initialize(winch_forces={"rope": 1000.0})
+    assert start.lines["rope"].tether_length == pytest.approx(length, rel=1e-9)
+    tension = LIGHT["axial_stiffness"] * (20.0 / length - 1.0)
+    assert start.portions["rope"].tension_to == pytest.approx([tension] * 2, rel=1e-6)
+    for _ in range(10):
+        outputs = system.step(STEP)
+    assert outputs.lines["rope"].tether_length == pytest.approx(length, rel=1e-9)
+
+
+def test_a_rope_that_runs_out_starts_at_the_longest_length():
+    """Heavy rope pulls with more than the winch force at any length, which is refused without a stop."""
+    points = [Point("winch", (0.0, 0.0, 30.0)), Point("block", (0.5, 0.0, 10.0), mass=200.0), Point("end", (1.0, 0.0, 30.0))]
+    line = Line("rope", "winch", "end", rope(40.0, 4, **LIGHT), winch=Winch(**START), through=["block"])
+    with pytest.raises(StepRefused, match="no lengths of the portions"):
+        TetherSystem(points, [line]).initialize(winch_forces={"rope": 10.0})
+    system = TetherSystem(points, [replace(line, winch=replace(line.winch, longest_length=45.0))])
+    start = system.initialize(winch_forces={"rope": 10.0})
+    assert start.lines["rope"].tether_length == pytest.approx(45.0, rel=1e-12)
+    assert start.portions["rope"].tension_to[0] == pytest.approx(start.portions["rope"].tension_from[1], rel=1e-9)
+
+
+def test_what_is_refused():
+    """A given length beyond a stop, of all portions together."""
+    line = hoist("two falls", Winch(winch_control="force", longest_length=32.0), ADAPTIVE)
+    with pytest.raises(StepRefused, match=r"the line rope: the unstretched length is 32\.5 m at the start, beyond a stop"):
+        line.initialize()
+
+
+@with_each_solver(0.005)
+def test_a_state_is_restored(solver):
+    """Bit for bit, at a stop and away from it."""
+    system = hoist("capstan", Winch(winch_control="force", shortest_length=32.4, longest_length=32.7, **RESTING), solver)
+    system.initialize(winch_forces={"rope": 200.0})
+    forces = [{"rope": 300.0 + 350.0 * np.sin(0.1 * k)} for k in range(100)]
+    lengths = [system.step(STEP, winch_forces=force).lines["rope"].tether_length for force in forces[:25]]
+    state = system.get_state()
+    first = [system.step(STEP, winch_forces=force).lines["rope"].tether_length for force in forces[25:]]
+    system.set_state(state)
+    assert [system.step(STEP, winch_forces=force).lines["rope"].tether_length for force in forces[25:]] == first
+    assert min(lengths + first) == pytest.approx(32.4, rel=1e-9)
+    assert max(lengths + first) == pytest.approx(32.7, rel=1e-9)
+
+
+def gained(drum, segments, density, is_outer, solver):
+    """Largest energy beyond that at the start and what the winch gave over the work of the winch, in 2 s at a stop."""
+    points = [Point("winch", (-8.0, 0.0, 0.0)), Point("head", (0.0, 0.0, 0.0)), Point("load", (0.0, 0.0, -12.0), mass=20.0)]
+    stiff = {"axial_stiffness": 6.9e5, "axial_damping": 473.0, "slack_stiffness_ratio": 0.0, "diameter": 0.004}
+    stop = {"longest_length": 22.0} if is_outer else {"shortest_length": 18.0}
+    winch = Winch(winch_control="force", winch_mass=drum, **stop)
+    tether = rope(20.0, segments, mass_per_length=density, **stiff)
+    line = Line("rope", "winch", "load", tether, winch=winch, through=["head"])
+    system, force = TetherSystem(points, [line], solver=solver), 20.0 * G * (0.6 if is_outer else 1.4)
+    start = system.initialize(winch_forces={"rope": force}) and system.energy().total
+    brought, speed, most = 0.0, 0.0, 0.0
+    for _ in range(200):
+        own = system.step(0.01).lines["rope"]
+        brought += 0.01 * 0.25 * density * max(speed**3 + own.winch_speed**3, 0.0)  # by rope that leaves the winch
+        speed = own.winch_speed
+        energy = system.energy().total + 0.5 * drum * speed**2
+        most = max(most, energy - start - brought - force * (20.0 - own.tether_length))
+    assert own.tether_length == pytest.approx(22.0 if is_outer else 18.0, rel=0.2)
+    return most / (force * 2.0)
+
+
+@pytest.mark.parametrize("solver", [ADAPTIVE, *(fixed(h, method) for h in (0.002, 0.01) for method in METHODS)])
+@pytest.mark.parametrize("is_outer", [True, False])
+def test_a_stop_makes_no_energy(is_outer, solver):
+    """At most 1e-3 of the work of the winch, with light and heavy drums and ropes, which bounce at their stop."""
+    scenes = [(drum, segments, density) for drum, density in ((0.0, 0.1), (10.0, 0.009)) for segments in (1, 4)]
+    found = [gained(*scene, is_outer, solver) for scene in scenes]
+    assert max(found) < 1e-3
+
+
+# --- random systems
+
+
+def random_stops(seed):
+    """As `random_winches`, all ropes on drums with stops close to their lengths."""
+    points, lines, environment, winches = random_winches(np.random.default_rng((21, seed)))
+    rng, found = np.random.default_rng((22, seed)), []
+    for line in lines:
+        if line.through:
+            length = line.tether.initial_length
+            short, long, mass = rng.uniform(0.97, 0.999), rng.uniform(1.001, 1.03), float(rng.choice((0.0, 5.0)))
+            stops = {"shortest_length": length * short, "longest_length": length * long}
+            line = replace(line, winch=Winch(winch_control="force", winch_mass=mass, winch_damping=30.0, **stops))
+        found.append(line)
+    return points, found, environment, winches
+
+
+@pytest.mark.parametrize("solver", [ADAPTIVE, *(fixed(0.005, method) for method in METHODS)])
+def test_random_ropes_stay_between_their_stops(solver):
+    """Beside winches of several lines: no longer and no shorter, at rest at a stop where it is pressed against it."""
+    reached = 0
+    for seed in range(16):
+        network = random_stops(seed)
+        points, lines, environment, winches = network
+        system = TetherSystem(points, lines, environment, solver, winches=winches)
+        system.initialize((6.0, 2.0, 0.0))
+        ropes = [line for line in lines if line.through]
+        for k in range(40):
+            outputs = system.step(0.01, **told(network, 0.01 * k))
+            for line in ropes:
+                own, winch = outputs.lines[line.name], line.winch
+                assert winch.shortest_length * (1.0 - 1e-6) <= own.tether_length <= winch.longest_length * (1.0 + 1e-6)
+                at_stop = own.tether_length in (pytest.approx(each, rel=1e-9) for each in stops_of(winch))
+                reached += at_stop and own.winch_speed == 0.0
+    assert reached > 50
+
+
+def stops_of(winch):
+    """Both stops of a winch [m]."""
+    return winch.shortest_length, winch.longest_length
