@@ -36,14 +36,13 @@ def test_each_folder_is_a_room():
     assert names <= HEIGHT.keys()
 
 
-def test_the_manual_has_a_paragraph_for_each_room():
+def test_the_manual_describes_no_other_room():
+    """What each room does stands in the figure; the manual has what is not in it."""
     manual = (ROOT / "docs" / "contributors" / "developing.md").read_text(encoding="utf-8")
     section = manual.partition("## Architecture")[2].partition("\n## ")[0]
     described = set(re.findall(r"^\*\*([\w. ]+)\*\*", section, re.MULTILINE))
-    assert described == HEIGHT.keys() - {
-        "kernels.entry_points",
-        "kernels.packing",
-    }  # one file each, described with `kernels`
+    assert described
+    assert described < HEIGHT.keys()
 
 
 def test_the_figure_has_the_present_rooms_and_words(tmp_path):
