@@ -1,9 +1,11 @@
-"""Draw docs/figures/house.svg: the rooms of the package, their floors and their imports; `python docs/make/make_house.py`.
+"""Draw docs/figures/house.svg: the rooms of the package on their floors; `python docs/make/make_house.py`.
 
-The floors are those of the import contract in pyproject.toml, the arrows are read from the import statements of the sources.
+The floors are those of the import contract in pyproject.toml, the words are first sentences of the sources. A test reads the
+imports (`arrows`): they all point downwards.
 """
 
 import ast
+import re
 import tomllib
 from functools import cache
 from pathlib import Path
@@ -14,8 +16,8 @@ from pictures import save
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "fmu_sources" / "tetherfmu"
 FIGURE = ROOT / "docs" / "figures" / "house.svg"
-FLOOR = 1.15  # height of a floor [inch]
-APART = ("check", "console")  # rooms at the right
+ALONE, SHARED, BETWEEN = 0.28, 0.62, 0.06  # heights of a floor with one room and with several, and between floors [inch]
+LEFT, RIGHT, NAMES = 0.1, 8.55, 1.3  # of the rooms, width of the names [inch]
 SHIPPED = ("fmi", "wiring", "runtime")  # rooms that every FMU has
 ROOMS_OF_FILES = {  # modules that stand beside the folders
     "commands": ("__main__", "commands"),
@@ -78,39 +80,17 @@ def arrows():
     return {(start, end) for start, end in found if start and end and start != end}
 
 
-def without_detours(pairs):
-    """The arrows that do not follow from others: import over one room implies that over two."""
-
-    def reaches(start, end, left_out):
-        ways = [b for a, b in pairs if a == start and (a, b) != left_out]
-        return any(b == end or reaches(b, end, left_out) for b in ways)
-
-    return {pair for pair in pairs if not reaches(*pair, pair)}
+def words(module, end):
+    """What a module does: its docstring up to a sign of `end` that ends a clause."""
+    path = PACKAGE / module.replace(".", "/")
+    path = path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
+    text = " ".join(ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))).split())
+    return re.split(f"[{end}](?: |$)", text.replace("`", ""))[0]
 
 
-def contents(room):
-    """What is in a room: its folders and modules, one line."""
-    if room == "kernels.entry_points":
-        return "segments  pack  complete  initialize  advance  outputs  fly  energy, for each library"
-    if room == "kernels.packing":
-        return "pack  count_segments"
-    if room in ROOMS_OF_FILES and room != "commands":
-        return "  ".join(name.rpartition(".")[2] for name in ROOMS_OF_FILES[room])
-    folder = PACKAGE / room.replace(".", "/")
-    folders = sorted(path.parent.name for path in folder.glob("*/__init__.py"))
-    return "  ".join([*folders, *sorted(path.stem for path in folder.glob("[a-z]*.py"))])
-
-
-def box(floor, rooms, k):
-    """Left, bottom, width of the box of a room; `check` and `console` stand apart, and nothing is in the way of an arrow."""
-    if rooms[k] in APART:
-        return 0.86, -floor - 0.3, 0.14
-    if len(rooms) == 1 and rooms[k] in ("wiring", "runtime"):
-        return 0.0, -floor - 0.3, 1.0
-    shared = [room for room in rooms if room not in APART]
-    sizes = [75 + len(contents(room)) for room in shared]
-    unit, place = (0.83 - 0.01 * len(shared)) / sum(sizes), shared.index(rooms[k])
-    return sum(sizes[:place]) * unit + 0.01 * place, -floor - 0.3, sizes[place] * unit
+def colour(room):
+    """Colour of a room: what is compiled, what every FMU has, all else."""
+    return "#dceaf7" if room.startswith("kernels") else "#f3ead7" if room in SHIPPED else "#eeeeee"
 
 
 def draw(path):
@@ -119,27 +99,31 @@ def draw(path):
     from matplotlib.patches import FancyBboxPatch
 
     levels = floors()
-    figure = Figure(figsize=(9.0, FLOOR * len(levels)), layout="constrained")
-    axis = figure.add_subplot()
-    places = {}
-    for level, rooms in enumerate(levels):
-        for k, room in enumerate(rooms):
-            left, bottom, width = box(level, rooms, k)
-            middle = places[room] = left + 0.5 * width
-            colour = "#dceaf7" if room.startswith("kernels") else "#f3ead7" if room in SHIPPED else "#eeeeee"
-            shape = FancyBboxPatch((left, bottom), width, 0.6, "round,pad=0,rounding_size=0.01", fc=colour, ec="#555555")
-            axis.add_patch(shape)
-            axis.text(middle, -level + 0.18, room, ha="center", va="center", fontsize=12, weight="bold")
-            text = fill(contents(room), int(140 * width))
-            axis.text(middle, -level - 0.08, text, ha="center", va="center", fontsize=8.2, linespacing=1.1)
-    heights = {room: -level for level, rooms in enumerate(levels) for room in rooms}
-    style = {"arrowstyle": "-|>", "color": "#1f5a92", "shrinkA": 0, "shrinkB": 0, "lw": 1.3}
-    for start, end in sorted(without_detours(arrows())):
-        x = places[end] if len(levels[-heights[end]]) > 1 else min(places[start], 0.93)
-        axis.annotate("", (x, heights[end] + 0.3), (x, heights[start] - 0.3), arrowprops=style, zorder=0)
-    axis.set_xlim(-0.005, 1.005)
-    axis.set_ylim(-len(levels) + 0.65, 0.35)
+    heights = [ALONE if len(rooms) == 1 else SHARED for rooms in levels]
+    total = sum(heights) + BETWEEN * (len(levels) + 1)
+    figure = Figure(figsize=(9.0, total))
+    axis = figure.add_axes((0.0, 0.0, 1.0, 1.0), xlim=(0.0, 9.0), ylim=(-total, 0.0))
     axis.axis("off")
+    top = -BETWEEN
+    for rooms, height in zip(levels, heights, strict=True):
+        width = (RIGHT - LEFT + BETWEEN) / len(rooms) - BETWEEN
+        for k, room in enumerate(rooms):
+            left = LEFT + k * (width + BETWEEN)
+            shape = "round,pad=0,rounding_size=0.04"
+            axis.add_patch(FancyBboxPatch((left, top - height), width, height, shape, fc=colour(room), ec="#555555"))
+            module = ROOMS_OF_FILES.get(room, (room,))[-1]
+            axis.text(
+                left + 0.08, top - 0.5 * ALONE, module.removeprefix("kernels."), va="center", fontsize=10, weight="bold"
+            )
+            if len(rooms) == 1:
+                axis.text(left + NAMES, top - 0.5 * ALONE, words(module, ".;"), va="center", fontsize=8.5)
+            else:
+                text = fill(words(module, ".;" if len(rooms) == 2 else ".:;"), int(15 * width))
+                axis.text(left + 0.08, top - ALONE, text, va="top", fontsize=8.5, linespacing=1.1)
+        top -= height + BETWEEN
+    style = {"arrowstyle": "-|>", "color": "#1f5a92", "lw": 1.6}
+    axis.annotate("", (8.8, -total + BETWEEN), (8.8, -BETWEEN), arrowprops=style)
+    axis.text(8.67, -0.5 * total, "imports", rotation=90, ha="center", va="center", fontsize=10)
     save(figure, path)
 
 

@@ -239,7 +239,7 @@ WRONG = {  # what is typed, what must be said
     "build straight --set segments=2.5": "segments is 2.5; it must be a whole number",
     "build straight --set initial_length=-3": "initial_length is -3.0; it must be at least 0.01 m and at most 100000 m",
     "build straight --set wind_velocity=8": "wind_velocity is '8'; it must be 3 numbers",
-    "build straight --set wind_profile=5": "wind_profile is 5; it must be one of 1 (uniform), ",
+    "build straight --set wind_profile=99": "wind_profile is 99; it must be one of 1 (uniform), ",
     "build straight --set wind_profile=3 --set surface_roughness=7": "the FMU would refuse its start values: ",
     "build straight --set winch_control=force --set winch_force=-500 --inputs motion": "the first step of 0.02 s with its",
     "build straight --set reel_out_speed=-1e5 --inputs wind": "none of its inputs changes that",

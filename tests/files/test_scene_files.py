@@ -60,8 +60,8 @@ WRONG = {
     ),
     "unknown choice": (
         r"\[wind",
-        "[environment]\nwind_profile = 'log'\n[wind",
-        "'log'; it must be one of 1 (uniform), 2 (power_law), 3 (logarithmic), 4 (explog); did you mean logarithmic?",
+        "[ground]\ncontact = 'flt'\n[wind",
+        "ground.contact is 'flt'; it must be one of 1 (none), 2 (flat); did you mean flat?",
     ),
     "degrees": (
         "rate = .*",

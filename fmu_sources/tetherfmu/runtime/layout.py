@@ -29,13 +29,12 @@ from .limits import (  # noqa: F401 - likewise
     SHORTEST_PART,
     WORK_BUDGET,
 )
-from .parameters import RECORDS, FreeKite
+from .parameters import PER_SEGMENT, RECORDS, FreeKite
 from .quantities import quantities
 
 # parameters: first the scalars in the order of their records: GRAVITY is the place of gravity; quantities with
 # one number per segment or node are not there
-_OF_A_TETHER = ("segments", "diameter", "density", "axial_stiffness", "axial_damping", "drag_coefficient", "breaking_force")
-_FOR_EACH = (*_OF_A_TETHER, "kite_mass")
+_FOR_EACH = (*PER_SEGMENT, "kite_mass")
 _SCALARS = [name for record in (*RECORDS, FreeKite) for name, _ in quantities(record) if name not in _FOR_EACH]
 globals().update({name.upper(): place for place, name in enumerate(_SCALARS)})
 # then numbers that are not tether parameters

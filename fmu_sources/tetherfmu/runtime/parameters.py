@@ -19,7 +19,8 @@ IN_KG_PER_M3 = (20.0, inf, "densities are in kg/m3: 0.97 g/cm3 are 970")
 OF_AIR = (0.01, 100.0, "densities are in kg/m3: 0.0012 g/cm3 or 1200 g/m3 are 1.2")
 OF_THE_ATMOSPHERE = (100.0, inf, "heights are in m: 8.5 km are 8500")
 IN_SECONDS = (0.0, 1.0, "steps are in s: 5 ms are 0.005")
-OF_THE_WHOLE_CHAIN = ("slack_stiffness_ratio", "slack_damping_ratio", "damping_law")  # the same for all tethers in series
+# quantities of a tether that `packing.pack` gives to its segments: they may differ between tethers in series
+PER_SEGMENT = ("segments", "diameter", "density", "axial_stiffness", "axial_damping", "drag_coefficient", "breaking_force")
 ROUGHNESS_TOO_LARGE = (
     "surface_roughness is {roughness!r}; it must be less than wind_reference_height ({height!r} m) for this wind_profile"
 )
@@ -142,6 +143,10 @@ class Tether:
         4000.0
         """
         return changed(self, {"diameter": diameter})
+
+
+# the same for all tethers in series
+OF_THE_WHOLE_CHAIN = tuple(name for name, _ in quantities(Tether) if name not in (*PER_SEGMENT, "initial_length"))
 
 
 def allowed_by(diameter):
