@@ -32,9 +32,7 @@ def shooting(tether, air, ground, kite, wind_at, guess):
         return [*(stretch * e), *(-weight - stretch * drag)]
 
     def end(tension):
-        return solve_ivp(
-            slope, (0.0, tether.initial_length), [*ground, *tension], "DOP853", rtol=1e-8, atol=1e-9
-        ).y[:, -1]
+        return solve_ivp(slope, (0.0, tether.initial_length), [*ground, *tension], "DOP853", rtol=1e-8, atol=1e-9).y[:, -1]
 
     found = root(lambda tension: end(tension)[:3] - kite, guess, tol=1e-9)
     if np.abs(end(found.x)[:3] - kite).max() > 1e-5 * tether.initial_length:

@@ -150,7 +150,7 @@ def peak(a, b, step, around=None):
 
 
 def correlations(a, b, shifts):
-    """Correlations of a, later by each of consecutive numbers of steps, with b, over all components; NaN with too few values."""
+    """Correlations of a, later by consecutive numbers of steps, with b, over all components; NaN with too few values."""
     (a, of_a), (b, of_b) = filled(a), filled(b)
     both = sums(of_a, of_b, shifts)  # number of known pairs
     products, squares = 0.0, np.zeros((2, 2, len(shifts)))  # of a and of b: about their means, and about 0
@@ -166,7 +166,7 @@ def correlations(a, b, shifts):
 
 
 def filled(values):
-    """Values about their means, 0 where a component is unknown, and where all are known: arrays (times, components), (times,)."""
+    """Values about their means, 0 where a component is unknown, and as (times,) 1.0 where all are known."""
     known = np.isfinite(values).all(axis=1)
     return np.where(known[:, None], values - (values[known].mean(axis=0) if known.any() else 0.0), 0.0), known.astype(float)
 
