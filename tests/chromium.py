@@ -83,6 +83,17 @@ def show_in(browser, width):
     browser.execute_cdp_cmd("Emulation.setTouchEmulationEnabled", {"enabled": is_phone})
 
 
+@contextmanager
+def without(browser, *addresses):
+    """Pages do not get what is at these addresses, with * for anything."""
+    browser.execute_cdp_cmd("Network.enable", {})
+    browser.execute_cdp_cmd("Network.setBlockedURLs", {"urls": [*addresses]})
+    try:
+        yield
+    finally:
+        browser.execute_cdp_cmd("Network.setBlockedURLs", {"urls": []})
+
+
 def wait_until(browser, condition):
     """Wait until a condition in JavaScript holds; slow machines take their time."""
     deadline = time.monotonic() + TIMEOUT

@@ -74,8 +74,11 @@ def pytest_collection_modifyitems(items):
     """Kernels that are compiled just in time are not optimized: that takes longer than to run them, and changes no bit."""
     from numba.core import config
 
+    from coarse_figures import draw_coarsely
+
     config.OPT = config._OptLevel("0")
     parse_a_name_once()
+    draw_coarsely()
     items.sort(key=lambda item: not item.nodeid.startswith(LONG))
 
 

@@ -13,6 +13,8 @@ import os
 import sys
 from types import ModuleType
 
+from coarse_figures import draw_coarsely
+
 IMPORTED = ("fmpy.simulation", "matplotlib.pyplot", "scipy.integrate", "scipy.interpolate", "tetherfmu.export.archive")
 IMPORTED += ("pandas", "plotly.graph_objects")  # whoever lacks an extra goes without
 
@@ -35,6 +37,7 @@ def main():
     for module in IMPORTED:
         with contextlib.suppress(ImportError):
             importlib.import_module(module)
+    draw_coarsely()
     gc.freeze()  # what was imported before the fork need not be looked through when a process ends
     for line in sys.stdin:
         process = os.fork()

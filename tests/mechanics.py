@@ -20,11 +20,13 @@ def node_masses(tether, length=None):
 
 def wind_factor(z, air):
     """Wind at the heights z [m] over the wind at the reference height [-]."""
+    if air.wind_profile == 1:
+        return np.ones_like(z)
     h, z0, alpha = air.wind_reference_height, air.surface_roughness, air.wind_exponent
     with np.errstate(all="ignore"):
         power = np.where(z > 0.0, np.abs(z / h) ** alpha, 0.0)
         log = np.where(z > z0, np.log(np.abs(z) / z0) / np.log(h / z0), 0.0)
-    return {1: np.ones_like(z), 2: power, 3: log, 4: np.maximum(2.0 * log - power, 0.0)}[air.wind_profile]
+    return {2: power, 3: log, 4: np.maximum(2.0 * log - power, 0.0)}[air.wind_profile]
 
 
 def air_velocities(positions, wind, air):

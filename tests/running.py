@@ -14,6 +14,7 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 
+from coarse_figures import PART
 from tetherfmu.libraries.examples import EXAMPLES
 
 TIMEOUT = 900.0  # seconds, for what hangs
@@ -104,4 +105,4 @@ def run(fmu_folder, code):
 
 def assert_is_drawn(file):
     colors = plt.imread(file)[:, :, :3]
-    assert np.count_nonzero(np.ptp(colors, axis=-1) > 0.2) > 1000  # coloured pixels; empty axes have none
+    assert np.count_nonzero(np.ptp(colors, axis=-1) > 0.2) > 1000 * PART**2  # coloured pixels; empty axes have none

@@ -7,8 +7,6 @@ l0 = (L - rest)/m in the m segments of the first section, else constant; W_i = 1
 with D (l/l0)'. S is the tension where the rope leaves a drum, M u' = S - W. Derivatives are taken with complex steps.
 """
 
-from typing import NamedTuple
-
 import numpy as np
 from scipy.integrate import solve_ivp
 
@@ -17,51 +15,49 @@ from mechanics import line_density
 G, TINY = 9.81, 1e-30
 
 
-class Sections(NamedTuple):
-    """A chain in series from a fixed ground end at the origin: its tethers, point masses at nodes, mass of its drum [kg]."""
+class Sections:
+    """A chain in series from a fixed ground end at the origin.
 
-    tethers: tuple
-    masses: dict
-    drum: float = 0.0
+    tethers, masses : its tethers, and point masses [kg] at nodes; the first inner one ends the section that grows.
+    drum : mass of its drum [kg].
+    """
 
-    def of(self, quantity):
-        """A quantity of every segment, by a function of its tether."""
-        return np.concatenate([np.full(each.segments, quantity(each)) for each in self.tethers])
+    def __init__(self, tethers, masses, drum=0.0):
+        def of(quantity):
+            return np.concatenate([np.full(each.segments, quantity(each)) for each in tethers])
 
-    @property
-    def growing(self):
-        """Whether each segment is in the first section, which ends at the first inner point mass."""
-        inner = [node for node, mass in self.masses.items() if mass and 0 < node < len(self.of(id))]
-        return np.arange(len(self.of(id))) < min([self.tethers[0].segments, *inner])
+        self.density, self.drum = of(line_density), drum
+        self.stiffness = of(lambda each: each.axial_stiffness)
+        self.damping = of(lambda each: each.axial_damping)
+        self.at_first = of(lambda each: each.initial_length / each.segments)
+        count = len(self.density)
+        inner = [node for node, mass in masses.items() if mass and 0 < node < count]
+        self.growing = np.arange(count) < min([tethers[0].segments, *inner])
+        self.added = np.array([masses.get(node, 0.0) for node in range(count + 1)])
+        self.weights = np.clip(1.0 - np.arange(count + 1) / self.growing.sum(), 0.0, None)  # W
 
     def rest_lengths(self, length):
         """Unstretched lengths of all segments [m] at a length of the whole chain [m]."""
-        first, growing = self.of(lambda each: each.initial_length / each.segments), self.growing
-        return np.where(growing, (length - first[~growing].sum()) / growing.sum(), first)
+        constant = self.at_first[~self.growing].sum()
+        return np.where(self.growing, (length - constant) / self.growing.sum(), self.at_first)
 
     def node_masses(self, length):
         """Masses of all nodes [kg]."""
-        half = 0.5 * self.of(line_density) * self.rest_lengths(length)
-        added = np.array([self.masses.get(node, 0.0) for node in range(len(half) + 1)])
-        return np.append(half, 0.0) + np.append(0.0, half) + added
-
-    def weights(self):
-        """W of all nodes."""
-        growing = self.growing
-        return np.clip(1.0 - np.arange(len(growing) + 1) / growing.sum(), 0.0, None)
+        half = 0.5 * self.density * self.rest_lengths(length)
+        return np.append(half, 0.0) + np.append(0.0, half) + self.added
 
     def lagrangians(self, r, v, length, speed):
         """Kinetic minus elastic energy of each segment [J], from its vector r [m] and all node velocities v [m/s]; taut."""
-        l0, w = self.rest_lengths(length), speed * self.weights()
+        l0, w = self.rest_lengths(length), speed * self.weights
         moving = v[:-1] + (w[:-1] / l0)[:, None] * r, v[1:] + (w[1:] / l0)[:, None] * r
         squares = sum((each * each).sum(1) for each in moving)
         elongation = np.sqrt((r * r).sum(1)) - l0
-        elastic = 0.5 * self.of(lambda each: each.axial_stiffness) / l0 * elongation**2
-        return 0.25 * self.of(line_density) * l0 * squares - elastic
+        elastic = 0.5 * self.stiffness / l0 * elongation**2
+        return 0.25 * self.density * l0 * squares - elastic
 
     def momenta(self, x, v, length, speed):
         """p of all nodes [kg m/s], and P [kg m/s]."""
-        half, w, r = 0.5 * self.of(line_density), self.weights(), np.diff(x, axis=0)
+        half, w, r = 0.5 * self.density, self.weights, np.diff(x, axis=0)
         p = self.node_masses(length)[:, None] * v
         p = p + np.pad((half * w[:-1] * speed)[:, None] * r, ((0, 1), (0, 0)))
         p = p + np.pad((half * w[1:] * speed)[:, None] * r, ((1, 0), (0, 0)))
@@ -87,10 +83,10 @@ class Sections(NamedTuple):
         l0, u = self.rest_lengths(length), np.diff(v, axis=0)
         l0_rate = np.where(self.growing, speed / self.growing.sum(), 0.0)
         lengths = np.linalg.norm(r, axis=1)
-        tension = self.of(lambda each: each.axial_damping) * ((r * u).sum(1) / lengths - lengths * l0_rate / l0) / l0
+        tension = self.damping * ((r * u).sum(1) / lengths - lengths * l0_rate / l0) / l0
         pull = (tension / lengths)[:, None] * r
         of_nodes += np.pad(pull, ((0, 1), (0, 0))) - np.pad(pull, ((1, 0), (0, 0)))
-        density = line_density(self.tethers[0])
+        density = self.density[0]
         of_length += 0.5 * density * speed**2 + np.sum(tension * lengths / l0 * self.growing) / self.growing.sum()
         return of_nodes, of_length
 
@@ -107,7 +103,7 @@ class Sections(NamedTuple):
 
         known, by_gain = momentum(1j * TINY, 0.0), momentum(0.0, 1j * TINY)
         # S + S^2/(2 EA) + by_gain (S - W)/M = pull - known
-        a, b = 0.5 / self.tethers[0].axial_stiffness, 1.0 + by_gain / self.drum
+        a, b = 0.5 / self.stiffness[0], 1.0 + by_gain / self.drum
         c = known - pull - by_gain * force / self.drum
         return (2.0 * -c / (b + np.sqrt(b * b - 4.0 * a * c)) - force) / self.drum
 

@@ -76,17 +76,19 @@ def between(winches=(), solver=ADAPTIVE):
     return system
 
 
-def steered(velocity=(0.0, 0.0, 0.0), pod=None, solver=ADAPTIVE):
-    """A kite mass on a line, and another line, from a pod where two drums hold both of them."""
+STEERING = {"winch_mass": 5.0, "winch_friction": 15.0, "winch_damping": 5.0}
+POWER = {"winch_mass": 8.0, "winch_friction": 15.0}
+
+
+def steered(velocity=(0.0, 0.0, 0.0), pod=None, solver=ADAPTIVE, steering=STEERING, power=POWER, **of_rope):
+    """A kite mass on a line, and another line, from a pod where two drums, `steering` and `power`, hold both of them."""
     points = [Point("pod", (0.0, 0.0, 0.0), velocity, pod), Point("kite", (0.0, 0.0, 19.0), velocity, 30.0)]
     points.append(Point("far", (-8.0, 0.0, 22.0), velocity))
-    own = {"segments": 5, "drag_coefficient": 0.5, **LIGHT}
+    own = {"segments": 5, "drag_coefficient": 0.5, **LIGHT, **of_rope}
     lines = [Line("a", "pod", "kite", rope(18.9, **own)), Line("b", "pod", "far", rope(23.3, **own))]
-    steering = SharedWinch(
-        "steering", {"a": 1.0, "b": -1.0}, "force", winch_mass=5.0, winch_friction=15.0, winch_damping=5.0
-    )
-    power = SharedWinch("power", {"a": 1.0, "b": 0.5}, "force", winch_mass=8.0, winch_friction=15.0)
-    return TetherSystem(points, lines, solver=solver, winches=[steering, power])
+    winches = [SharedWinch("steering", {"a": 1.0, "b": -1.0}, "force", **steering)]
+    winches.append(SharedWinch("power", {"a": 1.0, "b": 0.5}, "force", **power))
+    return TetherSystem(points, lines, solver=solver, winches=winches)
 
 
 def told(k):
@@ -95,3 +97,17 @@ def told(k):
         "loads": {"kite": (100.0 * np.sin(k / 7.0), 0.0, 600.0)},
         "winch_forces": {"steering": 20.0 + 80.0 * np.sin(k / 9.0), "power": 300.0 + 100.0 * np.cos(k / 11.0)},
     }
+
+
+def block_on_falls(solver, friction=0.0, sheave_friction=0.0):
+    """A block on two falls and on a line of its own, each from a drum."""
+    points = [Point("top", (0.0, 0.0, 0.0)), Point("block", (0.5, 0.0, -10.0), mass=50.0), Point("end", (1.0, 0.0, 0.0))]
+    points.append(Point("side", (8.0, 0.0, -4.0)))
+    of_rope = {"drag_coefficient": 0.3, **LIGHT, "segments": 4}
+    drum = Winch(winch_control="force", winch_mass=10.0, winch_friction=friction)
+    fall = {"through": ["block"], "sheave_friction": sheave_friction, "sheave_mass": 1.0}
+    lines = [Line("falls", "top", "end", rope(20.1, **of_rope), winch=drum, **fall)]
+    lines.append(Line("guy", "side", "block", rope(9.7, **of_rope), winch=drum))
+    system = TetherSystem(points, lines, solver=solver)
+    system.initialize(winch_forces={"falls": 180.0, "guy": 150.0})
+    return system

@@ -68,9 +68,9 @@ def fly(flight, system, wind=None, duration=None, step=None):
     count = round(duration / step)
     if count == 0:
         raise WrongUse(f"the flight of {duration:g} s is shorter than a communication step of {step:g} s")
-    time = step * np.arange(count + 1)
     if count > MOST_STEPS:
         raise WrongUse(f"the flight of {duration:g} s has {count} communication steps; it may have {MOST_STEPS} at most")
+    time = step * np.arange(count + 1)
     if wind is not None:
         others = {what: own for what, own in flight.series.items() if what != "wind_velocity"}
         flight = replace(flight, wind=Wind(tuple(wind)), series=others)

@@ -7,7 +7,8 @@ from tetherfmu.files.named import named_scenes, named_systems
 
 
 @pytest.mark.parametrize("name", [*named_scenes(), *named_systems()])
-def test_an_included_flight_warns_of_nothing(name, tmp_path, capfd):
+def test_an_included_flight_warns_of_nothing(name, tmp_path, capfd, monkeypatch):
+    monkeypatch.setattr("matplotlib.figure.Figure.savefig", lambda *given, **options: None)
     assert tetherfmu(["fly", name, "--out", str(tmp_path)]) == 0
     said = capfd.readouterr().err
     assert "cannot" not in said

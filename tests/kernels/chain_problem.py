@@ -6,7 +6,6 @@ from kernels.packed import packed
 from tetherfmu.kernels.arrays import nodes_end, shared_size
 from tetherfmu.kernels.equations import end_motion, winch
 from tetherfmu.kernels.equations.boundary import BoundaryConditions, chain_during
-from tetherfmu.kernels.equations.lines import ONE_LINE_ROOM, OneLine, System, store_conditions
 from tetherfmu.kernels.line import backward_euler, rosenbrock
 from tetherfmu.kernels.variants.dynamic import work_size
 from tetherfmu.runtime import layout as at
@@ -17,13 +16,12 @@ class ChainProblem:
     """Arrays and the conditions of a bent chain of 4 segments in a sheared wind; both ends move, the tether reels.
 
     It stays taut, so that its forces are smooth and the order of a method can be seen. wind_profile : of `layout.py`.
-    acceleration : of the reeling [m/s2].  load_rate : None, or that of the load on a kite end that is free [N/s].
     masses : pairs (node, point mass [kg]); the first one ends the section at the winch.
     """
 
     SEGMENTS = 4
 
-    def __init__(self, reeling=1.5, damping_law=1, wind_profile=2, acceleration=0.0, load_rate=None, masses=()):
+    def __init__(self, reeling=1.5, damping_law=1, wind_profile=2, masses=()):
         self.n = n = self.SEGMENTS
         tether = Tether(
             segments=n,
@@ -52,25 +50,18 @@ class ChainProblem:
         self.of_rosenbrock = rosenbrock.workspace(n, self.memory)
         self.of_euler = backward_euler.workspace(n, self.memory, self.memory[shared_size(n) :])
         still = (0.0, 0.0, 0.0)
-        kite_is_free = load_rate is not None
         self.conditions = BoundaryConditions(
             n,
             self.parameters,
             end_motion.curve(tuple(nodes[0]), (1.0, 0.0, 0.5), tuple(nodes[0]), (1.0, 0.3, 0.5), (0.0, 1.0, 0.0), 0.4),
             end_motion.curve(tuple(nodes[n]), (6.0, 4.0, -3.0), tuple(nodes[n]), (6.0, 5.0, -3.0), (1.0, 0.0, 2.0), 0.4),
             1,
-            n if kite_is_free else n - 1,
-            winch.steadily(self.length, reeling, acceleration),
+            n - 1,
+            winch.steadily(self.length, reeling, 0.0),
             0.0,
             0.0,
             self.wind,
-            (60.0, 10.0, 100.0) if kite_is_free else still,
-            load_rate if kite_is_free else still,
+            still,
+            still,
         )
         self.chain = chain_during(self.conditions, 0.0)
-
-    def as_system(self):
-        """The chain, which moves x and v, as a `System` of one line with these conditions."""
-        work = np.zeros(work_size(self.n))
-        store_conditions(self.conditions, work[ONE_LINE_ROOM:])
-        return System(OneLine(self.n), self.parameters, np.zeros(0), self.state, work)

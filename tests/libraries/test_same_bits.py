@@ -18,7 +18,6 @@ from native.programs import WARNINGS, available
 from scenes import CIRCLE_TETHER, REVOLUTION, circle
 from tetherfmu.libraries import just_in_time, ready
 from tetherfmu.libraries.ahead_of_time import CODE
-from tetherfmu.libraries.llvm_modules import optimize
 from tetherfmu.libraries.sources import HAS_AVX
 from tetherfmu.python import models
 from tetherfmu.runtime import layout as at
@@ -55,9 +54,7 @@ def engine_of(variant):
     llvm.initialize_native_asmprinter()
     kind = {"cpu": llvm.get_host_cpu_name(), "features": llvm.get_host_cpu_features().flatten()}
     machine = llvm.Target.from_default_triple().create_target_machine(**kind, opt=1, jit=True)
-    module = llvm.parse_assembly(text)
-    optimize(module, machine, level=1)
-    engine = llvm.create_mcjit_compiler(module, machine)
+    engine = llvm.create_mcjit_compiler(llvm.parse_assembly(text), machine)
     engine.finalize_object()
     return engine
 

@@ -74,7 +74,7 @@ LOWER = {"diameter": 0.01, "density": 2000.0, "axial_stiffness": 2e4, "axial_dam
 UPPER = {"diameter": 0.03, "density": 1400.0, "axial_stiffness": 5e4, "axial_damping": 150.0, "drag_coefficient": 0.0}
 SERIES = Tether(segments=3, initial_length=10.0, **LOWER), Tether(segments=2, initial_length=5.0, **UPPER)
 MASSES = {"sections": {}, "knot": {3: 1.5}, "masses": {2: 0.8, 4: 0.5}}
-END, SPEED, FORCE, DRUM, DURATION = np.array((9.0, 2.0, 12.5)), 0.3, 500.0, 8.0, 0.5
+END, SPEED, FORCE, DRUM, DURATION = np.array((9.0, 2.0, 12.5)), 0.3, 500.0, 8.0, 0.3
 PLACES = np.array((0.0, 10.0 / 3, 20.0 / 3, 10.0, 12.5, 15.0)) / 15.0  # of the nodes, on the unstretched rope
 SHAPE = np.outer(PLACES, END) + np.outer(PLACES * (1.0 - PLACES), (0.6, -1.2, 0.0))
 

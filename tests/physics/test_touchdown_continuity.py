@@ -39,7 +39,7 @@ def test_numbers_are_continuous_where_it_touches_the_ground(station, friction, w
     def outputs_with(length):
         return held(Tether(initial_length=length), *ends, friction, wind)
 
-    lengths = np.linspace(60.0, 90.0, 601)
+    lengths = np.linspace(60.0, 90.0, 151)
     lies = [outputs_with(length).grounded_length > 0.0 for length in lengths]
     first = int(np.argmax(lies))
     assert first > 0
@@ -72,7 +72,7 @@ def test_numbers_are_continuous_where_it_touches_the_ground(station, friction, w
 def test_numbers_are_continuous_along_a_path(path, wind, friction):
     """Four times as many steps along it make the largest jump smaller, by a factor above that of a root where it begins."""
     rope = over_ground(Tether(initial_length=95.0), friction)
-    found = [forces(between(rope, *path(t), wind)) for t in np.linspace(0.0, 1.0, 1601)]
+    found = [forces(between(rope, *path(t), wind)) for t in np.linspace(0.0, 1.0, 801)]
     assert jumps(found) < 0.75 * jumps(found[::4])
 
 

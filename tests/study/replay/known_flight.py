@@ -1,5 +1,7 @@
 """A flight of known motion, logs of it in several forms, and what a log becomes when it is flown."""
 
+from functools import cache
+
 import numpy as np
 import pandas as pd
 
@@ -110,6 +112,11 @@ def motions(time):
 
 def full(every=0.1, duration=120.0):
     """A log of the known flight, DataFrame with the digits that loggers write."""
+    return _full(every, duration).copy()
+
+
+@cache
+def _full(every, duration):
     made = motions(np.round(np.arange(0.0, duration, every), 6))
     return made.round({"lat": 8, "lon": 8, **dict.fromkeys(made.columns.drop(["time", "lat", "lon", "phase"]), 3)})
 

@@ -9,6 +9,7 @@ import pandas as pd
 import pytest
 from matplotlib.image import imread
 
+from coarse_figures import PART
 from isolation import in_own_process
 from tetherfmu.__main__ import main as tetherfmu
 from tetherfmu.files.scene_files import load
@@ -56,8 +57,8 @@ def test_all_files_are_there(folder):
 @pytest.mark.parametrize("name", ["flight.png", "shapes.png"])
 def test_figures_are_as_wide_as_a_page(folder, name):
     height, width, _ = imread(folder / name).shape
-    assert width == figures.WIDTH * figures.DPI
-    assert 350 <= height <= 1200
+    assert width == pytest.approx(PART * figures.WIDTH * figures.DPI, abs=1)
+    assert 350 * PART <= height <= 1200 * PART
 
 
 def test_series_for_a_tether(folder):

@@ -19,6 +19,7 @@ LEAST, OF_VECTORS = 0.6, 0.95  # minimum correlation of related signals; of all 
 AS_HIGH = 0.03  # permitted deficit of a nearer peak
 PARTS, QUANTILE = 10, 2.26  # of the jackknife, and of Student's distribution with one degree less, 95 %
 SHORTEST = 20.0  # s of a log
+ROUNDING = 1e-12  # of the squares of a signal that does not vary
 CLEAR, CLEAR_OF_SPEED = 0.2, 2.0  # s, doubtful delay; the second one if the speed is not the airspeed
 
 
@@ -135,7 +136,7 @@ def peak(a, b, step, around=None):
         shifts = shifts[np.abs(step * shifts - around) <= max(SMOOTHED, 2.0 * step)]
     if len(shifts) < 3:
         return np.nan, np.nan, np.nan
-    found = np.array([correlation(a, b, shift) for shift in shifts])
+    found = correlations(a, b, shifts)
     if not np.isfinite(found).any():
         return np.nan, np.nan, np.nan
     size = np.nan_to_num(np.abs(found))
@@ -145,18 +146,35 @@ def peak(a, b, step, around=None):
     part = 0.0
     if 0 < k < len(size) - 1 and (bend := size[k - 1] - 2.0 * size[k] + size[k + 1]) < 0.0:
         part = 0.5 * (size[k - 1] - size[k + 1]) / bend
-    return step * (shifts[k] + part), found[k], correlation(a, b, 0)
+    return step * (shifts[k] + part), found[k], correlations(a, b, np.zeros(1, int))[0]
 
 
-def correlation(a, b, shift):
-    """Correlation of a, this many steps later, with b, over all components; NaN with too few values."""
-    a, b = a[max(0, shift) : len(a) + min(0, shift)], b[max(0, -shift) : len(b) + min(0, -shift)]
-    known = np.isfinite(a).all(axis=1) & np.isfinite(b).all(axis=1)
-    if known.sum() < 0.3 * len(a):
-        return np.nan
-    a, b = a[known] - a[known].mean(axis=0), b[known] - b[known].mean(axis=0)
-    sizes = np.sqrt(np.sum(a**2) * np.sum(b**2))
-    return float(np.sum(a * b) / sizes) if sizes > 0.0 else np.nan
+def correlations(a, b, shifts):
+    """Correlations of a, later by consecutive numbers of steps, with b, over all components; NaN with too few values."""
+    (a, of_a), (b, of_b) = filled(a), filled(b)
+    both = sums(of_a, of_b, shifts)  # number of known pairs
+    products, squares = 0.0, np.zeros((2, 2, len(shifts)))  # of a and of b: about their means, and about 0
+    with np.errstate(invalid="ignore", divide="ignore"):
+        for x, y in zip(a.T, b.T, strict=True):
+            of_x, of_y = sums(x, of_b, shifts), sums(of_a, y, shifts)
+            about_0 = np.array([sums(x * x, of_b, shifts), sums(of_a, y * y, shifts)])
+            squares += about_0 - np.square([of_x, of_y]) / both, about_0
+            products = products + sums(x, y, shifts) - of_x * of_y / both
+        varies = (squares[0] > ROUNDING * squares[1]).all(axis=0)
+        enough = both >= 0.3 * (len(a) - np.abs(shifts))
+        return np.where(varies & enough, products / np.sqrt(squares[0].prod(axis=0)), np.nan)
+
+
+def filled(values):
+    """Values about their means, 0 where a component is unknown, and as (times,) 1.0 where all are known."""
+    known = np.isfinite(values).all(axis=1)
+    return np.where(known[:, None], values - (values[known].mean(axis=0) if known.any() else 0.0), 0.0), known.astype(float)
+
+
+def sums(a, b, shifts):
+    """Sums of a, later by each of consecutive numbers of steps, times b; beyond its ends a is 0."""
+    first = len(a) + shifts[0]
+    return np.correlate(np.pad(a, len(a))[first : first + len(a) + len(shifts) - 1], b)
 
 
 def judge(log, delays):

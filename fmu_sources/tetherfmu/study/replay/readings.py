@@ -76,9 +76,8 @@ def leave_out_held(table, names, longest_gap, report):
         return
     values, time = table[[*names]].to_numpy(copy=True), table["time"].to_numpy()
     first, last = runs_of(values)
-    held = np.zeros(len(time), bool)
-    for i, j in zip(first, last, strict=True):
-        held[i + 1 : j + 1] = time[j] - time[i] <= longest_gap
+    held = np.repeat(time[last] - time[first] <= longest_gap, last - first + 1)
+    held[first] = False
     if held.mean() > HELD and not is_coarse(values):
         name, why = names[0].partition("[")[0], "which repeat the reading above, as a slower sensor does"
         report.count(f"left out of {name}", int(held.sum()), len(held), why)
