@@ -25,7 +25,7 @@ from ..equations.properties import (
     rest_length,
     section_of,
 )
-from ..equations.ropes import first_of, freed_of, goes_on, has_sheaves, is_portion, runs_off
+from ..equations.ropes import first_of, freed_of, goes_on, has_sheaves, is_freed, is_portion, runs_off
 from ..linear_algebra.vectors import ZERO_VECTOR, add, add_at, add_scaled, dot, get, put, scale, sub
 from ..notes import note
 
