@@ -6,6 +6,7 @@ from collections import namedtuple
 from pathlib import Path
 from types import SimpleNamespace
 
+import numpy as np
 import pandas as pd
 import pytest
 from matplotlib.text import Text
@@ -65,7 +66,8 @@ def test_letters_of_the_scenes_are_large_enough(monkeypatch, tmp_path):
     """On a page that is 700 pixels wide no letter is smaller than 11 pixels, which the text of the page is not far from."""
     kept = []
     monkeypatch.setattr("advice.figures.save", lambda figure, path: kept.append(figure))
-    points = pd.DataFrame({"variant": VARIANTS, "error": [0.1, 0.03, 0.01, 0.003], "cost": [1e-6, 1e-5, 2e-5, 1e-4]})
+    error, cost = (np.geomspace(*ends, len(VARIANTS)) for ends in ((0.1, 0.003), (1e-6, 1e-4)))
+    points = pd.DataFrame({"variant": VARIANTS, "error": error, "cost": cost})
     reference = SimpleNamespace(own_error=lambda names: 1e-4)
     scenes = map(namedtuple("Named", "name"), "abcdefgh")
     draw_scenes({scene: (reference, points, None) for scene in scenes}, (), tmp_path / "scenes.svg")
