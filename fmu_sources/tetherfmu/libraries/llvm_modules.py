@@ -52,7 +52,7 @@ RARE = (
     "step12plausibility",
     "step13power_balance",
 )
-OF_FIXED_STEPS = "motion11fixed_steps", "points7descent", "points5guess"  # short too in a browser, which loads them
+IN_A_BROWSER = "motion11fixed_steps", "points7descent", "points5guess", "points3net"  # short too where they are downloaded
 
 
 def whole_module(code, short=RARE):

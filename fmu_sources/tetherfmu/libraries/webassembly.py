@@ -149,7 +149,7 @@ def write(path, codes):
     exported = [name for variant in VARIANTS for name in ahead_of_time.names_of(variant) if name not in idle]
     texts = dict.fromkeys(text for code in codes for text in code.texts)
     names = {name: entry for code in codes for name, entry in code.names.items() if entry in exported}
-    text = str(llvm_modules.whole_module(Code(list(texts), names), llvm_modules.RARE + llvm_modules.OF_FIXED_STEPS))
+    text = str(llvm_modules.whole_module(Code(list(texts), names), llvm_modules.RARE + llvm_modules.IN_A_BROWSER))
     content = linked(object_file(_small(text), exported, f"{FEATURES},{LANES}"), exported)
     path.parent.mkdir(exist_ok=True)
     ahead_of_time.write(path, content)
