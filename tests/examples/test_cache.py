@@ -18,7 +18,9 @@ def home(tmp_path, monkeypatch):
     """The folder where they are kept in this test."""
     monkeypatch.setattr(sys, "platform", "linux")
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "kept"))
-    return tmp_path / "kept" / "tetherfmu"
+    cache.folder.cache_clear()
+    yield tmp_path / "kept" / "tetherfmu"
+    cache.folder.cache_clear()
 
 
 def test_a_flight_writes_its_figures_alone_into_the_folder_one_is_in(home, tmp_path, monkeypatch, capsys):

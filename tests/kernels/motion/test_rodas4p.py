@@ -139,7 +139,7 @@ MOTIONS = {
 }
 
 
-@pytest.mark.filterwarnings("ignore::tetherfmu.PlausibilityWarning")
+@pytest.mark.filterwarnings("ignore::tetherfmu.PlausibilityWarning")  # ends and loads that no kite has
 @pytest.mark.parametrize("motion", MOTIONS.values(), ids=MOTIONS)
 def test_observed_order(motion):
     """The slope of log error over log step is 4, with moving ends and a growing tether (explicit time derivative)."""
