@@ -78,15 +78,19 @@ def slips_at(solver=ADAPTIVE):
     return None
 
 
-def flown_held(through, solver=ADAPTIVE):
-    """Nodes and forces of a mass between two points, in wind, with a winch; on one line over a sheave, or on two."""
+def flown_held(through, solver=ADAPTIVE, segments=6, others=()):
+    """Nodes and forces of a mass between two points, in wind, with a winch; on one line over a sheave, or on two.
+
+    segments : of the rope on each side.  others : tethers in series beyond it.
+    """
     points = [Point("a", (-7.0, 0.0, 0.0)), Point("s", mass=40.0), Point("b", (7.0, 0.0, 0.3))]
-    of_rope = {**LIGHT, "axial_damping": 300.0, "drag": 1.0}
+    of_rope, beyond = {**LIGHT, "axial_damping": 300.0, "drag": 1.0}, sum(each.initial_length for each in others)
     if through:
         sheave = {"through": ["s"], "initial_portions": [10.0, 10.0], "sheave_friction": 5.0}
-        lines = [Line("one", "a", "b", rope(20.0, **of_rope), **sheave)]
+        lines = [Line("one", "a", "b", (rope(20.0 - beyond, segments, **of_rope), *others), **sheave)]
     else:
-        lines = [Line("one", "a", "s", rope(10.0, **of_rope)), Line("two", "s", "b", rope(10.0, **of_rope))]
+        lines = [Line("one", "a", "s", rope(10.0, segments, **of_rope))]
+        lines.append(Line("two", "s", "b", (rope(10.0 - beyond, segments, **of_rope), *others)))
     system = TetherSystem(points, lines, solver=solver)
     system.initialize((8.0, 1.0, 0.0))
     found = []
