@@ -22,14 +22,13 @@ from ..points.coordinates import (
 from ..rest.resting_line import given_position, is_any_sought, is_sought
 from ..rest.resting_ropes import part_of_drum
 
+LEAST_PART = 0.01  # of a distance that is left for the rope over the sheave beside sections beyond it
+
 
 @kernel
 def has_several(system, k):
     """Whether line k carries a sought drum that is not equivalent to a winch of its own."""
     return has_sought_drum(system, k) and not is_alone(system, k)
-
-
-LEAST_PART = 0.01  # of a distance that sections beyond the one over the sheave take up
 
 
 @kernel
