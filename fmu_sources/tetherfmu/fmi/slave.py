@@ -21,7 +21,7 @@ _KITE_END = slice(layout.KITE_POSITION, layout.KITE_VELOCITY + 3)  # inputs of t
 
 
 def _sheave(row, values):
-    """Arguments of `put_sheaves`, from a row of `Wiring.sheaves` and all values."""
+    """Arguments of `put_sheaves`, from `WiredLine.sheave` and all values."""
     kind, *references = row
     defaults = (0.0, 0.0, 0.0, 1.0)
     given = zip(references, defaults, strict=False)
@@ -58,7 +58,7 @@ class TetherSlave(BaseSlave):
         self._outputs_at, self._parameters_at, count = wiring.ends
         self._kite_is_free = wiring.is_direct and wiring.record.kite_is_free
         room = count - self._parameters_at if wiring.is_direct else 0
-        self._instance = Instance(self._kernels(), wiring.lines, wiring.free, wiring.band, room)
+        self._instance = Instance(self._kernels(), wiring.running, wiring.free, wiring.band, room)
         self._watch_positions()
         first = self._instance.outputs_at
         found = [(reference, [first + place for place in places]) for reference, places in wiring.outputs]
@@ -123,8 +123,9 @@ class TetherSlave(BaseSlave):
             self._give()
             return self._shown(self._instance.start())
         before = self.values[_KITE_END]
-        (row,) = self._wiring.quantities
-        first = next(reference for name, reference, _ in row if name == "initial_kite_position[1]")
+        first = next(
+            reference for name, reference, _ in self._wiring.lines[0].quantities if name == "initial_kite_position[1]"
+        )
         self.values[_KITE_END] = self.values[first : first + len(before)]
         problem = self._instance.start()
         if problem:
@@ -151,17 +152,17 @@ class TetherSlave(BaseSlave):
             _check(each, values[each.place])
         lines = (
             (
-                line.name,
-                [default if reference < 0 else values[reference] for _, reference, default in row],
+                each.running.name,
+                [default if reference < 0 else values[reference] for _, reference, default in each.quantities],
                 1,
-                [point != DRIVEN for point in (line.start_point, line.end_point)],
-                [0.0 if reference < 0 else values[reference] for reference in masses],
+                [point != DRIVEN for point in (each.running.start_point, each.running.end_point)],
+                [0.0 if reference < 0 else values[reference] for reference in each.carried],
             )
-            for line, row, masses in zip(wiring.lines, wiring.quantities, wiring.carried, strict=True)
+            for each in wiring.lines
         )
         sought = [(place, int(values[reference] == layout.START_AT_REST)) for place, reference in wiring.starts]
         counts, parameters = pack_lines(self._instance.kernels, lines, tolerance, int(self._kite_is_free))
-        put_sheaves(counts, parameters, [_sheave(row, values) for row in wiring.sheaves or [(0,)] * len(counts)])
+        put_sheaves(counts, parameters, [_sheave(each.sheave, values) for each in wiring.lines])
         put_holders(counts, parameters, wiring.holders)
         return counts, parameters, sought
 

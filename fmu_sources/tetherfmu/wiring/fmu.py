@@ -46,6 +46,15 @@ CONTROLS = {  # of lines at shared winches
 FORCES = ("ground_force", "kite_force", "force", "tension_from", "tension_to")  # smooth ones count in derivatives
 
 
+class WiredLine(NamedTuple):
+    """A line of the kernels, and the references of its numbers."""
+
+    running: RunningLine
+    quantities: list  # (name, reference, default) in the order of the kernel `pack`
+    carried: tuple = (-1, -1)  # of the masses of free points at its start and end: one line carries them
+    sheave: tuple = (0, -1, -1, -1, -1)  # `layout.IS_PORTION`, and references of the next numbers, -1 for the default
+
+
 class Wiring(NamedTuple):
     """One FMU. Fields with a default are empty for a single tether, whose inputs and outputs are the kernel arrays."""
 
@@ -54,10 +63,8 @@ class Wiring(NamedTuple):
     table: tuple  # of `variables.Variable`, of the full FMU
     shown: tuple  # the variables that this FMU has, in the order of its description
     ends: tuple  # number of inputs, of inputs and outputs, and of all values
-    lines: tuple  # `instance.RunningLine` of each
-    quantities: list  # of each line: (name, reference, default) in the order of the kernel `pack`
+    lines: tuple  # of `WiredLine`
     inputs: list  # (place, reference, line, place among its inputs); of a load: -1, place among the loads
-    carried: list  # of each line the references of the masses of free points at its start and end: one line carries them
     outputs: tuple = ()  # (reference, places): the sum of the numbers there
     motion: tuple = ()  # of free points: (reference, line, 1 at its end, component from 0 to 5)
     starts: tuple = ()  # (place in the plan, reference) of the starts of free points
@@ -67,12 +74,16 @@ class Wiring(NamedTuple):
     free: tuple = ()  # names of the free points
     band: int = 0  # of their matrix
     holders: tuple = ()  # rows (line, place in its parameters, number), see `holders_of`
-    sheaves: tuple = ()  # for each line `layout.IS_PORTION`, and the references of the next numbers, -1 for the default
 
     @property
     def is_direct(self):
         """Whether inputs and outputs of the FMU are the kernel arrays, as for a single tether."""
         return self.record is not None
+
+    @property
+    def running(self):
+        """`instance.RunningLine` of each line, a tuple."""
+        return tuple(line.running for line in self.lines)
 
     @property
     def library(self):
@@ -91,7 +102,7 @@ class Wiring(NamedTuple):
         fixed = [each for each in self.table if each.causality == PARAMETER]
         found = [(each.place, *row) for each in fixed for row in doubts_in(each.name, each.quantity)]
         own = {each.name: each.place for each in fixed}
-        if self.lines[0].wind_points:
+        if self.lines[0].running.wind_points:
             found.append((own["wind_profile"], 1.0, UNIFORM, IDLE_PROFILE))
         if self.record and "breaking_force" in self.record.ignored:
             found.append((own["breaking_force"], 1.0, 0.0, IDLE_BREAKING))
@@ -102,6 +113,7 @@ def of_tether(variant, options):
     """`Wiring` of a tether alone with these build options, see `fmi.resources.DEFAULT_OPTIONS`."""
     table, shape_points, wind_points = table_of(variant, options), options["shape_points"], options.get("wind_points", 0)
     fixed = [each for each in table if each.causality == PARAMETER]
+    quantities = [(each.name, each.place, 0.0) for each in fixed]
     given = at.inputs_size(wind_points)
     return Wiring(
         name=variant,
@@ -109,10 +121,8 @@ def of_tether(variant, options):
         table=table,
         shown=shown(table, frozenset(options.get("left_out", ()))),
         ends=(given, fixed[0].place, fixed[-1].place + 1),
-        lines=(line_of_tether(shape_points, wind_points),),
-        quantities=[[(each.name, each.place, 0.0) for each in fixed]],
+        lines=(WiredLine(line_of_tether(shape_points, wind_points), quantities),),
         inputs=[(place, place, 0, place) for place in range(given)],
-        carried=[(-1, -1)],
     )
 
 
@@ -131,10 +141,13 @@ def of_system(system, left_out=(), starts=()):
         table=table,
         shown=shown(table, frozenset(left_out)),
         ends=(given, len(table) - fixed, len(table)),
-        lines=lines_of(system),
-        quantities=[_quantities_of(system, each, own) for each in all_portions(system.lines)],
+        lines=tuple(
+            WiredLine(
+                running, _quantities_of(system, each, own), [own.get(f"{p}.mass", -1) for p in points], _sheave_of(each, own)
+            )
+            for running, each, points in zip(lines_of(system), all_portions(system.lines), carried(system), strict=True)
+        ),
         inputs=[(place, own[name], *row) for place, name, *row in inputs_of(system) if name in own],
-        carried=[[own[f"{point}.mass"] if point else -1 for point in points] for points in carried(system)],
         outputs=tuple(_outputs_of(system, own)),
         motion=tuple(_motion_of(system, own)),
         held=tuple((place, own[name], *row) for place, name, *row in held_of(system)),
@@ -144,7 +157,6 @@ def of_system(system, left_out=(), starts=()):
         free=system.free,
         band=system.band,
         holders=holders_of(system),
-        sheaves=tuple(_sheaves_of(system, own)),
     )
 
 
@@ -263,12 +275,11 @@ def _quantities_of(system, portion, places):
     return found
 
 
-def _sheaves_of(system, places):
-    """Rows of portions of lines over sheaves, and of the sheaves at their ends."""
-    for each in all_portions(system.lines):
-        kind = int(at.BEHIND_SHEAVE) if each.number else 1
-        own = [f"{each.line.name}.{name}[{each.number + 1}]" for name in ("initial_portions", *SHEAVE_QUANTITIES)]
-        yield kind if each.is_portion else 0, *(places.get(name, -1) for name in own)
+def _sheave_of(portion, places):
+    """Row of a portion of a line over sheaves, and of the sheave at its end."""
+    own = (f"{portion.line.name}.{name}[{portion.number + 1}]" for name in ("initial_portions", *SHEAVE_QUANTITIES))
+    kind = 0 if not portion.is_portion else int(at.BEHIND_SHEAVE) if portion.number else 1
+    return kind, *(places.get(name, -1) for name in own)
 
 
 def inputs_of(system):

@@ -101,8 +101,8 @@ def _sizes(wiring):
     given, end, values = wiring.ends
     sizes = {"INPUTS": given, "OUTPUTS_AT": given, "PARAMETERS_AT": end, "PARAMETERS": values - end, "VALUES": values}
     sizes |= {"TIME": values, "LINES": len(wiring.lines), "FREE_POINTS": len(wiring.free)}
-    sizes |= {"INPUTS_OF_A_LINE": len(wiring.lines[0].inputs)}
-    empty = sum(layout.state_size(0, line.wind_points) for line in wiring.lines)
+    sizes |= {"INPUTS_OF_A_LINE": len(wiring.running[0].inputs)}
+    empty = sum(layout.state_size(0, line.wind_points) for line in wiring.running)
     slope = layout.state_size(1) - layout.state_size(0)
     return [
         c_enumeration(sizes | {"PLAN_SIZE": plan_layout.plan_size(len(wiring.lines))}),
@@ -112,9 +112,9 @@ def _sizes(wiring):
 
 def _inputs(wiring):
     """Name of each input of the FMU by its place; of each line names and scales of its inputs."""
-    listed = (*inputs.INPUT_TABLE, *(wiring.lines[0].wind_points * (inputs.WIND_AT,)))
+    listed = (*inputs.INPUT_TABLE, *(wiring.running[0].wind_points * (inputs.WIND_AT,)))
     numbers = [inputs.SCALES.index(each.scale) for each in listed for _ in range(each.size)]
-    names = [line.inputs for line in wiring.lines]
+    names = [line.inputs for line in wiring.running]
     own = {each.place: each.name for each in wiring.table}
     if wiring.is_direct:
         own |= dict(enumerate(names[0]))  # also quantities of other tethers
@@ -129,7 +129,7 @@ def _inputs(wiring):
 
 def _words(wiring):
     """Pairs of texts that are others in sentences about all lines (first) and about each of them; an empty one ends them."""
-    rows = [OF_ALL_LINES if any(line.name for line in wiring.lines) else (), *(line.words for line in wiring.lines)]
+    rows = [OF_ALL_LINES if any(line.name for line in wiring.running) else (), *(line.words for line in wiring.running)]
     listed = [[*(text for pair in row for text in pair), ""] for row in rows]
     ends = list(accumulate(map(len, listed), initial=0))
     return c_texts("WORDS", [text for row in listed for text in row]), c_numbers("int WORDS_AT", ends[:-1])
@@ -153,7 +153,7 @@ def room_of(kernels, wiring):
 
 def _given_plan(wiring):
     """The given part of the plan of lines, without their segments, an array."""
-    return Instance(None, wiring.lines, wiring.free, wiring.band).plan
+    return Instance(None, wiring.running, wiring.free, wiring.band).plan
 
 
 def most_room(states, others):
@@ -173,13 +173,13 @@ def _parameters(wiring, listed):
     """Names and allowed ranges of the parameters; for each line the places of its quantities for the kernel `pack`."""
     rows = ((c_text(each.name), c_text(each.quantity.range()), str(KINDS[each.kind])) for each in listed)
     doubts = ((str(place), repr(side), repr(limit), c_text(said)) for place, side, limit, said in wiring.doubtful)
-    first, *_ = wiring.quantities
+    first = wiring.lines[0].quantities
     names = [name for name, _, _ in first]
     numbers = {f"QUANTITY_{name.upper()}": names.index(name) for name in QUANTITIES}
     if wiring.record and wiring.record.kite_is_free:
         numbers["INITIAL_KITE_POSITION"] = names.index("initial_kite_position[1]")
-    places = ([str(each) for _, each, _ in row] for row in wiring.quantities)
-    defaults = ([repr(float(each)) for *_, each in row] for row in wiring.quantities)
+    places = ([str(place) for _, place, _ in each.quantities] for each in wiring.lines)
+    defaults = ([repr(float(default)) for *_, default in each.quantities] for each in wiring.lines)
     return [
         "typedef struct { const char *name, *range; int kind; } Parameter;",
         c_rows("Parameter PARAMETER", rows),
@@ -194,11 +194,11 @@ def _parameters(wiring, listed):
 def _lines(wiring):
     """Names of the lines, value references of their variables, and of forces."""
     own = {each.name: each.place for each in wiring.table}
-    prefixes = (f"{line.name.partition('[')[0]}." if line.name else "" for line in wiring.lines)  # also of a portion
+    prefixes = (f"{line.name.partition('[')[0]}." if line.name else "" for line in wiring.running)  # also of a portion
     slack, forces = (f"{prefix}slack_segments" for prefix in prefixes), (name for name in own if own_name(name) in FORCES)
     own = {"SLACK_SEGMENTS_AT": [own[name] for name in slack], "FORCE_AT": [own[name] for name in forces]}
     return [
-        c_texts("LINE_NAME", [line.name for line in wiring.lines]),
+        c_texts("LINE_NAME", [line.name for line in wiring.running]),
         *(c_numbers(f"unsigned {name}", references) for name, references in own.items()),
     ]
 
@@ -215,7 +215,7 @@ def _maps(wiring):
     counts |= {"HOLDERS": wiring.holders}
     counts |= {"STARTS": wiring.starts, "CHECKS": wiring.checked, "HELD_TERMS": wiring.held, "TURNED_TERMS": wiring.turned}
     limits = ((str(each.place), *map(repr, limits_of(each.quantity))) for each in wiring.checked)
-    masses = ", ".join(f"{{{a}, {b}}}" for a, b in wiring.carried)
+    masses = ", ".join(f"{{{a}, {b}}}" for a, b in (each.carried for each in wiring.lines))
     return [
         c_enumeration({name: len(listed) for name, listed in counts.items()}),
         _table("INPUT_FROM", ("place", "reference", "line", "own"), wiring.inputs),
@@ -230,7 +230,7 @@ def _maps(wiring):
         c_numbers("double TURNED_FACTOR", [row[2] for row in wiring.turned] or [0.0]),
         c_rows("struct { int reference; double lowest, highest; } CHECK", limits, empty="{0, 0.0, 0.0}"),
         f"static const int CARRIED[][2] = {{{masses}}};",
-        _table("SHEAVE", ("kind", "portion", "mass", "friction", "efficiency"), wiring.sheaves or [(0, -1, -1, -1, -1)]),
+        _table("SHEAVE", ("kind", "portion", "mass", "friction", "efficiency"), [each.sheave for each in wiring.lines]),
         c_texts("FREE_POINT_NAME", wiring.free or ("",)),
         c_numbers("int64_t GIVEN_PLAN", _given_plan(wiring)),
     ]

@@ -155,7 +155,7 @@ static void put_ends(const Arrays *arrays, int line)
 static void put_sheave(const Arrays *arrays, int line)
 {
     double *parameters = parameters_of(arrays, line), *values = arrays->values;
-    if (DIRECT || !SHEAVE[line].kind) return;
+    if (!SHEAVE[line].kind) return;
     parameters[AT_IS_PORTION] = SHEAVE[line].kind;
     parameters[AT_GIVEN_PORTION] = values[SHEAVE[line].portion];
     parameters[AT_SHEAVE_MASS] = SHEAVE[line].mass < 0 ? 0.0 : values[SHEAVE[line].mass];
