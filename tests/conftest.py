@@ -19,14 +19,19 @@ os.environ.setdefault("XDG_CACHE_HOME", KEPT.name)
 # a worker has one core; threads of numpy's linear algebra would wait for each other, with up to 40 times the processor time
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
+NOT_RELEASED = "not release"  # the marks of a run, by pyproject.toml, without what only a release has
 LONGEST_BUILD = 1800.0  # seconds, for what hangs; a cold build takes half a minute on an idle machine
 
 
-def compile_all():
-    """Compile the kernels for all platforms and browsers; returns at once if they are there."""
+def compile_all(for_release):
+    """Compile the kernels for this platform, or all that a release has; returns at once if they are there."""
+    from tetherfmu.libraries import ready
     from tetherfmu.libraries.webassembly import with_libraries
+    from tetherfmu.runtime.kernel_library import this_platform
 
-    with_libraries()
+    if for_release:
+        with_libraries()
+    ready.folders(ready.LIBRARIES, [this_platform()])
 
 
 def pytest_configure(config):
@@ -34,7 +39,7 @@ def pytest_configure(config):
     whole = config.args_source is config.ArgsSource.TESTPATHS and not config.option.collectonly
     if whole and not hasattr(config, "workerinput"):
         try:
-            compile_all()
+            compile_all(config.option.markexpr != NOT_RELEASED)
         except RuntimeError as error:
             pytest.exit(str(error), returncode=1)
 
@@ -45,13 +50,15 @@ SHARING = {  # tests that use what one process makes once: folder or file, and t
     "tests/physics/test_energy_balance.py": "compiled just in time",
     "tests/physics/test_node_winds.py": "compiled just in time",
     "tests/docs/make/test_benchmark_runs.py": "compiled just in time",
+    "tests/libraries/test_webassembly.py": "compiled for browsers",
+    "tests/web/": "compiled for browsers",
     "tests/runtime/test_c_host.py": "flown by FMPy",
     "tests/runtime/test_clients.py": "flown by FMPy",
 }
 
 
 # begin first, or one worker waits for the other at the end
-LONG = ("tests/kernels/", "tests/libraries/test_", "tests/study/measuring/test_cluster.py")
+LONG = ("tests/kernels/", "tests/libraries/test_", "tests/web/", "tests/study/measuring/test_cluster.py")
 
 
 class ByFile(LoadScopeScheduling):

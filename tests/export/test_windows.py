@@ -24,7 +24,7 @@ STEPS, STEP, POINTS = 100, 0.02, 5
 # the mathematical libraries differ in the last bit of log1p, asinh, ...; a step of the solver does not amplify that
 SAME = 1e-12
 
-pytestmark = pytest.mark.skipif(shutil.which("wine") is None, reason="wine is not installed")
+pytestmark = [pytest.mark.release, pytest.mark.skipif(shutil.which("wine") is None, reason="wine is not installed")]
 
 
 @pytest.fixture(scope="module")

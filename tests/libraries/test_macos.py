@@ -12,6 +12,8 @@ from tetherfmu.runtime.variants import VARIANTS
 MAGIC, DYNAMIC_LIBRARY, BUILD_VERSION, MACOS = 0xFEEDFACF, 6, 0x32, 1
 PROCESSORS = {"x86_64-darwin": 0x01000007, "aarch64-darwin": 0x0100000C}
 
+pytestmark = pytest.mark.release
+
 
 @pytest.mark.parametrize("platform", list(PROCESSORS))
 @pytest.mark.parametrize("variant", VARIANTS)

@@ -22,6 +22,7 @@ LARGEST = 1_250_000  # bytes of a library, for both kinds of x86-64; the largest
 SCRIPTS = "Scripts" if os.name == "nt" else "bin"
 PLACES = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}  # which would come before the wheel
 TURBULENT = "turbulent_circle", "turbulent_parked_kite"  # systems with a box of wind
+pytestmark = pytest.mark.release
 WITHOUT_COMPILER = 'import sys\nsys.modules |= dict.fromkeys(("numba", "llvmlite", "ziglang"))\n'
 
 

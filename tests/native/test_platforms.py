@@ -28,6 +28,8 @@ C_LIBRARY |= {"strtod", "strtol", "vsnprintf", "fputs", "stderr", "floor", *MATH
 UNIVERSAL, PROCESSORS = 0xCAFEBABE, {0x01000007, 0x0100000C}  # Apple's mach-o/fat.h and mach/machine.h
 NAME = "TetherDynamicFree"
 
+pytestmark = pytest.mark.release
+
 
 @pytest.fixture(scope="module")
 def everywhere(built_once):
