@@ -7,7 +7,6 @@ import sys
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -50,7 +49,7 @@ def test_statistics_of_a_sine():
     force = mean + amplitude * np.sin(2.0 * np.pi * periods * time)
     signals = {"kite_tension": force, "ground_tension": force, "peak_tension": 2.0 * force, "slack_segments": time >= 0.75}
     signals["broken"] = np.zeros(1000)
-    found = statistics_of(SimpleNamespace(of=signals.get), Statistics(("kite_tension",), (50.0, 100.0)), 0.001)
+    found = statistics_of(signals, Statistics(("kite_tension",), (50.0, 100.0)), 0.001)
     assert found["kite_tension_mean"] == pytest.approx(mean)
     assert found["kite_tension_rms"] == pytest.approx(np.sqrt(mean**2 + 0.5 * amplitude**2))
     assert found["kite_tension_p50"] == pytest.approx(mean)

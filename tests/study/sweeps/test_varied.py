@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from tetherfmu.study.sweeps.varied import all_varied, points, varied
+from tetherfmu.study.sweeps.varied import all_varied, points, unit_of, varied
 
 MEANT = {  # text: values in SI units
     "tether.diameter=3 mm..6 mm:4": (0.003, 0.004, 0.005, 0.006),
@@ -24,7 +24,7 @@ MEANT = {  # text: values in SI units
 def test_values(text, tmp_path):
     for number in (2, 1):
         (tmp_path / f"box_{number}.npz").touch()
-    found, wanted = varied(text, "circle", tmp_path).values, MEANT[text]
+    found, wanted = varied(text, folder=tmp_path).values, MEANT[text]
     assert found == pytest.approx(wanted, rel=1e-12) if isinstance(wanted[0], float) else found == wanted
 
 
@@ -62,11 +62,11 @@ WRONG = {
 @pytest.mark.parametrize("text", WRONG)
 def test_what_is_wrong_is_named(text, tmp_path):
     with pytest.raises(ValueError, match=re.escape(WRONG[text])):
-        varied(text, "circle", tmp_path)
+        varied(text, folder=tmp_path)
 
 
 def test_each_point_of_the_grid_has_all_samples():
-    quantities = all_varied(["diameter=0.003,0.004", "wind.speed~uniform(0, 8)", "gravity=9,10"], "circle", None)
+    quantities = all_varied(["diameter=0.003,0.004", "wind.speed~uniform(0, 8)", "gravity=9,10"], unit_of, None)
     found = points(quantities, 8, "latin_hypercube", 1)
     assert [tuple(name for name, _ in each) for each in found] == [("diameter", "wind.speed", "gravity")] * 32
     rows = np.array([[value for _, value in each] for each in found]).reshape(2, 2, 8, 3)
@@ -78,7 +78,7 @@ def test_each_point_of_the_grid_has_all_samples():
 
 @pytest.mark.parametrize("method", ["latin_hypercube", "sobol"])
 def test_samples_are_those_of_their_seed(method):
-    quantities = all_varied({"wind.speed": stats.norm(9.0, 1.0), "gravity": stats.uniform(9.0, 1.0)}, "circle", None)
+    quantities = all_varied({"wind.speed": stats.norm(9.0, 1.0), "gravity": stats.uniform(9.0, 1.0)}, unit_of, None)
     first, same, other = (points(quantities, 4, method, seed) for seed in (1, 1, 2))
     assert first == same
     assert first != other

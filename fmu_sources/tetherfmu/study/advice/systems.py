@@ -173,7 +173,7 @@ def explain(flight, advice):
 def advised(path, settings=(), budget=of_scenes.BUDGET):
     """`SystemFlight` of the file (Path) of a system, its `SystemAdvice`, and lines for people; arguments as of `advise`."""
     flight = load(path, settings)
-    if "releases" in flight.series:
+    if flight.has_release:
         raise SceneError(f"{path}: {NO_ADVICE}")
     now(f"flying {flight.found.name} with candidates and a finer one")
     with flown_from(path, "system"):

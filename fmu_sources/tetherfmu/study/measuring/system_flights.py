@@ -1,5 +1,6 @@
 """Flights of systems: motion follows the courses of the table [series], or continues from the start; with wind."""
 
+import hashlib
 from copy import deepcopy
 from dataclasses import dataclass, field, replace
 from warnings import catch_warnings
@@ -49,7 +50,18 @@ class SystemFlight:
     loads: dict = field(default_factory=dict)  # constant forces on free points [N], by name
     series: dict = field(default_factory=dict)  # motions: by argument of `TetherSystem.fly` a function of time by name
     wanted: Wanted = Wanted()
+    digest: str = ""  # of all that is in its files
     __post_init__ = check
+
+    @property
+    def name(self):
+        """Name of the system."""
+        return self.found.name
+
+    @property
+    def has_release(self):
+        """Whether a line is let go."""
+        return "releases" in self.series
 
     @property
     def every(self):
@@ -147,7 +159,8 @@ def with_values(table, settings):
 def read(table, folder, name):
     """`SystemFlight` from the table of a file in a folder; ValueError names the key. name : of the system without one."""
     found = files.read(table, name)
-    series, end = series_in(table.get("series", {}), found, folder)
+    series, courses = series_in(table.get("series", {}), found, folder)
+    end, contents = max((each.times[-1] for each in courses), default=0.0), b"".join(each.contents for each in courses)
     if "wind_velocity" in series and "wind" in table:
         raise ValueError("wind is given here and as series.wind_velocity; it must be given once")
     given = {"wind": record(Wind, table.get("wind", {}), "wind"), "series": series}
@@ -156,42 +169,42 @@ def read(table, folder, name):
     if "duration" in table:
         given["duration"] = value_of(SystemFlight, "duration", table["duration"], "")
     elif end > 0.0:
-        given["duration"] = max(end, dict(quantities(SystemFlight))["duration"].minimum)
-    flight = SystemFlight(found, **given)
+        given["duration"] = max(float(end), dict(quantities(SystemFlight))["duration"].minimum)
+    digest = hashlib.sha256(repr((found.name, table, contents)).encode()).hexdigest()[:16]
+    flight = SystemFlight(found, **given, digest=digest)
     refuse(flight)
     return flight
 
 
 def series_in(table, found, folder):
-    """Courses of the table [series] of a file, as `SystemFlight.series`, and the last time of a row [s].
+    """Courses of the table [series] of a file, as `SystemFlight.series`, and a list of them.
 
     found : `SystemFile`.  folder : of CSV files.  ValueError names the key.
     """
     require(table, "series", table)
-    known, series, end = driven_by(found), {}, 0.0
-    ways = {}
+    known, series, courses, ways = driven_by(found), {}, [], {}
     for name, own in table.items():
         if name == "wind_velocity":
             series[name] = course("series.wind_velocity", own, name, "m/s", 3, folder)
-            end = max(end, series[name].times[-1])
+            courses.append(series[name])
             continue
         if name not in known:
             raise ValueError(f"unknown key series.{name}{meant_or_all(name, [*known, 'wind_velocity'], 'known are {}')}")
         require(own, f"series.{name}", known[name])
         for what, value in own.items():
             made = course(f"series.{name}.{what}", value, what, *known[name][what], folder)
-            end = max(end, made.times[-1])
+            courses.append(made)
             if what in MOVED:
                 ways.setdefault(name, {})[what] = made
             else:
                 series.setdefault({"load": "loads"}.get(what) or ARGUMENTS[what], {})[name] = made
     starts = {each.name: each.position for each in found.points}
-    for name, courses in ways.items():
+    for name, own in ways.items():
         with prefixed(f"series.{name} "):
-            way = Way(courses, starts[name])
+            way = Way(own, starts[name])
         series.setdefault("positions", {})[name] = way.position
         series.setdefault("velocities", {})[name] = way.velocity
-    return series, float(end)
+    return series, courses
 
 
 def driven_by(found):

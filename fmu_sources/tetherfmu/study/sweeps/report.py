@@ -232,8 +232,7 @@ def run(options):
     refused = int((table.refused != "").sum())
     duration = "" if "duration" in table.attrs["varied"] else f" of {scene.duration:g} s"
     broken = int(table.break_time.notna().sum())
-    has_release = scene.has_release if subject.unit_in else scene.flight.has_release
-    how = "broke or let go" if has_release else "broke"
+    how = "broke or let go" if (scene.flight if isinstance(config, Config) else scene).has_release else "broke"
     broke = f", {broken} {how}, as in flight {table.break_time.first_valid_index()}" if broken else ""
     print(f"{len(table)} flights{duration}, {refused} of them refused{broke}")
     if refused < len(table):

@@ -70,13 +70,11 @@ class Task(NamedTuple):
     flights: tuple  # pairs (key, values): pairs of name and value
 
 
-def values_of(flown, name, length=0.0):
-    """An output along a flight, array (rows,), of a force its magnitude; length : of the tether at the start [m]."""
-    if name == "payout":
-        return flown.of("tether_length") - length
-    if name == "power":
-        return flown.of("ground_tension") * flown.of("winch_speed")
-    return np.linalg.norm(getattr(flown, name), axis=1) if name in FORCES else flown.of(name)
+def columns_of(flown, length):
+    """`OUTPUTS` along a flight, a `Flown`, arrays (rows,) by name; length : of the tether at the start [m]."""
+    found = {name: flown.of(name) for name in SCALARS}
+    found |= {name: np.linalg.norm(getattr(flown, name), axis=1) for name in FORCES}
+    return found | {"power": found["ground_tension"] * found["winch_speed"], "payout": found["tether_length"] - length}
 
 
 def counted(series):
@@ -93,29 +91,28 @@ def counted(series):
     return count, largest, bins
 
 
-def statistics_of(flown, wanted, step, length=0.0):
+def statistics_of(columns, wanted, step):
     """Statistics of a flight, a dict of numbers by `Statistics.columns`, and as `bins` the result of `counted`.
 
-    flown : `Flown` or `systems.Columns`, with a row for each communication step [s].  wanted : `Statistics`.
-    length : of the tether at the start [m].
+    columns : outputs by name, arrays with a row for each communication step [s].  wanted : `Statistics`.
     """
     rows = slice(round(wanted.start / step), None)
     found: dict[str, Any] = {}
     for name in wanted.outputs:
-        values = values_of(flown, name, length)[rows]
+        values = columns[name][rows]
         found |= {f"{name}_max": values.max(), f"{name}_min": values.min()}
         found |= {f"{name}_mean": values.mean(), f"{name}_rms": np.sqrt(np.mean(values**2))}
         if own_name(name) == "power":
-            of_phases = results.phases(flown.of(f"{name.removesuffix('power')}winch_speed")[rows])
+            of_phases = results.phases(columns[f"{name.removesuffix('power')}winch_speed"][rows])
             found |= {f"{name}_mean_{phase}": values[mask].mean() for phase, mask in of_phases.items() if mask.any()}
         shares = np.percentile(values, wanted.percentiles) if wanted.percentiles else ()
         found |= {f"{name}_p{each:g}": value for each, value in zip(wanted.percentiles, shares, strict=True)}
-    cycles, largest, bins = counted(values_of(flown, wanted.cycles_of, length)[rows])
-    found |= {"peak_tension": flown.of("peak_tension")[rows].max(), "cycles": cycles, "largest_cycle": largest}
-    found["time_slack"] = step * np.count_nonzero(flown.of("slack_segments")[rows])
-    found["broken"] = flown.of("broken")[-1]
+    cycles, largest, bins = counted(columns[wanted.cycles_of][rows])
+    found |= {"peak_tension": columns["peak_tension"][rows].max(), "cycles": cycles, "largest_cycle": largest}
+    found["time_slack"] = step * np.count_nonzero(columns["slack_segments"][rows])
+    found["broken"] = columns["broken"][-1]
     if found["broken"]:
-        found["break_time"] = flown.of("break_time")[-1]
+        found["break_time"] = columns["break_time"][-1]
     return {name: float(value) for name, value in found.items()} | {"bins": bins}
 
 
@@ -128,7 +125,7 @@ def fly(task, values):
         found = run(replace(scene, every=task.config.step), task.config)
     except (ValueError, OSError) as error:  # also StepRefused and WrongUse
         return {"refused": one_line(error)}
-    return statistics_of(found.flown, task.statistics, task.config.step, found.length)
+    return statistics_of(columns_of(found.flown, found.length), task.statistics, task.config.step)
 
 
 def fly_all(task):

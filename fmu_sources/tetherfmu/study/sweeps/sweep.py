@@ -4,6 +4,7 @@ import math
 import sys
 from concurrent.futures import as_completed
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -11,9 +12,9 @@ import pandas as pd
 
 from tetherfmu.console.ending import WorkersLost
 from tetherfmu.files.named import named_scenes, named_systems, path_of
-from tetherfmu.files.scene_files import SceneError, load, read
-from tetherfmu.files.settings import with_settings
-from tetherfmu.files.toml_files import WrongUse, tables_of
+from tetherfmu.files.scene_files import Scene, SceneError, load, read
+from tetherfmu.files.settings import check_settings, with_settings
+from tetherfmu.files.toml_files import WrongUse, check_once, tables_of
 from tetherfmu.runtime.naming import check_names, prefixed
 from tetherfmu.runtime.parameters import DEFAULT_TOLERANCE, Tether
 from tetherfmu.runtime.variants import BY_NAME, VARIANTS
@@ -24,7 +25,7 @@ from tetherfmu.study.measuring.store import Store, key
 
 from . import systems
 from .statistics import USUAL, Statistics, Task, fly_all
-from .varied import all_varied, points
+from .varied import all_varied, points, unit_of
 
 FLIGHTS = "flights.jsonl"  # file of finished flights
 STEP = 0.02  # default communication step [s]
@@ -49,24 +50,24 @@ def config_of(scene, tether, segments, step):
     return Config(tether, segments if variant.has_nodes else 0, DEFAULT_TOLERANCE if variant.has_waves else 0.0, step)
 
 
-def config_of_system(tether, segments, step, base):
-    """`SystemConfig` of all flights of a sweep of a `systems.Base`; ValueError for what its file decides."""
+def config_of_system(tether, segments, step, flight):
+    """`SystemConfig` of all flights of a sweep of a `SystemFlight`; ValueError for what its file decides."""
     if tether != "dynamic":
         raise ValueError(f"tether is {tether}; the lines of a system are dynamic")
     if segments is not None:
         raise ValueError("segments are those of each line of a system, lines.NAME.segments")
-    return systems.SystemConfig(step or base.flight.wanted.communication_step)
+    return systems.SystemConfig(step or flight.wanted.communication_step)
 
 
 class Subject(NamedTuple):
     """What a sweep flies: a scene or a system."""
 
-    base: Any  # `Scene` or `systems.Base`, with the settings of all flights
+    base: Any  # `Scene` or `SystemFlight`, with the settings of all flights
     path: Path
     table: dict  # of the file, with these settings
     config: Any
-    unit_in: Any  # as for `all_varied`
-    kind: str  # of the flight of a scene
+    unit_in: Any  # as for `all_varied`, as the next one
+    check: Any
 
 
 def subject_of(scene, settings, tether, segments, step, quiet=False):
@@ -76,22 +77,22 @@ def subject_of(scene, settings, tether, segments, step, quiet=False):
     if system_flights.is_system(path):
         with prefixed(f"{path}: ", SceneError):
             table = system_flights.with_values(tables_of(path), settings)
-            base = systems.base(table, path.parent, path.stem)
+            base = system_flights.read(table, path.parent, path.stem)
         config = config_of_system(tether, segments, step, base)
-        return Subject(base, path, table, config, systems.unit_in(base.flight), "")
+        return Subject(base, path, table, config, systems.unit_in(base), check_once)
     base = load(path, settings, quiet=quiet)
     table = with_settings(tables_of(path), settings)
     config = config_of(base, tether, Tether.segments if segments is None else segments, step)
-    return Subject(base, path, table, config, None, table["flight"]["kind"])
+    return Subject(base, path, table, config, partial(unit_of, flight=table["flight"]["kind"]), check_settings)
 
 
 def statistics_for(subject, names, outputs, percentiles, cycles_of, start):
     """`Statistics` of a `Subject`; None for the usual ones. names : of what is varied. ValueError for wrong ones."""
     rest = tuple(map(float, percentiles))
-    if subject.unit_in is None:
+    if isinstance(subject.base, Scene):
         given = Statistics(tuple(outputs or USUAL.outputs), rest, cycles_of or USUAL.cycles_of, float(start))
         return given.checked()
-    flight = subject.base.flight
+    flight = subject.base
     listed = systems.outputs_of(flight, outputs, names)
     counted = cycles_of or f"{flight.found.lines[0].name}.{systems.USUAL[0]}"
     return Statistics(listed, rest, counted, float(start)).checked(systems.known_outputs(flight))
@@ -100,10 +101,10 @@ def statistics_for(subject, names, outputs, percentiles, cycles_of, start):
 def tasks_of(task, scene, missing):
     """Tasks of the missing flights, so large that the overhead is small: a list of `Task`.
 
-    task : `Task` without flights.  scene : or a `systems.Base`.  missing : pairs (key, values).
+    task : `Task` without flights.  scene : or a `SystemFlight`.  missing : pairs (key, values).
     """
     is_system = isinstance(task.config, systems.SystemConfig)
-    cost = systems.cost_of(scene.flight, task.config) if is_system else least_cost(scene, task.config) * scene.duration
+    cost = systems.cost_of(scene, task.config) if is_system else least_cost(scene, task.config) * scene.duration
     cost = max(1e-4, cost)
     size = max(1, min(math.ceil(TASK / cost), MOST_PER_TASK, math.ceil(len(missing) / FEWEST_TASKS)))
     return [task._replace(flights=tuple(missing[k : k + size])) for k in range(0, len(missing), size)]
@@ -235,8 +236,8 @@ def sweep(
     True
     """
     subject = subject_of(scene, settings, tether, segments, step)
-    base, path, table, config, unit_in, kind = subject
-    quantities = all_varied(vary, kind, path.parent, settings, unit_in)
+    base, path, table, config, unit_in, check = subject
+    quantities = all_varied(vary, unit_in, path.parent, settings, check)
     statistics = statistics_for(subject, [each.name for each in quantities], outputs, percentiles, cycles_of, start)
     if not 0.0 <= start < base.duration:
         raise WrongUse(f"start is {start:g} s; it must be at least 0 s and less than the duration, {base.duration:g} s")
@@ -249,7 +250,7 @@ def sweep(
         )
     task = Task(table, path.parent, base.name, config, statistics, ())
     values = points(quantities, int(samples), method, seed)
-    for doubt in doubts_of_extremes(task, quantities, values) if unit_in is None else ():
+    for doubt in doubts_of_extremes(task, quantities, values) if isinstance(base, Scene) else ():
         if doubt not in base.doubts():  # printed by `load`
             print(f"{path}: {doubt}", file=sys.stderr)
     keys = [key(base.digest, *config, *statistics, *statistics.columns(), each) for each in values]

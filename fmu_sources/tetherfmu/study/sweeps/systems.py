@@ -1,6 +1,5 @@
 """Sweeps of systems of tethers: what their files can vary, their outputs, and a flight with varied values."""
 
-import hashlib
 from dataclasses import replace
 from typing import NamedTuple
 from warnings import catch_warnings
@@ -10,7 +9,7 @@ import numpy as np
 from tetherfmu.files.driven import WINCH
 from tetherfmu.files.settings import ELEMENT, OF_THE_WIND
 from tetherfmu.files.system_files import KEYS_OF_A_LINE, KEYS_OF_A_POINT, KEYS_OF_A_WINCH
-from tetherfmu.files.toml_files import TABLE_OF_GROUND, contents_of, keys_of
+from tetherfmu.files.toml_files import TABLE_OF_GROUND, keys_of
 from tetherfmu.files.winds import Wind
 from tetherfmu.python.system import TetherSystem
 from tetherfmu.records.problems import PlausibilityWarning
@@ -18,7 +17,6 @@ from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.inputs import ZERO
 from tetherfmu.runtime.naming import meant_or_all
 from tetherfmu.runtime.parameters import Environment, Solver
-from tetherfmu.runtime.quantities import can_be_given
 from tetherfmu.study.measuring import results
 from tetherfmu.study.measuring.system_flights import SystemFlight, Wanted, driven_by, read, with_values
 from tetherfmu.wiring.lines import Point
@@ -27,11 +25,12 @@ from tetherfmu.wiring.system_variables import table_of
 from tetherfmu.wiring.variables import OUTPUT
 from tetherfmu.wiring.winches import SharedWinch
 
-from .varied import unit_in_series
+from .varied import unit_in_series, unit_of_field
 
 USUAL = ("tension_from", "tension_to", *results.DERIVED)  # outputs, of all lines; the derived ones where a winch turns
 COST = 1e-6  # of a step, for each segment, about [s]
 TABLES = {"environment": Environment, "solver": Solver, "ground": TABLE_OF_GROUND, "wind": Wind, "wanted": Wanted}
+WORST = ("peak_tension", "slack_segments", "broken")  # outputs of which the largest of all lines counts
 FORCED = ("reel_out_speeds", "winch_forces", "winch_lengths")  # series of winches
 
 
@@ -43,65 +42,6 @@ class SystemConfig(NamedTuple):
     def words(self):
         """For people."""
         return f"dynamic tethers, communication step {1e3 * self.step:g} ms"
-
-
-class Base(NamedTuple):
-    """A system as its file has it, with settings: what a sweep needs of it."""
-
-    name: str
-    flight: SystemFlight
-    digest: str  # of all that is in its files
-
-    @property
-    def duration(self):
-        """Duration [s]."""
-        return self.flight.duration
-
-    @property
-    def has_release(self):
-        """Whether a line is let go."""
-        return "releases" in self.flight.series
-
-    def doubts(self):
-        """As of a scene: none."""
-        return ()
-
-
-class Columns:
-    """Series of a flight of a system by name, without the start, array (rows,); with those of all lines together."""
-
-    def __init__(self, columns, lines):
-        self._columns, self._lines = columns, lines
-
-    def of(self, name):
-        """A series; `peak_tension`, `slack_segments`, `broken` and `break_time` are the worst of all lines."""
-        if name in self._columns:
-            return self._columns[name][1:]
-        every = self._every(name)
-        if name != "break_time":
-            return every.max(axis=0)
-        return np.where(self._every("broken") > 0, every, np.inf).min(axis=0)
-
-    def _every(self, name):
-        """Output of all lines, array (lines, rows)."""
-        return np.array([self._columns[f"{line}.{name}"][1:] for line in self._lines])
-
-
-def base(table, folder, name):
-    """`Base` of the table of a file in a folder, with settings; ValueError names the key."""
-    flight = read(table, folder, name)
-    own = hashlib.sha256(repr(table).encode())
-    for file in files_in(table.get("series", {})):
-        own.update(contents_of(folder / file))
-    return Base(flight.found.name, flight, own.hexdigest()[:16])
-
-
-def files_in(series):
-    """Names of the CSV files in a table [series]."""
-    for key, value in series.items() if isinstance(series, dict) else ():
-        if key == "file" and isinstance(value, str):
-            yield value
-        yield from files_in(value)
 
 
 def unit_in(flight):
@@ -135,20 +75,11 @@ def unit_in(flight):
             raise ValueError(f"a system has no {name}; its values are in {', '.join(every)}")
         if last not in known:
             raise ValueError(f"a system has no {name}{meant_or_all(last, known)}")
-        return unit_of_field(kind, last, bool(element), section)
+        if kind is None:
+            return "N" if element and section == "loads" else None
+        return unit_of_field(kind, last, bool(element))
 
     return unit
-
-
-def unit_of_field(kind, key, is_element, section):
-    """Unit of a field of a record, of a load without one; None for another value than a number."""
-    if kind is None:
-        return "N" if is_element and section == "loads" else None
-    declared = dict(can_be_given(kind)).get(key)
-    if declared:
-        return None if declared.choices else declared.unit
-    facts = kind.__dataclass_fields__[key].metadata if key in kind.__dataclass_fields__ else {}
-    return facts.get("unit", "m/s" if kind is Wind else None) if is_element else None
 
 
 def outputs_of(flight, names, varied):
@@ -188,7 +119,10 @@ def known_outputs(flight):
 
 
 def flown(task, values):
-    """`Columns` of a flight of a `statistics.Task` with these values; ValueError or StepRefused if there is none."""
+    """Columns of a flight of a `statistics.Task` with these values, without the start, and of all lines together.
+
+    ValueError or StepRefused if there is none.
+    """
     flight = read(with_values(task.table, values), task.folder, task.name)
     system, step = TetherSystem.of(flight.found), task.config.step
     count = round(flight.duration / step)
@@ -197,7 +131,10 @@ def flown(task, values):
         start = flight.start(system)
         found = system.fly(count, step, **flight.given(time[:-1]))
     columns = results.with_power(results.of_system(time, start, found), system.winches)
-    return Columns(columns, [each.name for each in flight.found.lines])
+    columns = {name: values[1:] for name, values in columns.items()}
+    every = {own: np.array([columns[f"{line.name}.{own}"] for line in system.lines]) for own in (*WORST, "break_time")}
+    first = np.where(every["broken"] > 0, every["break_time"], np.inf).min(axis=0)
+    return columns | {own: every[own].max(axis=0) for own in WORST} | {"break_time": first}
 
 
 def cost_of(flight, config):

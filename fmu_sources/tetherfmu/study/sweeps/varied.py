@@ -24,7 +24,7 @@ from tetherfmu.files.driven import MOVED, OF_A_SCENE
 from tetherfmu.files.flights import KINDS
 from tetherfmu.files.scene_files import NOT_OF_A_SCENE, RECORDS, Scene
 from tetherfmu.files.settings import ELEMENT, OF_THE_WIND, SEED, check_settings, key_meant
-from tetherfmu.files.toml_files import check_once, in_si, keys_of
+from tetherfmu.files.toml_files import in_si, keys_of
 from tetherfmu.files.winds import Box
 from tetherfmu.runtime.inputs import BY_NAME
 from tetherfmu.runtime.naming import check_names, meant_or_all, prefixed
@@ -77,7 +77,7 @@ def unit_in_series(name, known):
     return unit
 
 
-def unit_of(name, flight):
+def unit_of(name, flight="circle"):
     """Unit of a value of a scene, "" for a dimensionless number, None for other values; ValueError if there is none.
 
     flight : kind of the flight of the scene.
@@ -99,10 +99,16 @@ def unit_of(name, flight):
     known += ["file"] if section == "wind" else []
     if last not in known:
         raise ValueError(f"a scene has no {name}{meant_or_all(last, known, f'{section} has {{}}')}")
-    if element:
-        return "m" if last == "origin" else "m/s"
-    declared = dict(can_be_given(kind)).get(last) if kind else None
-    return declared.unit if declared and not declared.choices else None
+    return unit_of_field(kind, last, bool(element)) if kind else None
+
+
+def unit_of_field(kind, key, is_element):
+    """Unit of a field of a record, or of an element of it; None for another value than a number."""
+    declared = dict(can_be_given(kind)).get(key)
+    if declared:
+        return None if declared.choices else declared.unit
+    facts = kind.__dataclass_fields__[key].metadata if key in kind.__dataclass_fields__ else {}
+    return facts.get("unit") if is_element else None
 
 
 def number_of(text, unit):
@@ -166,11 +172,10 @@ def listed(text, unit, folder):
     return tuple(found)
 
 
-def varied(text, flight="circle", folder=Path(), unit_in=None):
+def varied(text, unit_in=unit_of, folder=Path()):
     """`Varied` of a text such as ``wind.speed~weibull(2, 9 m/s)``; ValueError describes a problem in one line.
 
-    flight : kind of the flight of the scene.  folder : of the scene, where files are.  unit_in : `unit_of` for another file
-    than a scene, a function of the name.
+    unit_in : function of the name that returns its unit, as `unit_of`.  folder : of the scene, where files are.
 
     >>> varied("tether.diameter=3 mm..6 mm:4").values
     (0.003, 0.004, 0.005, 0.006)
@@ -179,7 +184,7 @@ def varied(text, flight="circle", folder=Path(), unit_in=None):
     if not found:
         raise ValueError(f"{text!r} is not possible; it must be {HOW}")
     name, how, rest = found.groups()
-    unit = unit_in(name) if unit_in else unit_of(name, flight)
+    unit = unit_in(name)
     with prefixed(f"{text!r}: "):
         if how == "~":
             written = DISTRIBUTION.fullmatch(rest)
@@ -194,16 +199,17 @@ def varied(text, flight="circle", folder=Path(), unit_in=None):
         return Varied(name, unit, listed(rest, unit, folder))
 
 
-def all_varied(given, flight, folder, settings=(), unit_in=None):
+def all_varied(given, unit_in, folder, settings=(), check=check_settings):
     """List of `Varied` from the arguments of `sweep`; ValueError describes a problem in one line.
 
     given : texts, or a dict of values (a sequence), or a distribution of scipy.stats, by name.
-    settings : pairs (name, value), equal in all flights, and not varied.  flight, unit_in : as for `varied`.
+    unit_in, folder : as for `varied`.  settings : pairs (name, value), equal in all flights, and not varied.
+    check : refuses names that set the same value, as `check_settings`.
     """
     if isinstance(given, dict):
         found = []
         for name, values in given.items():
-            unit = unit_in(name) if unit_in else unit_of(name, flight)
+            unit = unit_in(name)
             if hasattr(values, "ppf"):
                 found.append(Varied(name, unit, distribution=values))
                 continue
@@ -212,8 +218,8 @@ def all_varied(given, flight, folder, settings=(), unit_in=None):
                 Varied(name, unit, tuple(each.item() if isinstance(each, np.generic) else each for each in in_units))
             )
     else:
-        found = [varied(text, flight, folder, unit_in) for text in ([given] if isinstance(given, str) else given)]
-    (check_once if unit_in else check_settings)([*(name for name, _ in settings), *(each.name for each in found)])
+        found = [varied(text, unit_in, folder) for text in ([given] if isinstance(given, str) else given)]
+    check([*(name for name, _ in settings), *(each.name for each in found)])
     if not found:
         raise ValueError(f"nothing is varied; give at least one {HOW}")
     return found
@@ -222,9 +228,8 @@ def all_varied(given, flight, folder, settings=(), unit_in=None):
 METHODS = ("latin_hypercube", "sobol")
 
 
-def draws(quantities, samples, method, seed):
-    """Values of all quantities that have a distribution, list of tuples, one for each of the samples; [()] without any."""
-    drawn = [each for each in quantities if each.distribution is not None]
+def draws(drawn, samples, method, seed):
+    """Values of quantities that have a distribution, list of tuples, one for each of the samples; [()] without any."""
     if not drawn:
         return [()]
     from scipy.stats import qmc
@@ -240,14 +245,9 @@ def draws(quantities, samples, method, seed):
 
 def points(quantities, samples, method, seed):
     """Values of each flight, a list of tuples of pairs (name, value): all points of the grid, each with all samples."""
-    drawn = [each.name for each in quantities if each.distribution is not None]
+    drawn = [each for each in quantities if each.distribution is not None]
     grids = [each for each in quantities if each.distribution is None]
-    names = [*(each.name for each in grids), *drawn]
-    at_random = draws(quantities, samples, method, seed)
-    order = [each.name for each in quantities]
-    found = []
-    for on_grid in product(*(each.values for each in grids)):
-        for sample in at_random:
-            values = dict(zip(names, (*on_grid, *sample), strict=True))
-            found.append(tuple((name, values[name]) for name in order))
-    return found
+    names = [each.name for each in (*grids, *drawn)]
+    pairs = product(product(*(each.values for each in grids)), draws(drawn, samples, method, seed))
+    found = (dict(zip(names, (*on_grid, *sample), strict=True)) for on_grid, sample in pairs)
+    return [tuple((each.name, values[each.name]) for each in quantities) for values in found]
