@@ -255,13 +255,11 @@ def build_for_scene(wanted):
 
     wanted : result of `parse`, also in `build`.
     """
-    from tetherfmu.files.named import named_scenes, named_systems, path_of
     from tetherfmu.study.advice.scene_build import advised
-    from tetherfmu.study.measuring.system_flights import is_system
+    from tetherfmu.study.measuring.system_flights import file_of
 
-    with prefixed("", WrongUse):
-        path = path_of(wanted.scene, named_scenes() | named_systems())
-    if is_system(path):
+    path, is_system = file_of(wanted.scene)
+    if is_system:
         return build_for_system_of(wanted, path)
     now(f"flying {wanted.scene} with candidates and a finer model")
     text, met, name, options = advised(wanted.scene, wanted.shape_points, wanted.platforms, lean_of(wanted))

@@ -6,9 +6,7 @@ The examples are in a checkout, or in a wheel.
 from pathlib import Path
 
 from tetherfmu.console.ending import command
-from tetherfmu.files.toml_files import WrongUse
 from tetherfmu.libraries.examples import example
-from tetherfmu.runtime.naming import prefixed
 
 
 def is_scene(flight):
@@ -19,13 +17,11 @@ def is_scene(flight):
 
 def fly_scene(given, parser):
     """Fly the scene or the system that the options name; other options end the program with status 2."""
-    from tetherfmu.files.named import named_scenes, named_systems, path_of
-    from tetherfmu.study.measuring.system_flights import is_system
+    from tetherfmu.study.measuring.system_flights import file_of
 
-    scene, system = example("first_flight.scene_flight"), example("first_flight.system_flight")
-    with prefixed("", WrongUse):
-        given.log = path_of(given.log, named_scenes() | named_systems())
-    what, module = ("system", system) if is_system(given.log) else ("scene", scene)
+    given.log, is_system = file_of(given.log)
+    what = "system" if is_system else "scene"
+    module = example(f"first_flight.{what}_flight")
     for name, instead in module.IN_PLACE.items():
         if getattr(given, name):
             parser.error(f"--{name} is not for a {what}: {instead}")

@@ -27,8 +27,7 @@ SUBCOMMANDS = {
         "tetherfmu advise examples/scenes/circle.toml --fast",
     ),
     "tradeoff": Subcommand(
-        "measure error and cost of every configuration in a scene",
-        "tetherfmu tradeoff examples/scenes/circle.toml",
+        "measure error and cost of every configuration in a scene", "tetherfmu tradeoff examples/scenes/circle.toml"
     ),
     "sweep": Subcommand(
         "run a scene with many values, on a grid or at random, and write statistics",
@@ -39,12 +38,6 @@ SUBCOMMANDS = {
         "tetherfmu import examples/systems/moored.txt --out moored.toml",
         "tetherfmu.commands.importing",
     ),
-    "tutorial": Subcommand(
-        "list, run and copy the tutorial lessons",
-        "tetherfmu tutorial 06 --out plots",
-    ),
-    "web": Subcommand(
-        "write a page that flies a tether in the browser",
-        "tetherfmu web --serve",
-    ),
+    "tutorial": Subcommand("list, run and copy the tutorial lessons", "tetherfmu tutorial 06 --out plots"),
+    "web": Subcommand("write a page that flies a tether in the browser", "tetherfmu web --serve"),
 }

@@ -29,6 +29,8 @@ class PointOutputs(NamedTuple):
 class PortionOutputs(NamedTuple):
     """The portions and the sheaves of a line, at an instant; along a flight with a row for each kept step.
 
+    In the order of the outputs of the FMU.
+
     Attributes
     ----------
     length : (portions,) array

@@ -230,7 +230,7 @@ def test_fmu_flies_the_log(folder):
 
 def test_no_fmu_is_good_enough(made, monkeypatch, tmp_path, capsys):
     monkeypatch.setattr(scene.scene_build, "advised", lambda *_: ("No configuration is known", False, "", None))
-    assert command.build_fmu(tmp_path) == 1
+    assert scene.build(tmp_path) == 1
     assert "No configuration is known" in capsys.readouterr().out
     assert not list(tmp_path.iterdir())
 

@@ -11,10 +11,11 @@ import pytest
 from tests.study.replay.known_flight import enu, flown, motions
 from tetherfmu.files.toml_files import WrongUse
 from tetherfmu.runtime.inputs import by_name
+from tetherfmu.study.replay.columns import Smoothing
 from tetherfmu.study.replay.flight import STEP
-from tetherfmu.study.replay.smoothing import Noise, nodes_of, smooth
+from tetherfmu.study.replay.smoothing import nodes_of, smooth
 
-NOISE = Noise(0.8, 0.15, 4.0)
+NOISE = Smoothing(0.8, 0.15, 4.0)
 NOTHING_KNOWN = 1e9  # variance at the start; 1e-9 of a measurement's weight is left of it
 SAME = 1e-6  # m, m/s, m/s2: that, times accelerations of tens of m/s2, and rounding of P after the start
 
@@ -36,10 +37,12 @@ def filtered_and_smoothed(time, positions, velocities, noise):
     for k in range(len(time)):
         forward = None
         if k:
-            forward, q = transition(time[k] - time[k - 1], noise.acceleration)
+            forward, q = transition(time[k] - time[k - 1], noise.acceleration_change)
             x, p = forward @ x, forward @ p @ forward.T + q
         predicted.append((x, p, forward))
-        for place, (measured, deviation) in enumerate([(positions[k], noise.position), (velocities[k], noise.velocity)]):
+        for place, (measured, deviation) in enumerate(
+            [(positions[k], noise.position_noise), (velocities[k], noise.velocity_noise)]
+        ):
             if np.isfinite(measured):
                 h = np.eye(3)[place]
                 gain = p @ h / (h @ p @ h + deviation**2)
@@ -125,7 +128,7 @@ def test_it_is_linear_and_the_same_along_each_axis():
 def test_velocities_make_a_position_better_known():
     time, positions, velocities = regular()
     alone = smooth(time, positions, np.full_like(velocities, np.nan), NOISE)
-    assert smooth(time, positions, velocities, NOISE).deviation < 0.5 * alone.deviation < 0.5 * NOISE.position
+    assert smooth(time, positions, velocities, NOISE).deviation < 0.5 * alone.deviation < 0.5 * NOISE.position_noise
 
 
 def test_rows_that_are_very_close_are_joined():
@@ -148,14 +151,14 @@ def test_the_step_between_rows_does_no_harm(step):
     time = np.arange(0.0, 20.0, step)
     positions = 40.0 * np.sin(0.3 * time[:, None] + (0.0, 0.7, 1.9))
     velocities = 12.0 * np.cos(0.3 * time[:, None] + (0.0, 0.7, 1.9))
-    found = smooth(time, positions, velocities, Noise(1.0, 0.2, 5.0))
+    found = smooth(time, positions, velocities, Smoothing(1.0, 0.2, 5.0))
     assert np.abs(found.position - positions)[5:-5].max() < 0.01
     assert np.abs(found.velocity - velocities)[5:-5].max() < 0.02
 
 
 def test_the_unknowns_do_not_grow_with_the_rate():
     """20 minutes: at 100 Hz and at 1 kHz the same number of states, one in 10.5 ms at most."""
-    counts = [len(nodes_of(np.arange(0.0, 1200.0, step), Noise(1.0, 0.2, 5.0))) for step in (0.1, 0.01, 0.001)]
+    counts = [len(nodes_of(np.arange(0.0, 1200.0, step), Smoothing(1.0, 0.2, 5.0))) for step in (0.1, 0.01, 0.001)]
     assert counts[0] == 12_000
     assert max(counts) <= 1200.0 / 0.0105 + 1.0
 
@@ -164,7 +167,7 @@ def test_noises_that_are_too_far_apart_are_refused():
     time = np.arange(0.0, 20.0, 0.002)
     positions = 40.0 * np.sin(0.3 * time[:, None] + (0.0, 0.7, 1.9))
     with pytest.raises(WrongUse, match=r"position_noise 0.0001 m, velocity_noise 100 m/s .* too far apart"):
-        smooth(time, positions, np.full_like(positions, np.nan), Noise(1e-4, 1e2, 1e-3))
+        smooth(time, positions, np.full_like(positions, np.nan), Smoothing(1e-4, 1e2, 1e-3))
 
 
 def test_a_length_that_drives_the_winch_has_no_quanta(tmp_path):

@@ -42,12 +42,7 @@ ABOUT_1 = 1.001  # buoyancy over weight above which a line floats
 COLUMNS_OF_CABLEDYN, ITS_DRAG = 14, 10  # of a line type with shear and torsion, and where its Cd is
 DRIVEN = ("fixed", "fix", "anchor", "coupled", "vessel", "cpld", "ves", "fairlead")
 FREE = ("free", "point", "pnt", "connect", "con")
-GRAVITY, WATER, STIFF_BOTTOM, ITS_STIFF_BOTTOM = (
-    9.80665,
-    1025.0,
-    3e6,
-    1e5,
-)  # defaults of the options
+GRAVITY, WATER, STIFF_BOTTOM, ITS_STIFF_BOTTOM = (9.80665, 1025.0, 3e6, 1e5)  # defaults of the options
 # names of an option
 OF_GRAVITY, OF_WATER, OF_BOTTOM, OF_DAMPING = ("g", "gravity"), ("wtrdnsty", "rhow", "rho"), ("kbot", "kb"), ("cbot", "cb")
 OF_FRICTION, OF_START = ("frictioncoefficient", "frictionmu"), ("tmaxic", "ictmax")

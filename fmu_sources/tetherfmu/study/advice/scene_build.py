@@ -7,6 +7,7 @@ from tetherfmu.export.build_options import BuildOptions, Purpose
 from tetherfmu.files.lean import Lean
 from tetherfmu.files.scene_files import flown_from, load_for_advice
 from tetherfmu.study.measuring.fmus import inputs_of
+from tetherfmu.study.measuring.results import vector_of
 from tetherfmu.study.measuring.runs import fmu_of, parameters_of
 from tetherfmu.study.measuring.tables import percent
 from tetherfmu.wiring.system_variables import inputs_at
@@ -23,11 +24,6 @@ VECTORS = {  # outputs of the FMU that an output of a scene is made of, where th
 }
 KEPT = inputs_at("kite", "winch")  # never omitted: the motion or load of the kite, and inputs for any `winch_control`
 DIGITS = 12  # of start values: more are rounding
-
-
-def vector_of(name):
-    """Name of the vector that an element belongs to."""
-    return name.partition("[")[0]
 
 
 def needed(scene, inputs, table):
@@ -47,11 +43,6 @@ def needed(scene, inputs, table):
 def rounded(value):
     """A start value without the digits that are rounding."""
     return float(f"{value:.{DIGITS}g}") if isinstance(value, float) else value
-
-
-def vectors_in_words(names):
-    """Names of vectors instead of their elements."""
-    return ", ".join(dict.fromkeys(map(vector_of, names))) or "none"
 
 
 def advised(path, shape_points, platforms, given=Lean()):  # noqa: B008 (a constant)
@@ -76,11 +67,11 @@ def advised(path, shape_points, platforms, given=Lean()):  # noqa: B008 (a const
     starts = tuple((name, rounded(value)) for name, value in found.items())
     lean = replace(given, starts=()).over(scene.build.over(Lean(moving, asked, None, starts)))
     options = BuildOptions(config.segments or 1, points, platforms, lean, None, scene.wind_points)
-    missing = lean.left_out(table)
+    missing = ", ".join(dict.fromkeys(map(vector_of, lean.left_out(table)))) or "none"
     about = (
         f"For the scene {scene.name}: expected error of {', '.join(scene.wanted.outputs)} at most "
         f"{percent(advice.expected)} at a communication step of {1e3 * config.step:g} ms. Left out, and constant where it "
-        f"is an input: {vectors_in_words(missing)}."
+        f"is an input: {missing}."
     )
     page = body(f"# {scene.name}\n\n{about}\n\n```text\n{text}\n```")
     purpose = Purpose(scene.name, about, config.step, rounded(scene.duration), page)

@@ -17,15 +17,13 @@ import numpy as np
 import pandas as pd
 
 from tetherfmu.console.progress import now
-from tetherfmu.files.named import named_scenes, named_systems, path_of
 from tetherfmu.files.scene_files import NO_ADVICE, SceneError, flown_from
 from tetherfmu.records.problems import StepRefused
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime.naming import prefixed
 from tetherfmu.runtime.parameters import DEFAULT_TOLERANCE
 from tetherfmu.study.measuring.errors import TOLERANCE, even_part, refined, rms, settled, size
 from tetherfmu.study.measuring.runs import FIXED, UNITS, Run
-from tetherfmu.study.measuring.system_flights import is_system, load
+from tetherfmu.study.measuring.system_flights import file_of, load
 from tetherfmu.study.measuring.tables import page
 
 from . import advise as of_scenes
@@ -191,9 +189,8 @@ def start_values(flight, advice):
 
 def run_command(options):
     """Print the advice for the file of a system, or of a scene; returns 1 if nothing meets its requirements."""
-    with prefixed("", SceneError):
-        path = path_of(options.scene, named_scenes() | named_systems())
-    if not is_system(path):
+    path, is_system = file_of(options.scene)
+    if not is_system:
         return of_scenes.run(options)
     _, advice, text = advised(path, options.settings, of_scenes.FAST_BUDGET if options.fast else of_scenes.BUDGET)
     print(text)

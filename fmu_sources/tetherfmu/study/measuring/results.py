@@ -60,18 +60,13 @@ def of_system(time, start, flown):
     for line, rows in flown.outputs.items():
         for name, own in OF_A_LINE.items():
             put(f"{line}.{own}", getattr(start.lines[line], name), rows[:, PLACES[name]])
-        for field, name in zip(rows_of_portions(), (*OF_PORTIONS, *OF_SHEAVES), strict=True):
-            if line in flown.portions:
-                put(f"{line}.{name}", getattr(start.portions[line], field), getattr(flown.portions[line], field))
+        if portions := flown.portions.get(line):
+            for field, name in zip(portions._fields, (*OF_PORTIONS, *OF_SHEAVES), strict=True):
+                put(f"{line}.{name}", getattr(start.portions[line], field), getattr(portions, field))
     for winch, rows in flown.winches.items():
         for what in rows._fields:
             put(f"{winch}.{what}", getattr(start.winches[winch], what), getattr(rows, what))
     return found
-
-
-def rows_of_portions():
-    """Fields of `PortionOutputs` in the order of the outputs of the FMU."""
-    return "length", "tension_from", "tension_to", "payout", "speed"
 
 
 def since(columns, begin):

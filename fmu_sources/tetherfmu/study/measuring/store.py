@@ -14,8 +14,6 @@ from tetherfmu.libraries.whole_files import whole
 from .errors import DAMAGED, read_reference, write_reference
 
 POINTS = "points.jsonl"  # file of the points of a trade-off study
-
-
 KEPT = "the finished points are kept, and the same command continues from them"
 
 

@@ -11,6 +11,7 @@ from tetherfmu.files import system_files as files
 from tetherfmu.files.courses import RELEASE, course
 from tetherfmu.files.driven import MOVED, WINCH
 from tetherfmu.files.driven import Path as Way
+from tetherfmu.files.named import named_scenes, named_systems, path_of
 from tetherfmu.files.scene_files import EVERY, SceneError
 from tetherfmu.files.settings import put, with_settings
 from tetherfmu.files.system_files import OF_THE_FLIGHT, SystemFile
@@ -94,7 +95,8 @@ class SystemFlight:
     def given(self, time):
         """Arguments of `TetherSystem.fly` at times [s], a dict; of `step` and `initialize` at a time."""
         found = {"wind_velocity": self.wind_at(time), "loads": dict(self.loads)}
-        found["positions"] = straight_on(self.found, time)
+        driven = (each for each in self.found.points if each.is_driven)  # straight on
+        found["positions"] = {each.name: np.add(each.position, np.multiply.outer(time, each.velocity)) for each in driven}
         for what, own in self.series.items():
             if what != "wind_velocity":
                 found[what] = found.get(what, {}) | {name: each(time) for name, each in own.items()}
@@ -122,18 +124,14 @@ class SystemFlight:
         return {name: min(at.MAX_SEGMENTS, max(1, round(factor * count))) for name, count in own.items()}
 
 
-def straight_on(found, time):
-    """Positions [m] of the driven points of a `SystemFile` at times [s], arrays (times, 3) by name."""
-    driven = (each for each in found.points if each.is_driven)
-    return {each.name: np.add(each.position, np.multiply.outer(time, each.velocity)) for each in driven}
-
-
-def is_system(path):
-    """Whether a TOML file (Path) describes a system of tethers, by its table of points."""
+def file_of(given):
+    """Path of a scene or a system from a path or a name, and whether it is a system; SceneError for an unknown name."""
+    with prefixed("", SceneError):
+        path = path_of(given, named_scenes() | named_systems())
     try:
-        return "points" in tables_of(path)
+        return path, "points" in tables_of(path)
     except ValueError:
-        return False  # reported on reading
+        return path, False  # reported on reading
 
 
 def load(path, settings=()):

@@ -67,7 +67,7 @@ class Station:
 
 @dataclass(frozen=True)
 class Smoothing:
-    """Noise levels of the smoother; see `smoothing.Noise`."""
+    """Noise levels that the smoother assumes."""
 
     position_noise: float = quantity(1.0, "m", "standard deviation of a logged position", 1e-4, 1e3)
     velocity_noise: float = quantity(0.2, "m/s", "standard deviation of a logged velocity", 1e-4, 1e2)

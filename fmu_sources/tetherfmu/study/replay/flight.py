@@ -9,10 +9,10 @@ from scipy.signal import savgol_filter
 
 from tetherfmu.runtime.inputs import COUNT, by_name
 
-from . import checks
+from . import checks, delays
 from .log import Log
 from .readings import POSITION, VELOCITY, WIND, between
-from .smoothing import Noise, Smoothed, smooth
+from .smoothing import Smoothed, smooth
 
 SHORTEST = 5.0  # s, a flight
 EVERY = 0.1  # s between two rows of the results
@@ -157,14 +157,13 @@ def prepare(log, start=None, end=None):
     start, end = part_of(log, first if start is None else start, last if end is None else end)
     position, velocity = at_end_of_tether(log)
     refuse_gaps(log, position, start, end)
-    assumed = log.map.smoothing
-    noise = Noise(assumed.position_noise, assumed.velocity_noise, assumed.acceleration_change)
+    noise = log.map.smoothing
     motion = smooth(log.time, position, velocity, noise)
     rough = np.sqrt(np.nanmean((position - motion.position) ** 2))
-    also = f" and velocities (noise {noise.velocity:g} m/s)" if log.of(VELOCITY) is not None else ""
-    changing = f"acceleration changing by {noise.acceleration:g} m/s2 in 1 s"
+    also = f" and velocities (noise {noise.velocity_noise:g} m/s)" if log.of(VELOCITY) is not None else ""
+    changing = f"acceleration changing by {noise.acceleration_change:g} m/s2 in 1 s"
     log.report.say(
-        f"smoothed: positions (noise {noise.position:g} m){also}, {changing}; correction {rough:.2f} m rms, "
+        f"smoothed: positions (noise {noise.position_noise:g} m){also}, {changing}; correction {rough:.2f} m rms, "
         f"remaining uncertainty {motion.deviation:.2f} m"
     )
     return Flight(log, motion, start, end)
@@ -183,9 +182,8 @@ def part_of(log, start, end):
 
 def at_end_of_tether(log):
     """Position [m] and velocity [m/s] of the end of the tether, seen from the outlet, arrays (rows, 3); NaN: not known."""
-    late = log.map.delay
-    position = late_by(log, POSITION, late.kite_position) - np.array(log.map.station.outlet)
-    velocity = late_by(log, VELOCITY, late.kite_velocity)
+    log = delays.moved_by(log, vars(log.map.delay))
+    position, velocity = log.of(POSITION) - np.array(log.map.station.outlet), log.of(VELOCITY)
     if velocity is None:
         velocity = np.full_like(position, np.nan)
     if log.map.kite.end_below:
@@ -201,14 +199,6 @@ def at_end_of_tether(log):
         position = factor * position
         log.report.say(f"moved: positions by kite.end_below = {log.map.kite.end_below:g} m towards the station")
     return position, velocity
-
-
-def late_by(log, names, delay):
-    """Readings `delay` [s] later in the log, array (rows, names); None if the log lacks them."""
-    readings = log.of(names)
-    if readings is None or delay == 0.0:
-        return readings
-    return np.column_stack([np.interp(log.time + delay, log.time, column, np.nan, np.nan) for column in readings.T])
 
 
 def refuse_gaps(log, position, start, end):

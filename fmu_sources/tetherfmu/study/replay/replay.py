@@ -6,7 +6,6 @@ from pathlib import Path
 
 import pandas as pd
 
-from tetherfmu.console.ending import FAILED
 from tetherfmu.console.options import folder
 from tetherfmu.console.progress import now
 from tetherfmu.files.toml_files import WrongUse
@@ -189,14 +188,7 @@ def run(options):
     now("drawing")
     for path in write(made, place, Path(options.log).stem, options.html):
         print(path)
-    return build_fmu(place) if options.fmu else 0
-
-
-def build_fmu(place):
-    """Build the FMU of the scene in a folder, and print its path; returns 1 if none meets the requirements of the scene."""
-    if path := scene.build(place):
-        print(path)
-    return 0 if path else FAILED
+    return scene.build(place) if options.fmu else 0
 
 
 def write(made, place, name, html=False):

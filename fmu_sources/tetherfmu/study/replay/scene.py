@@ -5,6 +5,7 @@ import re
 
 import numpy as np
 
+from tetherfmu.console.ending import FAILED
 from tetherfmu.console.progress import now
 from tetherfmu.export import archive
 from tetherfmu.export.build_options import BuildOptions
@@ -87,14 +88,17 @@ def quoted(text):
 
 
 def build(place):
-    """Build the advised FMU for the scene in a folder; returns its path, None if nothing meets the requirements.
+    """Build the advised FMU for the scene in a folder, and print its path; returns 1 if nothing meets the requirements.
 
     Its start values are the values of the scene, see `advice.scene_build`.  SceneError if the scene fails.
     """
     now("flying the scene with candidates and a finer model")
     text, met, name, options = scene_build.advised(place / FILE, BuildOptions.shape_points, (this_platform(),))
     print(text)
-    return archive.build(name, place, options) if met else None
+    if not met:
+        return FAILED
+    print(archive.build(name, place, options))
+    return 0
 
 
 def write(made, place, name):

@@ -14,14 +14,6 @@ FEWEST_NODES = 10
 LOST = 0.01  # of the noise of a position: mean residual, which is 0 without rounding
 
 
-class Noise(NamedTuple):
-    """Standard deviations that the smoother assumes."""
-
-    position: float  # of a measured position [m]
-    velocity: float  # of a measured velocity [m/s]
-    acceleration: float  # change of the acceleration of the kite in one second [m/s2]
-
-
 class Smoothed(NamedTuple):
     """Motion at the times of the measurements, arrays (times, 3), and the remaining noise."""
 
@@ -34,7 +26,7 @@ class Smoothed(NamedTuple):
 def smooth(time, positions, velocities, noise):
     """Most probable motion, `Smoothed`, from positions [m] and velocities [m/s], arrays (times, 3); NaN: not measured.
 
-    time : (times,) [s], increasing.  noise : `Noise`.
+    time : (times,) [s], increasing.  noise : `columns.Smoothing`.
 
     The acceleration of the point is a Wiener process, s' = (v, a, white noise) for s = (x, v, a). Its most probable motion
     is the result of the smoother of Rauch, Tung and Striebel (AIAA J. 3, 1965); here it is a single least squares problem
@@ -43,11 +35,12 @@ def smooth(time, positions, velocities, noise):
     v + a d. WrongUse if the noise levels are too far apart for the arithmetic.
     """
     nodes = nodes_of(time, noise)
-    bands, right = _transitions(np.diff(time[nodes]), noise.acceleration), np.zeros((STATES * len(nodes), 3))
+    bands, right = _transitions(np.diff(time[nodes]), noise.acceleration_change), np.zeros((STATES * len(nodes), 3))
     node = np.searchsorted(nodes, np.arange(len(time)), side="right") - 1
     late = time - time[nodes[node]]
     sees = np.stack([np.ones_like(late), late, late**2 / 2.0]), np.stack([np.zeros_like(late), np.ones_like(late), late])
-    for seen, measured, deviation in zip(sees, (positions, velocities), noise[:2], strict=True):
+    deviations = noise.position_noise, noise.velocity_noise
+    for seen, measured, deviation in zip(sees, (positions, velocities), deviations, strict=True):
         weights = np.isfinite(measured).all(axis=1) * seen / deviation**2
         for row in range(STATES):
             np.add.at(right, STATES * node + row, weights[row][:, None] * np.nan_to_num(measured))
@@ -74,8 +67,8 @@ def nodes_of(time, noise):
     The weight of a transition over h is 720 / (q^2 h^5) for shaking q, the weight of a position 1 / r^2; within a few
     hundredths of (r/q)^(2/5), in which shaking moves the kite by r, rounding would cancel the second.
     """
-    of_position = (noise.position / noise.acceleration) ** 0.4
-    of_velocity = (noise.velocity / noise.acceleration) ** (2.0 / 3.0)
+    of_position = (noise.position_noise / noise.acceleration_change) ** 0.4
+    of_velocity = (noise.velocity_noise / noise.acceleration_change) ** (2.0 / 3.0)
     closest = min(RESOLVED[0] * of_position, RESOLVED[1] * of_velocity, (time[-1] - time[0]) / FEWEST_NODES)
     if np.diff(time).min() >= closest:
         return np.arange(len(time))
@@ -89,10 +82,11 @@ def nodes_of(time, noise):
 
 def refuse_rounding(residuals, noise):
     """WrongUse if the residuals of the positions [m], array (known, 3), have a mean, which a shift of the motion removes."""
-    if not np.abs(residuals.mean(axis=0)).max() < LOST * noise.position:
+    if not np.abs(residuals.mean(axis=0)).max() < LOST * noise.position_noise:
         raise WrongUse(
-            f"positions cannot be smoothed with smoothing.position_noise {noise.position:g} m, velocity_noise "
-            f"{noise.velocity:g} m/s and acceleration_change {noise.acceleration:g} m/s2: they are too far apart"
+            f"positions cannot be smoothed with smoothing.position_noise {noise.position_noise:g} m, velocity_noise "
+            f"{noise.velocity_noise:g} m/s and acceleration_change {noise.acceleration_change:g} m/s2: they are too far "
+            "apart"
         )
 
 

@@ -11,7 +11,6 @@ from typing import Any, NamedTuple
 import pandas as pd
 
 from tetherfmu.console.ending import WorkersLost
-from tetherfmu.files.named import named_scenes, named_systems, path_of
 from tetherfmu.files.scene_files import Scene, SceneError, load, read
 from tetherfmu.files.settings import check_settings, with_settings
 from tetherfmu.files.toml_files import WrongUse, check_once, tables_of
@@ -72,9 +71,8 @@ class Subject(NamedTuple):
 
 def subject_of(scene, settings, tether, segments, step, quiet=False):
     """`Subject` of a file or a name; ValueError for a wrong one. Doubts on it are printed, unless it is to be quiet."""
-    with prefixed("", SceneError):
-        path = path_of(scene, named_scenes() | named_systems())
-    if system_flights.is_system(path):
+    path, is_system = system_flights.file_of(scene)
+    if is_system:
         with prefixed(f"{path}: ", SceneError):
             table = system_flights.with_values(tables_of(path), settings)
             base = system_flights.read(table, path.parent, path.stem)
