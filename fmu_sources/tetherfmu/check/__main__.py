@@ -14,17 +14,17 @@ from tetherfmu.console.ending import command
 from tetherfmu.console.options import Parser, file
 from tetherfmu.console.progress import now
 
-from . import inspection, soundness
-from .apart import LONGEST, apart, flown, validated
-from .findings import NOTE, OK, PROBLEM, Finding
+from . import inspection
+from .apart import LONGEST, apart, flown
 from .replay import evidence_of
+from .soundness import NOTE, OK, PROBLEM, Finding, archive
 
 VERSIONS = ("1", "2", "3")  # of FMI; FMUs of the first are validated only
 
 
 def findings(path):
     """All findings on an FMU that exists: list of `Finding`."""
-    found = soundness.archive(path)
+    found = archive(path)
     if any(each.level == PROBLEM for each in found):
         return found
     with zipfile.ZipFile(path) as opened:
@@ -32,7 +32,7 @@ def findings(path):
     version = inspection.fmi_version(path)
     if version not in VERSIONS:
         return [*found, Finding(PROBLEM, f"the fmiVersion is {version or 'missing'}; it must be {', '.join(VERSIONS)}")]
-    valid, problem = apart(validated, path, "FMPy's validation")
+    valid, problem = apart(inspection.description, path, "FMPy's validation")
     found += [problem] if problem else [Finding(*each) for each in valid]
     found += inspection.layout(names, version)
     run = inspection.platforms(names, version)

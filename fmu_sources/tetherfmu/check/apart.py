@@ -16,8 +16,8 @@ from pathlib import Path
 from tetherfmu.libraries.children import child
 
 from . import inspection
-from .findings import PROBLEM, Finding
 from .replay import evidence_of, replay
+from .soundness import PROBLEM, Finding
 
 LONGEST = 300  # seconds, of the clock and of the processor; a tether takes one or two
 LARGEST_FILE = 1_000_000_000  # bytes of a file that it writes
@@ -26,17 +26,12 @@ NOT_LOADED = "Failed to load shared library"  # FMPy's message
 TRAPS = "see `Traps for hosts` in docs/reference/fmi.md of TetherFMU"
 
 
-def validated(path):
-    """`inspection.description` of an FMU."""
-    return inspection.description(path)
-
-
 def flown(path):
     """Results of the evidence sets of an FMU by kind, and the units of its variables by name."""
     return {kind: replay(path, each) for kind, each in evidence_of(path).items()}, inspection.units(path)
 
 
-TASKS = {each.__name__: each for each in (validated, flown)}
+TASKS = {each.__name__: each for each in (inspection.description, flown)}
 
 
 def apart(task, path, what):

@@ -13,8 +13,7 @@ from pathlib import Path, PurePosixPath
 from tetherfmu.console.ending import one_line
 from tetherfmu.runtime.kernel_library import NO_LIBRARY_OF_PYTHONFMU, PYTHONFMU, platform_of, this_platform
 
-from .findings import NOTE, OK, PROBLEM, Finding
-from .soundness import DESCRIPTION
+from .soundness import DESCRIPTION, NOTE, OK, PROBLEM, Finding
 
 MADE_BY_PYTHONFMU = "resources/slavemodule.txt"
 KERNELS = "resources/kernels/"

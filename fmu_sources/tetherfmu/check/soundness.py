@@ -10,11 +10,12 @@ import struct
 import zipfile
 import zlib
 from pathlib import Path, PurePosixPath, PureWindowsPath
+from typing import NamedTuple
 from xml.parsers import expat
 
-from .findings import OK, PROBLEM, Finding
 from .replay import EVIDENCE_FOLDER
 
+OK, NOTE, PROBLEM = "ok", "note", "PROBLEM"  # levels of findings
 DESCRIPTION = "modelDescription.xml"
 READ_AS_XML = (DESCRIPTION, "terminalsAndIcons/terminalsAndIcons.xml", "sources/buildDescription.xml")  # by FMPy
 IDENTIFIER = "modelIdentifier"  # attribute that names the library
@@ -32,6 +33,14 @@ UNREADABLE = (
 )
 MOST = "this check accepts at most "
 AGAIN = "build or download the FMU again"
+
+
+class Finding(NamedTuple):
+    """One finding: its level (`OK`, `NOTE` or `PROBLEM`), its description, and the remedy if there is one."""
+
+    level: str
+    text: str
+    remedy: str = ""
 
 
 class Bounded(io.FileIO):

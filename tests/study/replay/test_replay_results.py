@@ -17,7 +17,7 @@ from tetherfmu.libraries.examples import EXAMPLES
 from tetherfmu.runtime import layout as at
 from tetherfmu.study.advice.advise import FAST_BUDGET, advise
 from tetherfmu.study.measuring import runs as measuring
-from tetherfmu.study.replay import comparison, figures, log, page, runs, scene
+from tetherfmu.study.replay import comparison, figures, log, runs, scene
 from tetherfmu.study.replay import replay as command
 from tetherfmu.study.replay.flight import prepare
 
@@ -163,7 +163,7 @@ def test_steps_that_were_refused(made, tmp_path):
     assert "# 10 times are left out" in (tmp_path / "scene.toml").read_text(encoding="utf-8")
     assert len(pd.read_csv(tmp_path / "flight.csv")) == len(table) - 10
     assert load(tmp_path / "scene.toml").duration == END - START
-    assert np.isfinite(page.seen(broken.flown["dynamic"]).kite_force).all()
+    assert np.isfinite(figures.seen(broken.flown["dynamic"]).kite_force).all()
 
 
 def test_a_tether_that_breaks_is_told():
@@ -179,14 +179,14 @@ def test_page_shows_the_flown_path_and_the_ground(made, monkeypatch, tmp_path):
     def write_page(flights, file, path, count, title, ground):
         seen.update(flights=flights, file=file, path=path, title=title, ground=ground)
 
-    monkeypatch.setattr(page, "drawing", lambda: SimpleNamespace(write_page=write_page))
-    assert page.write(made, tmp_path, "a <log>") == seen["file"] == tmp_path / "flight.html"
+    monkeypatch.setattr(figures, "drawing", lambda: SimpleNamespace(write_page=write_page))
+    assert figures.write_page(made, tmp_path, "a <log>") == seen["file"] == tmp_path / "flight.html"
     np.testing.assert_array_equal(seen["path"], made.flight.kite(made.flight.times)[0])
     assert seen["title"] == "Tether along the flight of a <log>"
     assert seen["ground"] is None
     (tether,) = seen["flights"].values()
     np.testing.assert_allclose(tether.shape[:, -1], seen["path"], atol=0.05)  # where the tether was at that time
-    page.write(flown(ground_contact="flat", ground_height=-7.5, tethers=("straight",)), tmp_path, "log")
+    figures.write_page(flown(ground_contact="flat", ground_height=-7.5, tethers=("straight",)), tmp_path, "log")
     assert seen["ground"] == -7.5
 
 

@@ -7,15 +7,18 @@ cost of all flights is bounded; results that are then still unknown are reported
 from math import ceil, inf, sqrt
 from typing import NamedTuple
 
+import numpy as np
+
 from tetherfmu.console.progress import now
 from tetherfmu.files.scene_files import flown_from, load_for_advice
+from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.plausibility import GROUND_IGNORED, SENTENCES, UNDER
 from tetherfmu.runtime.variants import TABLE
 from tetherfmu.study.measuring.errors import converged, worst
 from tetherfmu.study.measuring.runs import Config, fmu_of, least_cost
-from tetherfmu.study.measuring.tables import page
+from tetherfmu.study.measuring.tables import page, percent
 
 from .fixed import advise_fixed, explain_fixed
-from .ground import hanging, is_of_ground, lying
 from .reasons import numbers, reasons
 from .tradeoff import CLEARLY, SEGMENTS, TOLERANCES, Measured, ladder, measure, steps
 
@@ -27,6 +30,7 @@ CHECK_SEGMENTS = 1.8  # of the finer model to begin with: this over the root of 
 CHECK_STEP = 0.017  # its communication step to begin with [s], about
 FIRST_SEGMENTS = 11  # of the search
 MOST_SHAKING = 0.5  # [m/s2] by noise of positions: below it is not mentioned
+_, _, ANY_DEPTH = SENTENCES[GROUND_IGNORED].partition("}")  # the part of the sentence after the depth
 
 
 class Search:
@@ -135,6 +139,36 @@ def advise(scene, budget=BUDGET):
     chosen = min(good, key=lambda point: point.cost) if good else min(points, key=search.part)
     error, own = chosen.error(names), search.own
     return Advice(chosen, max(0.0, error - own), error + own, error + own <= allowed, search)
+
+
+def is_of_ground(sentence):
+    """Whether a sentence of `Run.implausible` equals the one of `hanging`, with any depth."""
+    return sentence.endswith(ANY_DEPTH)
+
+
+def lying(flown):
+    """A text on the part of the tether on the ground in a flight; empty if none ever is."""
+    lengths, lies = flown.of("tether_length"), flown.of("grounded_length")
+    if not lies.any():
+        return ""
+    most = np.argmax(lies)
+    return (
+        f"the tether lies on the ground during {percent(np.mean(lies > 0.0))} of the flight, with up to {lies[most]:.3g} m "
+        f"of its {lengths[most]:.3g} m"
+    )
+
+
+def hanging(scene, flown):
+    """Sentences on a tether that hangs below a ground without contact while both of its ends are above."""
+    if scene.ground.ground_contact == at.FLAT:
+        return
+    depth = scene.ground.ground_height - flown.shape[..., 2]
+    below = np.where((depth[:, [0, -1]] <= 0.0).all(axis=1), depth.max(axis=1), 0.0)
+    if below.max() > UNDER:
+        yield (
+            f"the tether hangs up to {below.max():.3g} m below ground.height, during {percent(np.mean(below > 0.0))} of the "
+            'flight; with contact = "flat" in the table [ground] it lies on the ground'
+        )
 
 
 def explain(scene, advice):

@@ -1,6 +1,7 @@
-"""Figures of a replay: the flight over time, and shapes of its tether from the side and from above."""
+"""Figures of a replay: the flight over time, and shapes of its tether, from the side and from above and in space."""
 
 from itertools import pairwise
+from types import SimpleNamespace
 
 import numpy as np
 from matplotlib import colormaps
@@ -10,11 +11,13 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from tetherfmu.console.colours import BLACK, COLOUR, GREY, GROUND, REFERENCE
+from tetherfmu.libraries.examples import example
 from tetherfmu.runtime import layout as at
+from tetherfmu.runtime.variants import class_name
 
 from .comparison import SETTLED, averaged
 from .flight import EVERY
-from .runs import TETHERS, words
+from .runs import FORCES, TETHERS, words
 
 WIDTH, DPI = 9.0, 100  # inches, and dots in each
 SHARE = 0.5, 99.5  # percentiles that set the scale of an axis
@@ -27,6 +30,7 @@ BORDERS, TALLEST = (0.85, 0.2, 1.25, 0.65), 6.5  # inches: left, right, below an
 ROOM = 5.0  # m, at least around shapes
 PALE = ("#BBCCEE", "#EEEEBB", "#CCDDAA", "#FFCCCC", "#CCEEFF", "#DDDDDD")  # of phases, from the palette of Tol (2021)
 LOGGED = {"color": REFERENCE, "linewidth": 3.0, "alpha": 0.8}  # looks of a measured curve
+PAGE, MOMENTS = "flight.html", 200  # file of the page in space, and how many moments it shows, at most
 LEADING = {"tension": "tension", "length": "length", "speed": "reel-out speed"}
 
 
@@ -337,3 +341,25 @@ def write(made, place, name):
     for file, figure in figures.items():
         figure.savefig(place / file, dpi=DPI, metadata={"Software": None})
     return [place / file for file in figures]
+
+
+def drawing():
+    """The module that draws pages; ModuleNotFoundError without plotly."""
+    return example("shared.flight_page")
+
+
+def seen(flown):
+    """Times [s], shapes [m] and end forces [N] of a `runs.Flown`, where its tether did not refuse."""
+    table, known = flown.table, np.isfinite(flown.shapes).all(axis=(1, 2))
+    forces = {end: table[[f"{end}[{i}]" for i in (1, 2, 3)]].to_numpy()[known] for end in FORCES}
+    return SimpleNamespace(time=table.time.to_numpy()[known], shape=flown.shapes[known], **forces)
+
+
+def write_page(made, place, name):
+    """Write the page of the finest tether of a `Replay` to a folder; returns its path."""
+    variant, flown = made.finest
+    ground, path = made.flight.log.map.ground, made.flight.kite(made.flight.times)[0]
+    height = ground.ground_height if ground.ground_contact == at.FLAT else None
+    title = f"Tether along the flight of {name}"
+    drawing().write_page({class_name(variant): seen(flown)}, place / PAGE, path, MOMENTS, title, height)
+    return place / PAGE

@@ -11,7 +11,7 @@ from tetherfmu.console.progress import now
 from tetherfmu.files.toml_files import WrongUse
 from tetherfmu.study.measuring.tables import markdown
 
-from . import comparison, figures, fitting, log, page, runs, scene
+from . import comparison, figures, fitting, log, runs, scene
 from .columns import KITEPOWER
 from .flight import MEASURED, Flight, prepare
 
@@ -176,7 +176,7 @@ def own_folder(name):
 def run(options):
     """The command `replay`; returns 1 if no FMU meets the requirements of its scene."""
     if options.html:
-        page.drawing()  # before the flight, which would be in vain without plotly
+        figures.drawing()  # before the flight, which would be in vain without plotly
     read = log.read(options.log, options.map or KITEPOWER, options.settings or ())
     flight = prepare(read, options.start, options.end)
     lead = options.lead or default_lead(read)
@@ -202,4 +202,4 @@ def write(made, place, name, html=False):
     made.errors.to_csv(place / "errors.csv", index=False, float_format="%.6g")
     written = [place / each for each in ("report.md", "series.csv", "errors.csv")]
     written += [*figures.write(made, place, name), *scene.write(made, place, name)]
-    return [*written, page.write(made, place, name)] if html else written
+    return [*written, figures.write_page(made, place, name)] if html else written
