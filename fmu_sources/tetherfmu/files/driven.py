@@ -87,18 +87,16 @@ class Driven:
 
     def __init__(self, flight, courses):
         self.flight, self.courses = flight, courses
-        self.kite_is_free, self.duration = flight.kite_is_free, flight.duration
-        self.scatter, self.shaking = flight.scatter, flight.shaking
         self.contents = flight.contents + b"".join(each.contents for each in courses.values())
         self.wind = courses.get("wind_velocity") or flight.wind
         self.has_length, self.has_force = ("winch_length" in courses), ("winch_force" in courses)
         controlled = {"winch_length", "winch_force"} & courses.keys()
         if not controlled:
             self.has_length, self.has_force = flight.has_length, flight.has_force
-        self.force = courses.get("winch_force") or getattr(flight, "force", None)
+        self.force = courses.get("winch_force") or flight.force
         self.initial_length = float(courses["winch_length"](0.0)) if "winch_length" in courses else flight.initial_length
         self.has_release = RELEASE in courses or flight.has_release
-        self.release_time = courses[RELEASE].first() if RELEASE in courses else getattr(flight, "release_time", np.inf)
+        self.release_time = courses[RELEASE].first() if RELEASE in courses else flight.release_time
         first = flight.motion(np.zeros(1))
         self._paths = {}
         for end in ("kite", "ground"):

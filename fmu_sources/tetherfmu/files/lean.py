@@ -4,6 +4,7 @@ Omitted variables are constant. `wiring/selection.py` has the part that runs in 
 """
 
 from collections.abc import Iterable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from warnings import warn
@@ -201,7 +202,10 @@ def _number(variable, value):
         if value not in TRUTHS:
             raise ValueError(f"{name} is {value!r}; it must be true or false")
         return TRUTHS[value]
-    value = _number_if_possible(value)
+    if isinstance(value, str):
+        value = value.strip()
+        with suppress(ValueError):
+            value = float(value)
     try:
         number = declared.numbers[value] if value in declared.numbers else in_si(value, declared.unit)
     except ValueError as error:
@@ -211,14 +215,6 @@ def _number(variable, value):
     if not float(number).is_integer():
         raise ValueError(NOT_WHOLE.format(name=name, value=number))
     return checked(name, int(number), declared)
-
-
-def _number_if_possible(value):
-    """A numeric text as a number; other values unchanged."""
-    try:
-        return float(value) if isinstance(value, str) else value
-    except ValueError:
-        return value.strip()
 
 
 # --- user input

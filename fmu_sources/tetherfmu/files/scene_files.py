@@ -145,10 +145,6 @@ class Scene:
         """Whether a force controls the winch."""
         return self.winch_force > 0.0 or self.flight.has_force
 
-    def force_of_winch(self, time):
-        """Winch force [N] at times [s], array (times,), for a force-controlled winch."""
-        return self.flight.force(time) if self.flight.has_force else np.full(np.shape(time), self.winch_force)
-
     def doubts(self):
         """Sentences on probable errors: other units, a tether far too short for its ends."""
         yield from doubts_of(self.tether, "tether.")
@@ -191,7 +187,9 @@ class Scene:
         given = dict(zip(ENDS, motion[: len(ENDS)], strict=True))
         given |= {"reel_out_speed": speed[:, np.newaxis], "wind_velocity": self.wind(time + 0.5 * step * exact)}
         if self.has_force:
-            given["winch_force"] = self.force_of_winch(time + 0.5 * step * exact)[:, np.newaxis]
+            given["winch_force"] = self.winch_force
+        if self.flight.has_force:
+            given["winch_force"] = self.flight.force(time + 0.5 * step * exact)[:, np.newaxis]
         if self.flight.has_length and not exact:
             given["winch_length"] = (self.tether.initial_length + motion.reeled)[:, np.newaxis]
         if self.flight.has_release:

@@ -8,7 +8,6 @@ import re
 import stat
 import tomllib
 from dataclasses import field, fields, make_dataclass
-from functools import partial
 from itertools import combinations
 from pathlib import Path
 
@@ -74,53 +73,36 @@ def name_in(table, name):
     return name
 
 
-def vector_in(unit, limit):
-    """Function that reads three numbers of this unit, or texts with units, within a limit, from a value of a file."""
-
-    def read_vector(value):
-        if not isinstance(value, list) or len(value) != 3:
-            raise ValueError(f"it must be three numbers [x, y, z] in {unit}")
-        numbers = tuple(float(in_si(each, unit)) for each in value)
-        if not all(abs(each) <= limit for each in numbers):  # NaN is not
-            raise ValueError(f"each must be a finite number of at most {limit:g} {unit} in magnitude")
-        return numbers
-
-    return read_vector
+def vector(value, unit, limit=at.LARGEST_INPUT):
+    """Three numbers of this unit, or texts with units, within a limit, from a value of a file."""
+    if not isinstance(value, list) or len(value) != 3:
+        raise ValueError(f"it must be three numbers [x, y, z] in {unit}")
+    found = tuple(float(in_si(each, unit)) for each in value)
+    if not all(abs(each) <= limit for each in found):  # NaN is not
+        raise ValueError(f"each must be a finite number of at most {limit:g} {unit} in magnitude")
+    return found
 
 
-def numbers_in(unit):
-    """Function that reads a number of this unit, or a text with a unit, or a list of them, from a value of a file."""
-
-    def read_numbers(value):
-        return tuple(in_si(each, unit) for each in value) if isinstance(value, list) else in_si(value, unit)
-
-    return read_numbers
+def numbers(value, unit):
+    """A number of this unit, or a text with a unit, or a tuple of them from a list, from a value of a file."""
+    return tuple(in_si(each, unit) for each in value) if isinstance(value, list) else in_si(value, unit)
 
 
-def list_in(unit):
-    """`numbers_in` for a list only."""
-
-    def read_list(value):
-        if not isinstance(value, list):
-            raise ValueError(f"it must be a list of numbers in {unit}")
-        return numbers_in(unit)(value)
-
-    return read_list
+def listed(value, unit):
+    """`numbers` of a list only."""
+    if not isinstance(value, list):
+        raise ValueError(f"it must be a list of numbers in {unit}")
+    return numbers(value, unit)
 
 
-def names_in(_unit):
-    """Function that reads names of points from a list in a file."""
-
-    def read_names(value):
-        if not isinstance(value, list) or not value or not all(isinstance(each, str) for each in value):
-            raise ValueError('it must be a list of names of points, as ["block"]')
-        return tuple(value)
-
-    return read_names
+def names(value, _unit):
+    """Names of points from a list in a file."""
+    if not isinstance(value, list) or not value or not all(isinstance(each, str) for each in value):
+        raise ValueError('it must be a list of names of points, as ["block"]')
+    return tuple(value)
 
 
-# factories of functions that read a form of `wiring.lines.given_in` in its unit
-FORMS = {"vector": partial(vector_in, limit=at.LARGEST_INPUT), "numbers": numbers_in, "list": list_in, "names": names_in}
+FORMS = {"vector": vector, "numbers": numbers, "list": listed, "names": names}  # of `wiring.lines.given_in`
 
 
 def ground_of(table, environment):
@@ -166,7 +148,7 @@ def value_of(kind, key, value, label):
     try:
         if declared is None:
             facts = kind.__dataclass_fields__[key].metadata
-            return (facts["read"] if "read" in facts else FORMS[facts["form"]](facts["unit"]))(value)
+            return facts["read"](value) if "read" in facts else FORMS[facts["form"]](value, facts["unit"])
         is_named = isinstance(value, str) and value in declared.numbers
         number = declared.numbers[value] if is_named else in_si(value, declared.unit)
     except ValueError as error:

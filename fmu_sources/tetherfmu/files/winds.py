@@ -6,7 +6,7 @@ their shape; for a slack tether the wind is off by its variation over the sag.
 """
 
 from dataclasses import dataclass, field, fields
-from functools import lru_cache
+from functools import lru_cache, partial
 from math import atan2, hypot
 
 import numpy as np
@@ -16,7 +16,7 @@ from tetherfmu.runtime.naming import prefixed
 from tetherfmu.runtime.quantities import check, quantity
 from tetherfmu.wind.frozen_turbulence import MeanWind, Reading, turbulence
 
-from .toml_files import WrongUse, record, require, vector_in
+from .toml_files import WrongUse, record, require, vector
 
 PROFILES = {at.UNIFORM: "uniform", at.POWER_LAW: "power_law"}  # mean wind profiles of a box
 
@@ -25,7 +25,9 @@ PROFILES = {at.UNIFORM: "uniform", at.POWER_LAW: "power_law"}  # mean wind profi
 class Wind:
     """Wind at the reference height of the environment: a mean and a gust that comes again, v (1 + g sin^2(pi t/P))."""
 
-    velocity: tuple = field(default=(0.0, 0.0, 0.0), metadata={"read": vector_in("m/s", 200.0), "unit": "m/s"})
+    velocity: tuple = field(
+        default=(0.0, 0.0, 0.0), metadata={"read": partial(vector, unit="m/s", limit=200.0), "unit": "m/s"}
+    )
     gust: float = quantity(0.0, "", "gust strength relative to the mean wind, g", minimum=0.0, maximum=10.0)
     gust_period: float = quantity(10.0, "s", "gust period, P", minimum=1e-3, maximum=1e6)
     __post_init__ = check
@@ -41,7 +43,7 @@ class Box(Reading):
     """How the box of a scene is read, where it is, and at how many points the tether has its wind."""
 
     wind_points: int = quantity(11, "", "wind points from the ground end to the kite end", 2, at.MAX_WIND_POINTS)
-    origin: tuple = field(default=(0.0, 0.0, 0.0), metadata={"read": vector_in("m", 1e6), "unit": "m"})
+    origin: tuple = field(default=(0.0, 0.0, 0.0), metadata={"read": partial(vector, unit="m", limit=1e6), "unit": "m"})
     __post_init__ = check
 
 

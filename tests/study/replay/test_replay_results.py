@@ -244,7 +244,7 @@ def test_a_file_as_folder_is_refused(tmp_path, capsys):
 
 
 def test_without_plotly_nothing_is_flown(tmp_path, monkeypatch, capsys):
-    page.drawing()
+    figures.drawing()
     monkeypatch.delitem(sys.modules, "shared.flight_page")
     monkeypatch.setitem(sys.modules, "plotly", None)
     assert tetherfmu(["replay", str(LOG), "--html", "--out", str(tmp_path / "new")]) == 2

@@ -57,15 +57,16 @@ class Settings:
     def __init__(self, text):
         self.pairs, self.used, self.partly = {}, set(), {}
         for section, node in pairs_in(composed(text)):
-            name = in_text(section, text)
-            for key, value in pairs_in(node) or [(section, node)]:
-                self._add(f"{name}.{in_text(key, text)}", key.start_mark.line + 1, value, text)
+            for own, value in pairs_in(node) or [(section, node)]:
+                key, count = f"{in_text(section, text)}.{in_text(own, text)}", own.start_mark.line + 1
+                if key in self.pairs:
+                    raise ValueError(f"row {count}: {key} is in row {self.pairs[key][0]}, too; keep one of them")
+                parts = value.value if isinstance(value, yaml.SequenceNode) else [value]
+                self.pairs[key] = count, in_text(value, text), [in_text(each, text) for each in parts]
 
-    def _add(self, key, count, node, text):
-        if key in self.pairs:
-            raise ValueError(f"row {count}: {key} is in row {self.pairs[key][0]}, too; keep one of them")
-        parts = node.value if isinstance(node, yaml.SequenceNode) else [node]
-        self.pairs[key] = count, in_text(node, text), [in_text(each, text) for each in parts]
+    def keys(self, *names):
+        """Keys with one of these names in any section, in the order of the names."""
+        return [key for name in names for key in self.pairs if key.partition(".")[2] == name]
 
     def all(self, *names):
         """Key, row and numbers (a list) of a quantity with several possible names; None if it is absent.
@@ -73,7 +74,7 @@ class Settings:
         ValueError names a row without a number, or two contradicting rows.
         """
         found = []
-        for key in (key for name in names for key in self.pairs if key.partition(".")[2] == name):
+        for key in self.keys(*names):
             self.used.add(key)
             count, _, texts = self.pairs[key]
             with row(count):
@@ -100,7 +101,7 @@ class Settings:
 
     def flag(self, name):
         """Whether a key is present and true; ValueError names a row that is neither true nor false."""
-        for key in (key for key in self.pairs if key.partition(".")[2] == name):
+        for key in self.keys(name):
             self.used.add(key)
             count, text, _ = self.pairs[key]
             if text.lower() not in ("true", "false"):
@@ -112,7 +113,7 @@ class Settings:
         """Dict of quantities of a record that are there, of a table as `TETHER`; ValueError names the row of a wrong one."""
         found = {}
         for quantity, (names, factor) in table.items():
-            key = next((key for name in names for key in self.pairs if key.partition(".")[2] == name), "")
+            key = next(iter(self.keys(*names)), "")
             value = self.first(*names, check=lambda value: value_of(kind, quantity, factor * value, f"{key}: "))  # noqa: B023
             if value is not None:
                 found[quantity] = factor * value

@@ -42,7 +42,7 @@ ABOUT_1 = 1.001  # buoyancy over weight above which a line floats
 COLUMNS_OF_CABLEDYN, ITS_DRAG = 14, 10  # of a line type with shear and torsion, and where its Cd is
 DRIVEN = ("fixed", "fix", "anchor", "coupled", "vessel", "cpld", "ves", "fairlead")
 FREE = ("free", "point", "pnt", "connect", "con")
-GRAVITY, WATER, STIFF_BOTTOM, ITS_STIFF_BOTTOM = (9.80665, 1025.0, 3e6, 1e5)  # defaults of the options
+GRAVITY, WATER, STIFF_BOTTOM, ITS_STIFF_BOTTOM = 9.80665, 1025.0, 3e6, 1e5  # defaults of the options
 # names of an option
 OF_GRAVITY, OF_WATER, OF_BOTTOM, OF_DAMPING = ("g", "gravity"), ("wtrdnsty", "rhow", "rho"), ("kbot", "kb"), ("cbot", "cb")
 OF_FRICTION, OF_START = ("frictioncoefficient", "frictionmu"), ("tmaxic", "ictmax")
@@ -164,7 +164,7 @@ class Deck:
         if of_body:
             position = self.on_body(of_body[1], position)
         elif kind in FREE:
-            if self.starts_at_rest():  # starts where it is in equilibrium, as there
+            if self.option(1.0, *OF_START) > 0.0:  # relaxed there before the start: it starts in equilibrium here, too
                 return {"mass": mass}, position
             return {"position": position, "mass": mass}, position
         elif kind not in DRIVEN:
@@ -172,10 +172,6 @@ class Deck:
         if mass:
             self.leave(count, f"point {words[0]}: mass {mass:g} kg, which its driver carries")
         return {"position": position}, position
-
-    def starts_at_rest(self):
-        """Whether the points are relaxed before the start: for longer than from one check to the next."""
-        return self.option(1.0, *OF_START) > 0.0
 
     def on_body(self, name, place):
         """Position of a point on a body at this place [m]; ValueError unless the body is fixed or driven."""

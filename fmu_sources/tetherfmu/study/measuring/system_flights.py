@@ -20,7 +20,7 @@ from tetherfmu.files.named import named_scenes, named_systems, path_of
 from tetherfmu.files.scene_files import EVERY, SceneError
 from tetherfmu.files.settings import put, with_settings
 from tetherfmu.files.system_files import OF_THE_FLIGHT, SystemFile
-from tetherfmu.files.toml_files import check_once, record, require, tables_of, value_of, vector_in
+from tetherfmu.files.toml_files import check_once, record, require, tables_of, value_of, vector
 from tetherfmu.files.winds import Wind
 from tetherfmu.python.given_inputs import LEADS
 from tetherfmu.python.system import TetherSystem
@@ -230,10 +230,10 @@ def driven_by(found):
 def loads_in(table):
     """Loads on free points [N], dict by name; ValueError names an unknown one."""
     require(table, "loads", table)
-    read, found = vector_in("N", at.LARGEST_INPUT), {}
+    found = {}
     for name, value in table.items():
         with prefixed(f"loads.{name} is {value!r}; "):
-            found[name] = read(value)
+            found[name] = vector(value, "N")
     return found
 
 
