@@ -48,7 +48,7 @@ def unit_in(flight):
     """Function of the name of a value of the file of a `SystemFlight`: its unit, as `varied.unit_of`."""
     found = flight.found
     named = {"points": found.points, "lines": found.lines, "winches": found.winches}
-    named = {section: {each.name for each in listed} for section, listed in named.items()}
+    named = {section: [each.name for each in listed] for section, listed in named.items()}
     keys = {"points": KEYS_OF_A_POINT, "lines": (*KEYS_OF_A_LINE, "material"), "winches": KEYS_OF_A_WINCH}
     series = {f"{name}.{what}": facts for name, own in driven_by(found).items() for what, facts in own.items()}
     series["wind_velocity"] = ("m/s", 3)
