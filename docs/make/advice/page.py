@@ -55,7 +55,7 @@ def verdict(scene, advice, seconds, error, own):
     error lies within the two that were said.
     """
     said = {"seconds": seconds, "advised": advice.point.config.words(), "cost": advice.point.cost, "claimed": advice.met}
-    said |= {"least": advice.least, "expected": advice.expected, "tried": len(advice.search.points), "error": error}
+    said |= {"least": advice.least, "expected": advice.expected, "tried": len(advice.points), "error": error}
     allowed, inside = error + own <= scene.wanted.allowed_error, advice.least - own <= error <= advice.expected + own
     return said | {"met": advice.met and allowed, "wrong": advice.met and not allowed, "inside": inside}
 

@@ -5,7 +5,6 @@ cost of all flights is bounded; results that are then still unknown are reported
 """
 
 from math import ceil, inf, sqrt
-from typing import NamedTuple
 
 import numpy as np
 
@@ -20,7 +19,7 @@ from tetherfmu.study.measuring.tables import page, percent
 
 from .fixed import advise_fixed, explain_fixed
 from .reasons import numbers, reasons
-from .tradeoff import CLEARLY, SEGMENTS, TOLERANCES, Measured, ladder, measure, steps
+from .tradeoff import CLEARLY, SEGMENTS, TOLERANCES, advice_on, ladder, measure, steps
 
 BUDGET, FAST_BUDGET = 15.0, 0.7  # of all flights for an advice [s], of the machine of costs.csv
 HANDLING, HANDLING_OF_STEP = 2e-3, 1.5e-6  # overhead of a flight and of each step outside the kernel [s]
@@ -79,10 +78,6 @@ class Search:
         """Least cost per simulated second of a sufficient configuration [-], infinite if there is none."""
         return min((point.cost for point in self.points.values() if self.part(point) <= 1.0), default=inf)
 
-    def best_of(self, variant):
-        """The flown point of a variant with the least error, None if there is none."""
-        return min((each for config, each in self.points.items() if config.variant == variant), key=self.part, default=None)
-
     def refine(self):
         """Refine a coarse dynamic tether until it suffices, by more segments or shorter steps, whichever helps more."""
         segments, choices = SEGMENTS[SEGMENTS.index(FIRST_SEGMENTS) :], steps(self.scene)
@@ -109,16 +104,6 @@ class Search:
                 self.fly(config)
 
 
-class Advice(NamedTuple):
-    """Recommendation and its certainty."""
-
-    point: Measured  # its configuration, and errors against the finer model
-    least: float  # the error is at least this, and at most `expected` [-]: measured against the finer model, less and
-    expected: float  # plus the finer model's own
-    met: bool  # whether `expected` is allowed
-    search: Search  # that ended with it
-
-
 def finer_model(scene, budget):
     """`Reference` that an advice is measured against, within a budget [s]."""
     allowed = scene.wanted.allowed_error
@@ -130,15 +115,14 @@ def finer_model(scene, budget):
 
 def advise(scene, budget=BUDGET):
     """`Advice` for a scene, by flying it; its flights cost about the budget at most [s]."""
-    allowed, names = scene.wanted.allowed_error, scene.wanted.outputs
     search = Search(scene, finer_model(scene, PART_OF_FINER * budget), budget)
     search.refine()
     search.cheaper()
-    points = search.points.values()
+    points = list(search.points.values())
     good = [point for point in points if search.part(point) <= 1.0]
     chosen = min(good, key=lambda point: point.cost) if good else min(points, key=search.part)
-    error, own = chosen.error(names), search.own
-    return Advice(chosen, max(0.0, error - own), error + own, error + own <= allowed, search)
+    how = {"stopped": search.stopped, "budget": budget}
+    return advice_on(chosen, points, search.finer, scene.wanted, scene.wanted.outputs, **how)
 
 
 def is_of_ground(sentence):
@@ -173,11 +157,13 @@ def hanging(scene, flown):
 
 def explain(scene, advice):
     """Lines of text: recommendation, expected error, and reasons; `advice` is an `Advice`."""
-    config, found = advice.point.config, numbers(scene, advice.search.finer.run.flown if scene.kite_is_free else None)
-    finer = advice.search.finer.run
+    config, found = advice.point.config, numbers(scene, advice.finer.run.flown if scene.kite_is_free else None)
+    finer, names = advice.finer.run, scene.wanted.outputs
     warnings = [*hanging(scene, finer.flown), *(line for line in finer.implausible if not is_of_ground(line))]
     simpler = () if scene.kite_is_free else reasons(config, found, scene.wanted.allowed_error)
-    why_not = [(*each, advice.search.best_of(each[0])) for each in simpler]
+    flown = sorted(advice.points, key=lambda point: point.error(names), reverse=True)
+    best = {point.config.variant: point for point in flown}  # the last of each: that with the least error
+    why_not = [(*each, best.get(each[0])) for each in simpler]
     facts = {"numbers": found, "reasons": why_not, "worst": worst, "lying": lying(finer.flown), "warnings": warnings}
     facts |= {"fmu": fmu_of(scene, config), "part_of_check": PART_OF_CHECK, "fast_budget": FAST_BUDGET}
     facts["most_shaking"] = MOST_SHAKING
@@ -185,7 +171,7 @@ def explain(scene, advice):
 
 
 def advise_in_words(scene, budget=BUDGET):
-    """`Advice` for a scene, or `FixedAdvice` where fixed steps are wanted, and its lines for people."""
+    """`Advice` for a scene, of fixed steps where they are wanted, and its lines for people."""
     if not scene.wanted.fixed:
         advice = advise(scene, budget)
         return advice, explain(scene, advice)

@@ -19,7 +19,7 @@ from tetherfmu.study.measuring.runs import FIXED, SHAPE_POINTS, UNITS, UNWARNED,
 from tetherfmu.study.measuring.start import tether_at_start
 from tetherfmu.study.measuring.tables import page
 
-from .tradeoff import CLEARLY, SEGMENTS, STEPS
+from .tradeoff import CLEARLY, SEGMENTS, STEPS, advice_on
 
 PARTS = (1, 2, 4, 8, 16)  # fixed steps in a given communication step
 LEAST = STAGES  # iterations of a fixed step of order 2
@@ -84,16 +84,6 @@ class Point(NamedTuple):
         return self.most, self.config.time(self.most)
 
 
-class FixedAdvice(NamedTuple):
-    """Recommendation and its certainty."""
-
-    point: Point
-    expected: float  # error against the finer model, plus the finer model's own [-]
-    met: bool  # whether error and time are allowed
-    tried: int  # configurations
-    finer: object  # `errors.Reference`
-
-
 def candidates(scene):
     """All configurations from cheap to dear that need no longer than allowed in smooth flight."""
     step, most = scene.wanted.communication_step, scene.wanted.time_per_step or inf
@@ -126,7 +116,7 @@ def fly(scene, config, reference):
 
 
 def advise_fixed(scene, finer, budget):
-    """`FixedAdvice` for a scene: the cheapest sufficient configuration against a finer model, a `Reference`.
+    """`Advice` for a scene, met if time is, too: the cheapest sufficient configuration against a finer model, a `Reference`.
 
     budget : maximum cost of all flights [s].
     """
@@ -143,8 +133,8 @@ def advise_fixed(scene, finer, budget):
             break
     in_time = [each for each in points if each.time <= most] or points
     best = min(in_time, key=lambda each: each.error(names))
-    error = best.error(names) + own
-    return FixedAdvice(best, error, error <= allowed and best.time <= most, len(points), finer)
+    found = advice_on(best, points, finer, scene.wanted, names)
+    return found._replace(met=found.met and best.time <= most)
 
 
 def explain_fixed(scene, advice):

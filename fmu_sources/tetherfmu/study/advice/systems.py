@@ -27,7 +27,7 @@ from tetherfmu.study.measuring.system_flights import file_of, load
 from tetherfmu.study.measuring.tables import page
 
 from . import advise as of_scenes
-from .tradeoff import TOLERANCES, Measured
+from .tradeoff import TOLERANCES, Measured, advice_on
 
 WHOLE = 4  # of `SystemConfig.parts`: the segments of the file
 PARTS = (1, 2, 4, 8, 16)  # of candidates
@@ -50,18 +50,6 @@ class SystemConfig(NamedTuple):
         """For people."""
         tolerance = f", tolerance {self.tolerance:g}" if self.tolerance else ""
         return f"{self.factor:g} times the segments of the file{tolerance}, communication step {1e3 * self.step:.3g} ms"
-
-
-class SystemAdvice(NamedTuple):
-    """Recommendation and its certainty."""
-
-    point: Measured  # its configuration, and errors against the finer system
-    least: float  # the error is at least this, and at most `expected` [-], as of `advise.Advice`
-    expected: float
-    met: bool  # whether `expected` is allowed
-    points: list  # `Measured` of all tested configurations, the file's first
-    finer: object  # `errors.Reference`
-    stopped: bool  # whether the budget ended the search
 
 
 def forces_of(flown, found):
@@ -126,7 +114,7 @@ def candidates(flight, finest):
 
 
 def advise(flight, budget=of_scenes.BUDGET):
-    """`SystemAdvice` for a `SystemFlight`; its flights cost about the budget at most [s]."""
+    """`Advice` for a `SystemFlight`, the configuration of the file first; its flights cost about the budget at most [s]."""
     allowed = flight.wanted.allowed_error
     most = WHOLE * at.MAX_SEGMENTS // max(line.tether.segments for line in flight.found.lines)
     first = SystemConfig(min(2 * WHOLE, most), TOLERANCE, even_part(flight.every, of_scenes.CHECK_STEP))
@@ -142,10 +130,7 @@ def advise(flight, budget=of_scenes.BUDGET):
         left -= points[-1].cost * flight.flown_time
     good = [each for each in points if each.error() + own <= allowed]
     chosen = min(good, key=lambda each: each.cost) if good else min(points, key=lambda each: each.error())
-    error = chosen.error()
-    return SystemAdvice(
-        chosen, max(0.0, error - own), error + own, error + own <= allowed, points, finer, len(points) < len(listed)
-    )
+    return advice_on(chosen, points, finer, flight.wanted, stopped=len(points) < len(listed))
 
 
 def table(flight, advice):
@@ -169,7 +154,7 @@ def explain(flight, advice):
 
 
 def advised(path, settings=(), budget=of_scenes.BUDGET):
-    """`SystemFlight` of the file (Path) of a system, its `SystemAdvice`, and lines for people; arguments as of `advise`."""
+    """`SystemFlight` of the file (Path) of a system, its `Advice`, and lines for people; arguments as of `advise`."""
     flight = load(path, settings)
     if flight.has_release:
         raise SceneError(f"{path}: {NO_ADVICE}")

@@ -2,7 +2,8 @@
 
 from concurrent.futures import as_completed
 from itertools import product, starmap
-from typing import NamedTuple
+from math import inf
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -10,7 +11,7 @@ import pandas as pd
 from tetherfmu.files.scene_files import OUTPUTS
 from tetherfmu.records.problems import StepRefused
 from tetherfmu.runtime.variants import BY_NAME
-from tetherfmu.study.measuring.errors import converged, errors, worst
+from tetherfmu.study.measuring.errors import Reference, converged, errors, worst
 from tetherfmu.study.measuring.executors import progress_bar
 from tetherfmu.study.measuring.runs import ADVISED, HOST_COST, Config, cost, run
 from tetherfmu.study.measuring.store import key
@@ -38,12 +39,31 @@ class Measured(NamedTuple):
 
     def error(self, names=None):
         """Largest error of some outputs, or of all; infinite if it was refused."""
-        return worst(self.errors, names) if self.errors else float("inf")
+        return worst(self.errors, names) if self.errors else inf
 
     @property
     def host_cost(self):
         """Estimated time per simulated second with FMPy around it [-]."""
         return self.cost + HOST_COST / self.config.step
+
+
+class Advice(NamedTuple):
+    """Recommendation and its certainty."""
+
+    point: Any  # its configuration, and errors against the finer model: `Measured`, with fixed steps `fixed.Point`
+    least: float  # the error is at least this, and at most `expected` [-]: measured against the finer model, less and
+    expected: float  # plus the finer model's own
+    met: bool  # whether `expected` is allowed
+    points: list  # of all tested configurations
+    finer: Reference
+    stopped: bool = False  # whether the budget ended the search
+    budget: float = inf  # of all flights [s]
+
+
+def advice_on(point, points, finer, wanted, names=None, **search):
+    """`Advice` for one of the points; names : outputs that count, None: all.  search : `stopped` and `budget`."""
+    error, own = point.error(names), finer.own_error(names)
+    return Advice(point, max(0.0, error - own), error + own, error + own <= wanted.allowed_error, points, finer, **search)
 
 
 def steps(scene):
