@@ -6,6 +6,7 @@ from concurrent.futures import as_completed
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 import pandas as pd
@@ -32,14 +33,6 @@ TASK, MOST_PER_TASK = 0.5, 200  # work of a task, about [s]; flights in it
 FEWEST_TASKS = 32
 
 
-class Memory:
-    """Replaces a `Store`: finished results are not stored on disk."""
-
-    def __init__(self):
-        self.points = {}
-        self.add_all = self.points.update
-
-
 def config_of(scene, tether, segments, step):
     """`Config` of all flights of a sweep; ValueError for a tether that cannot fly the scene."""
     check_names("sweep", [tether], VARIANTS, "tether")
@@ -47,15 +40,6 @@ def config_of(scene, tether, segments, step):
         raise ValueError(f"tether is {tether}; the free end of {scene.name} is moved by the dynamic tether only")
     variant, step = BY_NAME[tether], step or scene.wanted.communication_step or STEP
     return Config(tether, segments if variant.has_nodes else 0, DEFAULT_TOLERANCE if variant.has_waves else 0.0, step)
-
-
-def config_of_system(tether, segments, step, flight):
-    """`SystemConfig` of all flights of a sweep of a `SystemFlight`; ValueError for what its file decides."""
-    if tether != "dynamic":
-        raise ValueError(f"tether is {tether}; the lines of a system are dynamic")
-    if segments is not None:
-        raise ValueError("segments are those of each line of a system, lines.NAME.segments")
-    return systems.SystemConfig(step or flight.wanted.communication_step)
 
 
 class Subject(NamedTuple):
@@ -76,7 +60,11 @@ def subject_of(scene, settings, tether, segments, step, quiet=False):
         with prefixed(f"{path}: ", SceneError):
             table = system_flights.with_values(tables_of(path), settings)
             base = system_flights.read(table, path.parent, path.stem)
-        config = config_of_system(tether, segments, step, base)
+        if tether != "dynamic":
+            raise ValueError(f"tether is {tether}; the lines of a system are dynamic")
+        if segments is not None:
+            raise ValueError("segments are those of each line of a system, lines.NAME.segments")
+        config = systems.SystemConfig(step or base.wanted.communication_step)
         return Subject(base, path, table, config, systems.unit_in(base), check_once)
     base = load(path, settings, quiet=quiet)
     table = with_settings(tables_of(path), settings)
@@ -252,7 +240,8 @@ def sweep(
         if doubt not in base.doubts():  # printed by `load`
             print(f"{path}: {doubt}", file=sys.stderr)
     keys = [key(base.digest, *config, *statistics, *statistics.columns(), each) for each in values]
-    store = Store(Path(out) / FLIGHTS) if out is not None else Memory()
+    in_memory = SimpleNamespace(points=(found := {}), add_all=found.update)
+    store = Store(Path(out) / FLIGHTS) if out is not None else in_memory
     if hasattr(executor, "get_executor"):  # a Dask client
         executor = executor.get_executor(pure=False)
     fly_missing(task, base, dict(zip(keys, values, strict=True)), store, executor, processes, dask)

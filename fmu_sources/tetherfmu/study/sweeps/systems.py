@@ -100,12 +100,8 @@ def outputs_of(flight, names, varied):
     turned |= {each.name for each in found.lines if each.reel_out_speed or each.winch.winch_control != at.WINCH_BY_SPEED}
     turned |= {name.split(".")[1] for name in varied if name.count(".") > 1 and name.split(".")[2] in WINCH}
     listed = [f"{each.name}.{own}" for each in found.lines for own in USUAL[:2]]
-    return (*listed, *(f"{name}.{own}" for name in turned_in_order(found, turned) for own in results.DERIVED))
-
-
-def turned_in_order(found, names):
-    """Names of lines and winches of a `SystemFile` that are among others, in its order."""
-    return [each.name for each in (*found.lines, *found.winches) if each.name in names]
+    named = [each.name for each in (*found.lines, *found.winches) if each.name in turned]
+    return (*listed, *(f"{name}.{own}" for name in named for own in results.DERIVED))
 
 
 def known_outputs(flight):
