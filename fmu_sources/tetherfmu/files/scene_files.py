@@ -260,8 +260,7 @@ def read(table, folder, name):
         flight = driven.of_scene(table["series"], flight, folder)
     if flight.initial_length is not None and isinstance(table["tether"], dict):
         table = {**table, "tether": {"initial_length": flight.initial_length, **table["tether"]}}
-    if finds_length(table, flight):
-        table = in_balance(table, flight)
+    table = in_balance(table, flight)
     records = {}
     for key, kind in (pair for pair in RECORDS.items() if pair[0] != "wind"):
         records[key] = record(kind, table[key], key, REQUIRED.get(key, ()), NOT_OF_A_SCENE) if key in table else kind()
@@ -289,13 +288,6 @@ def read(table, folder, name):
     return scene
 
 
-def finds_length(table, flight):
-    """Whether the initial length follows from the winch force, in a table of a file without a length."""
-    tether, winch = table["tether"], table.get("winch", {})
-    has_force = flight.has_force or (not flight.kite_is_free and isinstance(winch, dict) and "force" in winch)
-    return has_force and isinstance(tether, dict) and "initial_length" not in tether
-
-
 def build_of(table):
     """`Lean` of the table of a file; ValueError for a start value that the scene has elsewhere."""
     found, keys = lean.read(table.get("build", {})), keys_of_parameters()
@@ -306,11 +298,15 @@ def build_of(table):
 
 
 def in_balance(table, flight):
-    """The table of a file with a force-controlled winch, with the length at which both are in balance."""
+    """The table of a file; with a force-controlled winch and without a length, with that at which both are in balance."""
+    tether, winch = table["tether"], table.get("winch", {})
+    has_force = flight.has_force or (not flight.kite_is_free and isinstance(winch, dict) and "force" in winch)
+    is_read = isinstance(tether, dict) and isinstance(winch, dict)  # others are refused later
+    if not has_force or not is_read or "initial_length" in tether:
+        return table
     motion = flight.motion(0.0)
     distance = float(np.linalg.norm(motion.kite - motion.ground))  # where the search begins
-    winch = {"start": "equilibrium", **table["winch"]} if "winch" in table else {"start": "equilibrium"}
-    return {**table, "tether": {"initial_length": distance, **table["tether"]}, "winch": winch}
+    return {**table, "tether": {"initial_length": distance, **tether}, "winch": {"start": "equilibrium", **winch}}
 
 
 def winch_of(table, flight):

@@ -47,8 +47,10 @@ def text(model, token, sources=()):
     root = Element("fmiModelDescription", fmiVersion="3.0", instantiationToken=token, **facts(model))
     SubElement(root, "CoSimulation", modelIdentifier=model.name, **CAPABILITIES)
     root.append(units((*table, TIME)))
-    if enumerations(table):
-        root.append(_types(table))
+    if found := enumerations(table):
+        types = SubElement(root, "TypeDefinitions")
+        for name, variable in found.items():
+            SubElement(types, "EnumerationType", name=name).extend(items(variable))
     root.append(categories())
     root.append(experiment(*model.times))
     listed = arrays(model.wiring)
@@ -126,13 +128,6 @@ def _buses(listed):
                 names = {"variableName": variable, "memberName": member}
                 SubElement(terminal, "TerminalMemberVariable", names, variableKind="signal")
     return xml_text(root)
-
-
-def _types(table):
-    element = Element("TypeDefinitions")
-    for name, variable in enumerations(table).items():
-        SubElement(element, "EnumerationType", name=name).extend(items(variable))
-    return element
 
 
 def _variable(array):

@@ -38,8 +38,10 @@ def text(file, identifier, wiring, fmi, token, prefix):
     if fmi == 3:
         time = (named("time"), wiring.ends[2], "Float64 [s]: simulation time")
         parts.append(_enumeration("independent", [time]))
-    parts.append(_enumeration("numbers of values", _sizes(listed, named)))
-    parts.append(_enumeration("choices", _choices(wiring.shown, named)))
+    sizes = ((f"{named(each.name)}_SIZE", len(each.variables), "") for each in listed if each.dimensions)
+    numbered = ((named(each.name), *pair) for each in wiring.shown for pair in each.quantity.numbers.items())
+    choices = ((f"{name}_{choice.upper()}", number, "") for name, choice, number in numbered)
+    parts += [_enumeration("numbers of values", sizes), _enumeration("choices", choices)]
     return filled(
         "host_header.h",
         file=file,
@@ -71,20 +73,6 @@ def _references(wiring, listed, fmi, causality, named):
         if first.causality == causality:
             unit = f" [{first.quantity.unit}]" if first.quantity.unit else ""
             yield named(name), reference, f"{TYPES[fmi][first.kind]}{unit}: {meaning(variables)}"
-
-
-def _sizes(listed, named):
-    """Names and numbers of values of the arrays."""
-    for each in listed:
-        if each.dimensions:
-            yield f"{named(each.name)}_SIZE", len(each.variables), ""
-
-
-def _choices(table, named):
-    """Names and numbers of the choices of enumerations."""
-    for each in table:
-        for choice, number in each.quantity.numbers.items():
-            yield f"{named(each.name)}_{choice.upper()}", number, ""
 
 
 def _enumeration(head, rows):

@@ -27,16 +27,14 @@ def fmus_in(folder, variants=VARIANTS, wind_points=0):
     return paths
 
 
-def by_name(inputs, kite_is_free=False):
-    """Inputs (steps, `layout.INPUTS`) as a DataFrame with a column for each input of an FMU that is a number."""
-    table = variables(DYNAMIC_FREE.name if kite_is_free else VARIANTS[0], 0)
-    places = {each.name: each.place for each in table if each.causality == INPUT and each.kind == "Real"}
-    return pd.DataFrame(inputs[:, list(places.values())], columns=list(places))
-
-
 def inputs_of(scene, step):
-    """Inputs of all communication steps [s] of a scene, likewise, with the wind at its wind points if it has them."""
-    found, wind = by_name(scene.inputs(step), scene.kite_is_free), scene.wind_at(step)
+    """Inputs of all communication steps [s] of a scene, a DataFrame with a column for each of its FMU that is a number.
+
+    With the wind at its wind points if it has them.
+    """
+    table = variables(DYNAMIC_FREE.name if scene.kite_is_free else VARIANTS[0], 0)
+    places = {each.name: each.place for each in table if each.causality == INPUT and each.kind == "Real"}
+    found, wind = pd.DataFrame(scene.inputs(step)[:, [*places.values()]], columns=[*places]), scene.wind_at(step)
     if wind is None:
         return found
     names = list(wind_at_names(scene.wind_points))
