@@ -1,71 +1,9 @@
 """What the tests of native FMUs do with an FMU; each function runs in a process of its own."""
 
-from contextlib import suppress
-
 import numpy as np
-from fmpy.fmi1 import FMICallException
 
 from runtime.host import Host
 from scenes import kite_at_start
-
-STEP = 0.02  # [s]
-MISUSES = (  # start values, values of a step, its size
-    ({"segments": 0}, {}, STEP),
-    ({"segments": 301}, {}, STEP),
-    ({"diameter": -0.004}, {}, STEP),
-    ({"density": 1e-320}, {}, STEP),
-    ({"axial_stiffness": 1.2345678901234567e300}, {}, STEP),
-    ({"damping_law": 3}, {}, STEP),
-    ({"initial_length": 0.1}, {}, STEP),
-    ({"wind_profile": 3, "surface_roughness": 10.1}, {}, STEP),
-    ({"relative_tolerance": 0.1 + 1e-16}, {"reel_out_speed": 1e16}, STEP),
-    ({"gravity": 123456789012345680.0}, {}, STEP),
-    ({}, {"wind_velocity[1]": float("nan")}, STEP),
-    ({}, {"ground_position[2]": -float("inf")}, STEP),
-    ({}, {"ground_velocity[3]": 1.0000000000000002e9}, STEP),
-    ({}, {}, 0.0),
-    ({}, {}, -0.1 - 0.2),
-    ({}, {}, 1e22),
-    ({}, {"reel_out_speed": -505.0}, 1.0),
-    ({"fixed_step": 1e-5}, {}, 1e5),
-    ({"initial_length": 100.0}, {}, STEP),
-    ({"initial_length": 123.456}, {"ground_velocity[1]": 5e5}, STEP),
-    ({"shortest_length": 510.1, "longest_length": 510.1}, {}, STEP),
-    ({"winch_control": 2, "shortest_length": 510.1}, {}, STEP),
-    ({"winch_control": 2, "longest_length": 500.3}, {}, STEP),
-    ({"winch_control": 2, "winch_friction": 0.1}, {"winch_force": -0.1 - 0.2}, STEP),
-    ({"winch_control": 2, "initial_length": 490.0}, {"winch_force": 1e9}, STEP),
-    ({"winch_control": 2, "winch_mass": 1e-3, "initial_length": 700.0}, {"winch_force": 2e3}, 0.1),
-    ({"winch_control": 3, "initial_length": 551.3}, {}, STEP),
-    ({"ground_contact": 2, "gravity": 0.0}, {}, STEP),
-    ({"ground_sink": 1e-7}, {}, STEP),
-    ({"initial_length": 560.0}, {}, STEP),
-)
-
-
-def said(path):
-    """What is said to each of the misuses, without the name of the instance or of the call in front.
-
-    Without what PythonFMU's library says of its own.
-    """
-    folder, texts = Host(path).folder, []
-    for start, values, step in MISUSES:
-        host = Host(folder)
-        with suppress(FMICallException):
-            host.start(**start)
-            host.step(step, **values)
-        texts.append([text.partition(": ")[2] for text in host.messages if "PyObject" not in text])
-    return texts
-
-
-def masses(path, diameters):
-    """The outputs that follow from the diameter, at the start."""
-    folder, found = Host(path).folder, []
-    for diameter in diameters:
-        host = Host(folder).start(diameter=diameter, density=1000.0 / 3.0, drag_coefficient=1.0 / 7.0)
-        found.append(host.all_outputs())
-        host.free()
-    return found
 
 
 def give(host, **derivatives):

@@ -310,11 +310,11 @@ def count_of(host):
     return 1 + max(host.reference.values())
 
 
-def started(path, **start):
-    """An instance that is about to fly the circle; start : more values."""
+def started(path, tolerance=1e-5, **start):
+    """An instance that is about to fly the circle; tolerance : of the importer.  start : more values."""
     host = Host(path)
     kite = kite_at_start(host.name, *circle(0.0))
-    return host.start(initial_length=525.0, **kite, wind_velocity=(5.0, 1.0, 0.0), tolerance=1e-5, **start)
+    return host.start(initial_length=525.0, **kite, wind_velocity=(5.0, 1.0, 0.0), tolerance=tolerance, **start)
 
 
 def fly(host, begin, end):

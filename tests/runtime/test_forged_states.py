@@ -3,19 +3,34 @@
 import math
 import struct
 import zlib
+from contextlib import suppress
 
 import pytest
 from fmpy.fmi1 import FMICallException
 
 from bounds import most_work
 from isolation import in_shared_process
-from runtime.host import Host, blob_of, every_flavour, of_every_flavour, restore
+from runtime.host import Host, blob_of, count_of, every_flavour, of_every_flavour, restore
 from runtime.test_hostile_input import ALLOWED, COUNTERS, watched
+from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.saved_state import FACTS, HEADER
 
 FIRST = HEADER.size + FACTS.size  # byte where the values begin, doubles all
-TOLERANCE, TIME = FIRST - 16, FIRST - 8  # the last two of the facts
-WRONG = (math.nan, math.inf, -1.0, 1e300)
+TOLERANCE = FIRST - 16  # byte of the last but one of the facts
+WRONG = (math.nan, math.inf, -1.0, 0.5, 1e300)
+
+
+def places_of(host):
+    """Byte of a number in a state: of variables, of facts and of what is in the array of the tether."""
+    state = FIRST + 8 * count_of(host)
+    of_tether = {"a node": at.STATE_HEADER + 4, "warnings": at.WARNINGS, "given derivatives": at.GIVEN_DERIVATIVES}
+    return {
+        **{name: FIRST + 8 * reference for name, reference in host.reference.items()},
+        **{name: state + 8 * place for name, place in of_tether.items()},
+        "tolerance": TOLERANCE,
+        "time": TOLERANCE + 8,
+        "end of the variant's name": HEADER.size + 8,
+    }
 
 
 def forged(blob, place, value):
@@ -55,8 +70,13 @@ def refused(host, blob):
 @of_every_flavour("fmu")
 @in_shared_process
 def test_every_number_is_refused_or_harmless(fmu_folder, fmu):
-    """Refused: the state of before stays. Taken: outputs are finite, and a step is done or refused, with bounded work."""
+    """Refused: the state of before stays. Taken: outputs are finite, and a step is done or refused, with bounded work.
+
+    Outputs follow from the state of the tether: what is stored of them does not count.
+    """
     host, good = flying(fmu_folder / f"{fmu}.fmu")
+    outputs, slack = host.all_outputs(), host.get("slack_segments")
+    stored = {FIRST + 8 * reference for reference in (*host.real_outputs, host.reference["slack_segments"])}
     taken = set()
     for place in range(TOLERANCE, len(good), 8):
         for value in WRONG:
@@ -64,6 +84,8 @@ def test_every_number_is_refused_or_harmless(fmu_folder, fmu):
                 assert blob_of(host) == good, (place, value)
                 continue
             taken.add(place)
+            if place in stored:
+                assert (host.all_outputs(), host.get("slack_segments")) == (outputs, slack)
             before = work_of(host)
             try:
                 watched(lambda: host.fmu.doStep(0.06, 0.02))
@@ -72,21 +94,27 @@ def test_every_number_is_refused_or_harmless(fmu_folder, fmu):
             segments = host.get("segments")
             assert segments * (work_of(host) - before) <= most_work(segments)
             assert not refused(host, good)
+    assert stored <= taken
     assert 100 < len(taken) < (len(good) - TOLERANCE) // 8  # values and counters that may be any number; not all of them
 
 
+REFUSED = [  # positions that no tether has, integers and sets of bits that are none
+    *(("tolerance", value, f"has the tolerance {value}; it must be from 0 to 0.0001") for value in WRONG),
+    *(("time", value, f"has the time {value} s; it must be a finite number") for value in (math.inf, -math.inf)),
+    ("segments", 2.0, "is damaged"),
+    *(("segments", value, "") for value in (1e9, math.nan)),
+    *((name, value, "") for name in ("a node", "damping_law", "given derivatives") for value in (math.nan, 1e300)),
+    *(("warnings", value, "contains impossible numbers") for value in (*WRONG, 2.0**at.WARNING_KINDS)),
+]
+
+
 @every_flavour
-@pytest.mark.parametrize(
-    ("place", "value", "words"),
-    [
-        *((TOLERANCE, value, f"has the tolerance {value}; it must be from 0 to 0.0001") for value in WRONG),
-        *((TIME, value, f"has the time {value} s; it must be a finite number") for value in (math.inf, -math.inf)),
-    ],
-)
+@pytest.mark.parametrize(("name", "value", "words"), REFUSED)
 @in_shared_process
-def test_tolerance_and_time(fmu_folder, place, value, words):
+def test_refused_in_words(fmu_folder, name, value, words):
     host, good = flying(fmu_folder / "TetherDynamic.fmu")
-    host.refuses(lambda: restore(host, forged(good, place, value)), f"the FMU state that was set {words}")
+    blob = forged(good, places_of(host)[name], value)
+    host.refuses(lambda: restore(host, blob), f"the FMU state that was set {words}")
     assert blob_of(host) == good
     host.step(0.02)
 
@@ -96,6 +124,20 @@ def test_tolerance_and_time(fmu_folder, place, value, words):
 def test_a_name_with_something_behind_it(fmu_folder):
     """Of the variant: nothing follows the zero behind "straight"."""
     host, good = flying(fmu_folder / "TetherStraight.fmu")
-    (number,) = struct.unpack_from("<d", good, HEADER.size + 8)
-    assert number == 0.0
-    host.refuses(lambda: restore(host, forged(good, HEADER.size + 8, 256 * 5e-324)), "belongs to another tether FMU")
+    blob = forged(good, places_of(host)["end of the variant's name"], 256 * 5e-324)
+    host.refuses(lambda: restore(host, blob), "belongs to another tether FMU")
+
+
+@of_every_flavour("fmu", ["TetherDynamicFree"], ["TetherDynamicFree"])
+@in_shared_process
+def test_a_state_of_before_the_start(fmu_folder, fmu):
+    """It cannot kill what reads integers, and of the motion in it nothing is read."""
+    host = Host(fmu_folder / f"{fmu}.fmu")
+    places = places_of(host)
+    for name in ("kite_position[1]", "kite_velocity[2]"):
+        restore(host, forged(blob_of(host), places[name], math.nan))
+        assert all(map(math.isfinite, host.all_outputs()))
+    for name in ("slack_segments", "segments", "damping_law"):
+        with suppress(FMICallException):
+            restore(host, forged(blob_of(host), places[name], math.nan))
+        assert isinstance(host.get(name), int)

@@ -1,14 +1,11 @@
 """TetherDynamicFree in FMPy: the start of the motion, and that nothing but the tether moves it."""
 
-import math
-
 import numpy as np
 import pytest
 from fmpy.fmi1 import FMICallException
 
 from isolation import in_shared_process
-from runtime.host import Host, blob_of, count_of, restore
-from tetherfmu.runtime.saved_state import from_bytes, to_bytes
+from runtime.host import Host
 
 FMU = "TetherDynamicFree.fmu"
 
@@ -18,8 +15,7 @@ def test_the_motion_starts_where_the_parameters_say(fmu_folder):
     """Also when the velocities of the ends are derived: that of a free kite is no input."""
     for derived in (1, 2):
         host = Host(fmu_folder / FMU)
-        host.fmu.setupExperiment(startTime=0.0)
-        host.fmu.enterInitializationMode()
+        host.enter_initialization(None)
         assert host.get("kite_position") == [300.0, 0.0, 400.0]
         position, velocity = [310.0, -20.0, 380.0], [1.0, 2.0, -3.0]
         host.set(initial_kite_position=position, initial_kite_velocity=velocity, end_velocities=derived)
@@ -40,35 +36,11 @@ def test_the_motion_cannot_be_set(fmu_folder):
     host.step(0.02)
 
 
-@pytest.mark.parametrize("value", [math.nan, 1e300])
-@in_shared_process
-def test_a_forged_motion_is_computed_anew(fmu_folder, value):
-    """Of a state before the start nothing is read; afterwards the motion follows from the state of the tether."""
-
-    def forged(host):
-        saved = from_bytes(blob_of(host), "dynamic_free", count_of(host))
-        saved.values[host.reference["kite_position[1]"]] = saved.values[host.reference["kite_velocity[2]"]] = value
-        return to_bytes(saved)
-
-    host, twin = Host(fmu_folder / FMU), Host(fmu_folder / FMU)
-    restore(host, forged(host))
-    assert all(map(math.isfinite, host.all_outputs()))
-    for each in (host, twin):
-        each.start()
-        each.step(0.02)
-    restore(host, forged(host))
-    assert host.all_outputs() == twin.all_outputs()
-    for each in (host, twin):
-        each.step(0.02, kite_load=(33.0, 0.0, 167.0))
-    assert host.all_outputs() == twin.all_outputs()
-
-
 @in_shared_process
 def test_a_start_without_equilibrium_keeps_the_motion_that_was(fmu_folder):
     """Read in initialization mode: what cannot be calculated is NaN; later the motion of before is there again."""
     host = Host(fmu_folder / FMU)
-    host.fmu.setupExperiment(startTime=0.0)
-    host.fmu.enterInitializationMode()
+    host.enter_initialization(None)
     before = host.all_outputs()
     kept = {name: host.get(name) for name in ("initial_kite_position", "axial_stiffness", "air_density_scale_height")}
     host.set(initial_kite_position=(1e9, 0.0, -1e9), axial_stiffness=1e-3, air_density_scale_height=1e-3)

@@ -1,27 +1,12 @@
 """One FMU through its life: tolerances, variable steps, several instances, options of the solver."""
 
 import numpy as np
-import pytest
 
 from isolation import in_shared_process
-from runtime.host import Host, every_flavour, every_flavour_and_version
-from scenes import circle, kite_at_start, kite_inputs
+from runtime.host import Host, every_flavour, every_flavour_and_version, fly, started
+from scenes import circle, kite_inputs
 from tetherfmu.python.models import TetherDynamic
 from tetherfmu.runtime.parameters import Solver, Tether
-
-WIND = (0.1, 0.0, 0.0)
-
-
-def fly(host, steps, step=0.02, begin=0):
-    for k in range(begin, begin + steps):
-        host.step(step, **kite_inputs(host.name, *circle(k * step)))
-    return host.all_outputs()
-
-
-def started(path, **values):
-    host = Host(path)
-    start = {"initial_length": 525.0, **kite_at_start(host.name, *circle(0.0)), "wind_velocity": WIND}
-    return host.start(**{**start, **values})
 
 
 @every_flavour_and_version
@@ -29,15 +14,12 @@ def started(path, **values):
 def test_importers_tolerance_and_own_tolerance(fmu_folder):
     """A tolerance of 0 takes the importer's where that is tighter than the default; another one wins."""
     path = fmu_folder / "TetherDynamic.fmu"
-    options = (
-        {"tolerance": 1e-8},
-        {"tolerance": 1e-2, "relative_tolerance": 1e-8},
-        {},
-        {"tolerance": 1e-3},
-        {"tolerance": 0.5},
-        {"relative_tolerance": 1e-3},
-    )
-    results = [fly(started(path, initial_shape=1, **option), 20) for option in options]  # at rest, so not at ease
+    # of the importer, and its own
+    pairs = ((1e-8, 0.0), (1e-2, 1e-8), (None, 0.0), (1e-3, 0.0), (0.5, 0.0), (None, 1e-3))
+    results = []
+    for importers, own in pairs:
+        host = started(path, importers, initial_shape=1, relative_tolerance=own)  # at rest, so not at ease
+        results.append(fly(host, 0, 20))
     assert results[0] == results[1]
     assert results[0] != results[2]
     assert results[2] == results[3] == results[4]
@@ -49,11 +31,11 @@ def test_importers_tolerance_and_own_tolerance(fmu_folder):
 def test_a_tolerance_that_is_none_is_said(fmu_folder):
     """A warning, with which the run goes on as without a tolerance."""
     path = fmu_folder / "TetherDynamic.fmu"
-    expected = fly(started(path), 20)
+    expected = fly(started(path, None), 0, 20)
     for tolerance in (-1e-6, 0.0, float("nan")):
-        host = started(path, tolerance=tolerance)
+        host = started(path, tolerance)
         assert any("is not used; it must be greater than 0" in text for text in host.messages), tolerance
-        assert fly(host, 20) == expected
+        assert fly(host, 0, 20) == expected
 
 
 @every_flavour
@@ -73,23 +55,9 @@ def test_steps_of_any_length_lead_to_the_same_motion(fmu_folder):
 
 @every_flavour
 @in_shared_process
-def test_two_instances_do_not_see_each_other(fmu_folder):
-    path = fmu_folder / "TetherDynamic.fmu"
-    alone = fly(started(path), 40)
-    first, second = started(path), started(path, segments=7)
-    for k in range(40):
-        fly(first, 1, begin=k)
-        fly(second, 1, begin=k)
-    assert first.all_outputs() == alone
-    assert second.get("kite_end_mass") == pytest.approx(724.0 * np.pi * 0.002**2 * 525.0 / 14.0)
-
-
-@every_flavour
-@in_shared_process
 def test_outputs_can_be_read_while_initializing(fmu_folder):
     host = Host(fmu_folder / "TetherDynamic.fmu")
-    host.fmu.setupExperiment(startTime=0.0)
-    host.fmu.enterInitializationMode()
+    host.enter_initialization(None)
     assert host.get("tether_length") == 505.0
     host.set(initial_length=510.0)
     assert host.get("tether_length") == 510.0
@@ -104,7 +72,10 @@ def test_solver_options(fmu_folder):
     """fixed_step takes exactly its steps, also when the importer's step is not exactly representable."""
     results = []
     for step in (0.01, 0.010000000000000009):
-        results.append(fly(started(fmu_folder / "TetherDynamic.fmu", fixed_step=0.005), 20, step))
+        host = started(fmu_folder / "TetherDynamic.fmu", fixed_step=0.005)
+        for k in range(20):
+            host.step(step, **kite_inputs(host.name, *circle(k * step)))
+        results.append(host.all_outputs())
     # a stage is at rest where its last move is 1e-5 of a segment, so wrong by 1e-10 of it; found: 2e-9 of a force
     np.testing.assert_allclose(results[0], results[1], rtol=1e-8)
     tether = TetherDynamic(Tether(initial_length=525.0), solver=Solver(fixed_step=0.005))

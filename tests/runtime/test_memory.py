@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from isolation import in_own_process
-from runtime.host import Host
+from runtime.host import Host, of_every_flavour
 from scenes import circle, kite_inputs
 from tetherfmu.export.archive import SLAVES
 
@@ -79,7 +79,7 @@ def test_many_steps(fmu_folder, fmu):
     assert resident() - memory < 250e3
 
 
-@pytest.mark.parametrize("fmu", list(SLAVES))
+@of_every_flavour("fmu")
 @in_own_process
 def test_100_live_instances_are_independent(fmu_folder, fmu):
     """Each with its own length, stepped in turn, equals the one that is stepped alone."""
