@@ -5,7 +5,9 @@ import os
 import sys
 import tempfile
 import time
+from functools import partial
 from pathlib import Path
+from zlib import crc32
 
 import pytest
 from xdist.scheduler import LoadScopeScheduling
@@ -157,6 +159,19 @@ def windy(built_once):
             build_by_command(folder / flavour, flavour, *options)
 
     return built_once("fmus_with_wind_points", build)
+
+
+@pytest.fixture(scope="session")
+def built(built_once):
+    """Function of the text of a file, a flavour, a number of wind points: path of the FMU of this system."""
+    from flavours import build_system
+
+    def fmu_of(text, flavour="pythonfmu", wind_points=0, with_evidence=False):
+        name = f"system_{crc32(text.encode()):x}_{flavour}_{wind_points}_{with_evidence:d}"
+        make = partial(build_system, flavour=flavour, text=text, wind_points=wind_points, with_evidence=with_evidence)
+        return next(built_once(name, make).glob("*.fmu"))
+
+    return fmu_of
 
 
 @pytest.fixture(scope="session")

@@ -2,6 +2,7 @@
 
 import os
 import re
+import shutil
 import subprocess
 import sys
 import sysconfig
@@ -206,13 +207,10 @@ def test_what_crashes_pythonfmu_is_known(tmp_path, fmu_folder, folder, dies):
         assert (process.wait() != 0) is dies
 
 
-@pytest.mark.parametrize("folder", ["a+b", "käfer", "it's, [50%] (new)"])
-def test_an_fmu_in_a_folder_that_crashes_some_hosts(run, tmp_path, fmu_folder, folder):
-    (tmp_path / folder).mkdir()
-    copy = changed(
-        fmu_folder / "TetherStraight.fmu", tmp_path / folder / "TetherStraight.fmu", lambda name, content: content
-    )
-    status, said = run(copy)
+def test_an_fmu_in_a_folder_that_crashes_some_hosts(run, tmp_path, fmu_folder):
+    copy = tmp_path / "it's a+käfer, [50%] (new)" / "TetherStraight.fmu"
+    copy.parent.mkdir()
+    status, said = run(shutil.copy(fmu_folder / "TetherStraight.fmu", copy))
     assert status == 0
     assert "a host that extracts the FMU beside itself will crash" in said
     assert "evidence set: 200 steps" in said

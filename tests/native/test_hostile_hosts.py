@@ -228,22 +228,6 @@ def test_status_after_a_refused_step(dynamic):
 
 
 @in_own_process
-def test_nothing_is_set_after_the_termination(dynamic):
-    fmu = Library(dynamic)
-    tether, first, number = fmu.started(), (c_uint * 1)(0), c_double()
-    assert fmu.GetReal(tether, first, c_size_t(1), byref(number)) == OK
-    assert fmu.Terminate(tether) == OK
-    words = "kite_position[1] cannot be set to 7.0 after the termination"
-    assert fmu.SetReal(tether, first, c_size_t(1), byref(c_double(7.0))) == ERROR
-    assert fmu.messages[-1] == f"fmi2SetReal: {words}"
-    assert fmu.SetRealInputDerivatives(tether, first, c_size_t(1), (c_int * 1)(1), byref(c_double(7.0))) == ERROR
-    assert fmu.messages[-1] == f"fmi2SetRealInputDerivatives: {words}"
-    again = c_double()
-    assert fmu.GetReal(tether, first, c_size_t(1), byref(again)) == OK
-    assert again.value == number.value
-
-
-@in_own_process
 def test_stop_time(dynamic):
     """A step beyond the stop time of the experiment is an error; one that ends there but for rounding is done."""
     fmu = Library(dynamic)

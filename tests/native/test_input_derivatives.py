@@ -10,6 +10,7 @@ from isolation import in_shared_process
 from native.flights import flown, give
 from runtime.host import Host, blob_of, restore
 from tetherfmu.export.archive import SLAVES
+from y_of_lines import y_of_lines
 
 STEP = 0.1
 KITE, VELOCITY, ACCELERATION = np.array([300.0, 0.0, 400.0]), np.array([3.0, -20.0, 5.0]), np.array([-4.0, 2.0, 7.0])
@@ -87,55 +88,85 @@ def test_error_in_a_flight_with_all_inputs_in_motion(native_folder, name):
     assert np.log2(error(0.05, given=True) / smaller) > 1.7
 
 
+TOGETHER = {  # inputs of a step, and derivatives of all of them that have one
+    "a tether": (
+        {"kite_position": KITE, "kite_velocity": VELOCITY, "reel_out_speed": 1.0, "wind_velocity": (5.0, 1.0, 0.0)},
+        dict.fromkeys(("kite_velocity", "ground_velocity", "wind_velocity"), ACCELERATION) | {"reel_out_speed": 3.0},
+    ),
+    "Y": (
+        {"left.velocity": (0.0, 1.0, 0.0), "knot.load": (0.0, 2.0, 5.0), "main.reel_out_speed": 0.1},
+        {"left.velocity": (5.0, 3.0, 1.0), "knot.load": (400.0, 0.0, 900.0), "main.reel_out_speed": 2.0},
+    ),
+}
+driven_and_y = pytest.mark.parametrize("name", [*(name for name in SLAVES if name != "TetherDynamicFree"), "Y"])
+
+
+@pytest.fixture
+def native(native_folder, built, name):
+    return built(y_of_lines("Y"), "native") if name == "Y" else native_folder / f"{name}.fmu"
+
+
+@pytest.fixture
+def by_python(fmu_folder, built, name):
+    return built(y_of_lines("Y")) if name == "Y" else fmu_folder / f"{name}.fmu"
+
+
 def step_with_all(host):
-    host.step(STEP, kite_position=KITE, kite_velocity=VELOCITY, reel_out_speed=1.0, wind_velocity=(5.0, 1.0, 0.0))
+    host.step(STEP, **TOGETHER.get(host.name, TOGETHER["a tether"])[0])
     return host.all_outputs()
 
 
 def ready(path):
-    """An instance to which derivatives of all inputs are given, after two steps without."""
-    host = Host(path).start(initial_length=525.0)
+    """An instance that has done two steps without derivatives."""
+    host = Host(path).start()
     step_with_all(host)
     step_with_all(host)
-    give(host, kite_velocity=ACCELERATION, ground_velocity=-ACCELERATION, reel_out_speed=3.0, wind_velocity=ACCELERATION)
     return host
 
 
-@every_driven_fmu
+@driven_and_y
 @in_shared_process
-def test_they_wait_in_a_saved_state_and_through_a_refused_step(native_folder, name):
-    path = native_folder / f"{name}.fmu"
-    expected = step_with_all(ready(path))
-    host = ready(path)
+def test_they_wait_in_a_saved_state_and_through_a_refused_step(native, by_python, name):
+    """Also in a state that goes on in PythonFMU's FMU, to which nobody can give any."""
+    derivatives = TOGETHER.get(name, TOGETHER["a tether"])[1]
+    host = ready(native)
+    give(host, **derivatives)
     blob = blob_of(host)
-    with pytest.raises(FMICallException):
-        host.step(STEP, wind_velocity=(math.nan, 0.0, 0.0))
-    assert step_with_all(host) == expected
-    host = Host(path)
+    expected = step_with_all(host)
+    assert expected != step_with_all(ready(native))
     restore(host, blob)
+    with pytest.raises(FMICallException):
+        host.step(-STEP)
     assert step_with_all(host) == expected
+    for path in (native, by_python):
+        taker = Host(path)
+        restore(taker, blob)
+        assert step_with_all(taker) == expected
 
 
-@every_driven_fmu
+OF_LENGTH = [("TetherStraight", "reel_out_speed", "tether_length", 505.0)]
+OF_LENGTH += [("Y", "main.reel_out_speed", "main.tether_length", 100.0)]
+
+
+@pytest.mark.parametrize(("name", "speed", "length", "start"), OF_LENGTH)
 @in_shared_process
-def test_state_in_which_they_wait_goes_on_in_pythonfmu(native_folder, fmu_folder, name):
-    native = ready(native_folder / f"{name}.fmu")
-    other = Host(fmu_folder / f"{name}.fmu")
-    restore(other, blob_of(native))
-    assert step_with_all(other) == step_with_all(native)
-
-
-@in_shared_process
-def test_given_before_the_initialization_ends(native_folder):
+def test_given_before_the_initialization_ends(native, name, speed, length, start):
     """They count in the first step; a reset forgets them."""
-    host = Host(native_folder / "TetherStraight.fmu")
-    give(host, reel_out_speed=3.0)
-    host.start().step(STEP, reel_out_speed=2.0)
-    assert host.get("tether_length") == pytest.approx(505.0 + 2.0 * STEP + 0.5 * 3.0 * STEP**2, rel=1e-14)
-    give(host, reel_out_speed=3.0)
+    host = Host(native)
+    give(host, **{speed: 3.0})
+    host.start().step(STEP, **{speed: 2.0})
+    assert host.get(length) == pytest.approx(start + 2.0 * STEP + 0.5 * 3.0 * STEP**2, rel=1e-14)
+    give(host, **{speed: 3.0})
     host.fmu.reset()
-    host.start().step(STEP, reel_out_speed=2.0)
-    assert host.get("tether_length") == pytest.approx(505.0 + 2.0 * STEP, rel=1e-14)
+    host.start().step(STEP, **{speed: 2.0})
+    assert host.get(length) == pytest.approx(start + 2.0 * STEP, rel=1e-14)
+
+
+@in_shared_process
+def test_none_is_taken_after_the_termination(native_folder):
+    host = Host(native_folder / "TetherStraight.fmu").start()
+    host.fmu.terminate()
+    host.refuses(lambda: give(host, reel_out_speed=7.0), "reel_out_speed cannot be set to 7.0 after the termination")
 
 
 WRONG = (

@@ -1,62 +1,80 @@
-"""FMUs with wind points: `wind_at[k,1..3]` in both flavours and both versions of FMI, as the Python API has it."""
+"""FMUs with wind points, of tethers and of a system: `wind_at[k,1..3]` in all flavours, as the Python API has it."""
 
 import math
 import zipfile
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
 from fmpy.fmi1 import FMICallException
 from fmpy.validation import validate_fmu
 
-from flavours import WIND_POINTS, every_flavour
+from export.test_host_header import c_name, numbers_of
+from export.test_system_flavours import SWING, WIND, winds
+from flavours import FLAVOURS, WIND_POINTS, every_flavour
 from isolation import in_shared_process
 from native.steps_again import differences
 from runtime.host import Host, blob_of, description_of, restore
 from scenes import circle, kite_at_start, kite_inputs
-from tetherfmu.export import osp
+from tetherfmu.commands.build import main
+from tetherfmu.export import osp, systems
+from tetherfmu.export.build_options import BuildOptions
+from tetherfmu.export.native.host_header import PREFIX
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.inputs import WITHOUT_EFFECT
 from tetherfmu.wiring.variables import variables
 
 STEP = 0.02
 FORCE = [f"kite_force[{i}]" for i in (1, 2, 3)]
-NAMES = ("TetherStraight", "TetherDynamicFree")
-WIND = np.array([[4.0, 1.0, 0.0], [9.0, -2.0, 0.5], [12.0, 1.5, 0.0]])
-every_fmu = pytest.mark.parametrize("name", NAMES)
+TETHERS = ("TetherStraight", "TetherDynamicFree")
+SYSTEM = "Swing"
+every_tether = pytest.mark.parametrize("name", TETHERS)
+every_fmu = pytest.mark.parametrize("name", [*TETHERS, SYSTEM])
+native = pytest.mark.parametrize("flavour", [flavour for flavour in FLAVOURS if flavour != "pythonfmu"])
 
 
-def wind(k):
-    """Wind at the points in step k [m/s], array (WIND_POINTS, 3)."""
-    return WIND * (1.0 + 0.02 * k)
+@pytest.fixture
+def path(windy, built, name, flavour):
+    """Path of an FMU with wind points."""
+    return built(SWING, flavour, WIND_POINTS) if name == SYSTEM else windy / flavour / f"{name}.fmu"
+
+
+def given(name, k):
+    """Inputs of step k."""
+    if name == SYSTEM:
+        return winds(k)
+    return {"wind_at": (WIND * (1.0 + 0.02 * k)).ravel(), **kite_inputs(name, *circle(k * STEP))}
 
 
 def started(path):
-    kite = {key: list(value) for key, value in kite_at_start(path.stem, *circle(0.0)).items()}
-    return Host(path).start(initial_length=525.0, wind_at=wind(0).ravel().tolist(), **kite)
+    name = path.stem
+    if name == SYSTEM:
+        return Host(path).start(**winds(0))
+    return Host(path).start(initial_length=525.0, wind_at=WIND.ravel(), **kite_at_start(name, *circle(0.0)))
 
 
-def fly(host, name, begin, end):
-    """Numbers of all real outputs after each step."""
-    rows = []
-    for k in range(begin, end):
+def fly(host, name, steps):
+    """Do some steps from the start; the state before the last one."""
+    for k in range(steps):
+        before = blob_of(host)
         host.time = k * STEP
-        host.step(STEP, wind_at=wind(k).ravel().tolist(), **kite_inputs(name, *circle(k * STEP)))
-        rows.append(host.all_outputs())
-    return rows
+        host.step(STEP, **given(name, k))
+    return before
 
 
 @every_flavour
 @every_fmu
 @in_shared_process
-def test_a_refused_step_names_the_wind(windy, name, flavour):
-    """Those that are set do not show in the outputs before the next step."""
-    host = started(windy / flavour / f"{name}.fmu")
-    fly(host, name, 0, 1)
+def test_a_refused_step_names_the_wind(path, name, flavour):
+    """What is set does not show in the outputs before the next step."""
+    host = started(path)
+    fly(host, name, 1)
     before = host.all_outputs()
-    host.set(wind_at=(2.0 * WIND).ravel().tolist())
+    host.set(**given(name, 50))
+    wrong, line = ("b.wind_at[3,1]", "the line b: ") if name == SYSTEM else ("wind_at[3,1]", "")
     with pytest.raises(FMICallException):
-        host.step(STEP, **{"wind_at[3,1]": math.nan})
-    assert "the input wind_at[3,1] is nan" in host.messages[-1]
+        host.step(STEP, **{wrong: math.nan})
+    assert f"{line}the input {wrong} is nan" in host.messages[-1]
     assert host.all_outputs() == before
 
 
@@ -102,8 +120,8 @@ def test_given_derivatives(windy, when):
 @in_shared_process
 def test_a_tether_with_waves_feels_the_mean_of_the_step(windy):
     """Its motion is that in the wind of the middle of the step; its drag then is that of the end."""
-    rate, name = np.random.default_rng(3).normal(size=(WIND_POINTS, 3)), "TetherDynamicFree"
-    growing, constant = (started(windy / "native" / f"{name}.fmu") for _ in range(2))
+    rate = np.random.default_rng(3).normal(size=(WIND_POINTS, 3))
+    growing, constant = (started(windy / "native" / "TetherDynamicFree.fmu") for _ in range(2))
     give_rate(growing, rate)
     growing.step(STEP, wind_at=WIND.ravel())
     constant.step(STEP, wind_at=(WIND + 0.5 * STEP * rate).ravel())
@@ -112,40 +130,41 @@ def test_a_tether_with_waves_feels_the_mean_of_the_step(windy):
     assert growing.get("kite_force") != constant.get("kite_force")
 
 
-@pytest.mark.parametrize("flavour", ["native", "native_fmi3"])
+@native
+@pytest.mark.parametrize("name", ["TetherStraight", SYSTEM])
 @in_shared_process
-def test_directional_derivative(windy, flavour):
-    """Of the forces by the wind at the middle point: that of the differences of steps done again."""
-    name = "TetherStraight"
-    path = windy / flavour / f"{name}.fmu"
+def test_directional_derivative(path, name, flavour):
+    """Of forces by the wind at the middle point of a line: that of the differences of steps done again."""
     host = started(path)
-    fly(host, name, 0, 10)
-    blob = blob_of(host)
-    fly(host, name, 10, 11)
+    before = fly(host, name, 11)
+    outputs, wind = (["a.tension_from"], "a.wind_at") if name == SYSTEM else (FORCE, "wind_at")
     if flavour == "native_fmi3":
-        seed = [0.0] * 4 + [1.0] + [0.0] * 4
-        found = host.fmu.getDirectionalDerivative([host.reference["kite_force"]], [host.reference["wind_at"]], seed, 3)
+        unknown, seed = host.reference[outputs[0].partition("[")[0]], np.eye(9)[4].tolist()
+        found = host.fmu.getDirectionalDerivative([unknown], [host.reference[wind]], seed, len(outputs))
     else:
-        force = [host.reference[each] for each in FORCE]
-        found = host.fmu.getDirectionalDerivative(force, [host.reference["wind_at[2,2]"]], [1.0])
-    given = {"wind_at": wind(10).ravel(), **kite_inputs(name, *circle(10 * STEP))}
-    expected = differences(host, blob, STEP, given, FORCE, {"wind_at[2,2]": 0.1})[:, 0]
+        unknowns = [host.reference[each] for each in outputs]
+        found = host.fmu.getDirectionalDerivative(unknowns, [host.reference[f"{wind}[2,2]"]], [1.0])
+    expected = differences(host, before, STEP, given(name, 10), outputs, {f"{wind}[2,2]": 0.1})[:, 0]
     # drag is nearly quadratic in the wind: observed 1e-5 from the cubic terms of a change of 0.1 m/s
     np.testing.assert_allclose(found, expected, atol=1e-3 * np.abs(expected).max())
 
 
 @every_flavour
 @every_fmu
-def test_model_description(windy, name, flavour):
-    """Valid; outputs depend on wind_at and not on what it replaces, which says so; value references of inputs as without."""
-    path = windy / flavour / f"{name}.fmu"
+def test_it_is_a_valid_fmu_that_says_what_it_ignores(path, name, flavour):
     assert validate_fmu(str(path)) == []
+    known = description_of(path).modelVariables
+    says = {each.name.partition("[")[0]: "(ignored: the wind is that of wind_at)" in each.description for each in known}
+    assert {each for each, ignored in says.items() if ignored} == set(WITHOUT_EFFECT)
+    assert {each.causality for each in known if "shape" in each.name.partition("[")[0].split(".")} == {"output"}
+
+
+@every_flavour
+@every_tether
+def test_dependencies_and_value_references(path, name, flavour):
+    """Outputs depend on wind_at and not on what it replaces; value references of inputs as without."""
     description = description_of(path)
     by_name = {each.name: each for each in description.modelVariables}
-    for each in by_name.values():
-        assert ("(ignored: the wind is that of wind_at)" in each.description) == (
-            each.name.partition("[")[0] in WITHOUT_EFFECT
-        )
     depending = {
         unknown.variable.name: {known.name.partition("[")[0] for known in unknown.dependencies or ()}
         for unknown in description.initialUnknowns
@@ -164,18 +183,16 @@ def test_model_description(windy, name, flavour):
         assert f"extra/com.open-simulation-platform/{osp.file_name(name)}" in names
 
 
-@every_fmu
+@every_tether
 @in_shared_process
 def test_each_number_is_felt_at_the_start(windy, name):
     """Each declared dependency on the wind is seen, and what wind_at replaces changes nothing."""
     host = Host(windy / "native" / f"{name}.fmu")
     host.enter_initialization(None)
-    kite = kite_at_start(name, *circle(0.0))
-    host.set(**kite, initial_length=525.0, wind_at=WIND.ravel(), surface_roughness=0.01)
+    host.set(**kite_at_start(name, *circle(0.0)), initial_length=525.0, wind_at=WIND.ravel(), surface_roughness=0.01)
     before = host.get("ground_force")
-    for each in range(9):
-        changed = WIND.ravel() + np.eye(9)[each]
-        host.set(wind_at=changed)
+    for change in np.eye(9):
+        host.set(wind_at=WIND.ravel() + change)
         assert host.get("ground_force") != before
     host.set(wind_at=WIND.ravel(), wind_velocity=(30.0, 0.0, 0.0), wind_profile=4, wind_exponent=0.5, surface_roughness=0.1)
     host.set(wind_reference_height=20.0)
@@ -199,8 +216,26 @@ def test_without_points_all_is_as_before():
 
 @pytest.mark.parametrize("points", ["1", "-3", "1002", "x", "2.5"])
 def test_numbers_of_points_that_cannot_be(points, capsys):
-    from tetherfmu.commands.build import main
-
     with pytest.raises(SystemExit):
         main(["TetherStraight", "--wind-points", points])
     assert "--wind-points" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_of_a_system_header_terminals_and_groups(tmp_path, fmi):
+    """Numbers of the header are those of the description; each line has a terminal of its wind, and there is none of all."""
+    (tmp_path / "swing.toml").write_text(SWING)
+    path = systems.build(tmp_path / "swing.toml", tmp_path, BuildOptions(wind_points=WIND_POINTS), fmi, with_header=PREFIX)
+    numbers = numbers_of(path.with_suffix(".h"))
+    for variable in description_of(path).modelVariables:
+        assert numbers.pop(c_name(variable.name)) == variable.valueReference
+    if fmi == 2:
+        groups = ElementTree.parse(tmp_path / osp.file_name(SYSTEM)).iter()
+        assert "wind" not in [each.get("name") for each in groups]
+        return
+    assert numbers["TETHER_A_WIND_AT_SIZE"] == 3 * WIND_POINTS
+    with zipfile.ZipFile(path) as opened:
+        root = ElementTree.fromstring(opened.read("terminalsAndIcons/terminalsAndIcons.xml"))
+    found = {each.get("name"): [(one.get("memberName"), one.get("variableName")) for one in each] for each in root[0]}
+    winds_of = {f"{line}.wind": [("at", f"{line}.wind_at")] for line in "ab"}
+    assert {name: members for name, members in found.items() if "wind" in name} == winds_of
