@@ -1,4 +1,4 @@
-"""Scenes that several tests share."""
+"""Scenes that several tests share, and how outputs are compared."""
 
 from pathlib import Path
 
@@ -64,6 +64,11 @@ def fly_circle(tether, step, duration, wind=(0.1, 0.0, 0.0), rate=CIRCLE_RATE):
         position, velocity = circle(k * step, rate)
         outputs.append(tether.step(step, kite_position=position, kite_velocity=velocity, wind_velocity=wind))
     return step * np.arange(1, count + 1), outputs
+
+
+def same(one, other):
+    """Whether two records of outputs are equal bit for bit."""
+    return all(np.array_equal(a, b) for a, b in zip(one, other, strict=True))
 
 
 def read(name):

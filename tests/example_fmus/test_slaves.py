@@ -1,6 +1,7 @@
 """What every FMU of the examples does in a host: a valid description, rollback, refusals in words, equal bytes."""
 
 import math
+import shutil
 
 import pytest
 from fmpy import read_model_description
@@ -8,7 +9,7 @@ from fmpy.fmi1 import FMICallException
 from fmpy.validation import validate_fmu
 
 from example_fmus.example_slaves import example_fmus
-from isolation import in_shared_process
+from isolation import in_own_process, in_shared_process
 from runtime.host import Host, blob_of, restore
 
 every_example = pytest.mark.parametrize("name", list(example_fmus.SLAVES))
@@ -111,3 +112,13 @@ def test_all_in_one_process_with_a_tether(example_folder, fmu_folder):
     alone = [fly(Host(path).start(), 0, 5) for path in paths]
     hosts = [Host(path).start() for path in paths]
     assert [fly(host, 0, 5) for host in reversed(hosts)] == alone[::-1]
+
+
+@in_own_process
+def test_a_kite_after_the_folder_of_another_has_vanished(example_folder):
+    first = Host(example_folder / "PointMassKite.fmu", own_folder=True).start()
+    shutil.rmtree(first.folder)
+    second = Host(example_folder / "FlyingKite.fmu").start()
+    first.step(0.02)
+    second.step(0.02)
+    assert second.get("kite_position[1]") != 0.0

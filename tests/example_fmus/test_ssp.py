@@ -25,6 +25,7 @@ STEPS = 150  # 3 s: the first turn
 FOLLOWED = ("kite_position[1]", "kite_position[2]", "kite_position[3]", "kite_tension")
 SHOWN = ("kite_position[1]", "kite_position[2]", "kite_position[3]", "ground_tension")  # the container shows what is linked
 FIDELITIES = {"coarse": 3, "standard": 10, "fine": 30}
+OF_FIDELITIES, TURBULENT = ("kite_power_system", "winch_inside"), ("turbulent_circle", "turbulent_parked_kite")
 needs_ecos = pytest.mark.skipif(find_spec("ecospy") is None, reason="ecospy is for 64-bit Linux")
 needs_libcosim = pytest.mark.skipif(find_spec("libcosimpy") is None, reason="libcosimpy is not installed")
 
@@ -34,7 +35,7 @@ def ssp_folder(built_once):
     return built_once("ssp", lambda folder: ssp.write_all(folder))
 
 
-@pytest.mark.parametrize("name", ["kite_power_system", "winch_inside", "circular_flight"])
+@pytest.mark.parametrize("name", [*OF_FIDELITIES, "circular_flight", *TURBULENT])
 def test_is_valid(ssp_folder, name):
     """By the schemas of SSP 1.0, as FMPy has them; connections join connectors that are there."""
     path = ssp_folder / f"{name}.ssp"
@@ -50,13 +51,13 @@ def test_is_valid(ssp_folder, name):
             structure = etree.fromstring(archive.read(entry))
             validate_tree(structure, "SystemStructureDescription.xsd")
             assert structure.get("name").isidentifier()  # as OMSimulator wants it
-    if name != "circular_flight":
+    if name in OF_FIDELITIES:
         assert len(structures) == len(FIDELITIES)
         for fidelity, segments in FIDELITIES.items():
             assert parameters_of(path, fidelity)["segments"] == segments
 
 
-@pytest.mark.parametrize("name", ["kite_power_system", "winch_inside", "circular_flight", "turbulent_circle"])
+@pytest.mark.parametrize("name", [*OF_FIDELITIES, "circular_flight", "turbulent_circle"])
 def test_connectors_have_the_units_of_the_variables(ssp_folder, name, tmp_path):
     """And the system structure says what they are of the base units, as the FMUs do."""
     with zipfile.ZipFile(ssp_folder / f"{name}.ssp") as archive:

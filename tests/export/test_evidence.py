@@ -2,14 +2,20 @@
 
 import csv
 import io
+import posixpath
+import re
 import zipfile
+from functools import cache
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
 from fmpy import read_model_description
 
+from runtime.host import of_every_flavour
 from tetherfmu.export import evidence
 from tetherfmu.export.archive import SLAVES
+from tetherfmu.export.documents import EVIDENCE_FOLDER
 from tetherfmu.python import models
 from tetherfmu.runtime.parameters import DEFAULT_TOLERANCE, Tether
 from tetherfmu.runtime.variants import BY_NAME
@@ -117,15 +123,18 @@ def test_a_free_kite_is_pulled_taut():
     assert max(each.kite_position[1] for each in outputs) > 20.0
 
 
+@cache
+def set_of(model, segments):
+    """Files of the evidence set of a tether with so many segments."""
+    name = model.__name__
+    return evidence.files(name, [evidence.flight(model, Tether(segments=segments))], model=name, scene="", more="")
+
+
 @dynamic
 @pytest.mark.parametrize("segments", [1, 300])
 def test_the_set_belongs_to_the_start_values_of_the_fmu(model, segments):
     """Also with the fewest and with the most segments that a builder may ask for."""
-    name = model.__name__
-    made, usual = (
-        evidence.files(name, [evidence.flight(model, Tether(segments=number))], model=name, scene="", more="")
-        for number in (segments, 20)
-    )
+    name, made, usual = model.__name__, set_of(model, segments), set_of(model, 20)
     same = made[f"{name}_in.csv"] == usual[f"{name}_in.csv"]
     assert same == (model is models.TetherDynamic)  # the load of a free kite begins with the force of its tether
     assert made[f"{name}_ref.csv"] != usual[f"{name}_ref.csv"]
@@ -176,3 +185,33 @@ def test_a_long_flight_says_how_far_it_is(monkeypatch):
     evidence.reference(made, now=said.append)
     count = len(made.scene) - 1
     assert said == [f"{k} of {count} steps" for k in range(count)]
+
+
+# --- the manifest of related files
+
+
+FOLDER = "extra/org.fmi-standard.fmi-ls-ref"
+NAMESPACE = "{http://fmi-standard.org/fmi-ls-manifest}"
+FIXED = {  # by the schema of 1.0.0-beta.1
+    "fmi-ls-name": "org.fmi-standard.fmi-ls-ref",
+    "fmi-ls-version": "1.0.0-beta.1",
+    "fmi-ls-description": "Layered Standard providing information on related files included in an FMU.",
+}
+ROLES = re.compile(
+    "document|requirement|specification|model|parameter|system|testcase|result|method|rationale|report|request|delivery|"
+    "configuration|signature|meta-data|other|experiment(/(smoke-test|validation|uncertainty-analysis))?|serialized-state(/.*)?"
+)
+
+
+@of_every_flavour("name")
+def test_names_every_file_of_the_evidence_set(fmu_folder, name):
+    with zipfile.ZipFile(fmu_folder / f"{name}.fmu") as archive:
+        names = archive.namelist()
+        root = ElementTree.fromstring(archive.read(f"{FOLDER}/fmi-ls-manifest.xml"))
+    assert root.tag == "fmiReferences"
+    assert root.attrib == {f"{NAMESPACE}{key}": value for key, value in FIXED.items()}
+    assert all(set(each.attrib) == {"type", "source", "role", "description"} for each in root)
+    assert all(each.tag == "Related" and ROLES.fullmatch(each.get("role")) for each in root)
+    found = [posixpath.normpath(posixpath.join(FOLDER, each.get("source"))) for each in root]
+    assert found == sorted(each for each in names if each.startswith(EVIDENCE_FOLDER))
+    assert len(found) == 1 + 3 * 3

@@ -32,12 +32,12 @@ rope = {from = "mast", to = "load", initial_length = "10 m", segments = 4}
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory):
+def folder(tmp_path_factory, fmu_folder, native_folder, fmi3_folder):
     """TetherDynamic with the choice `WINDY`, and the full one, in all flavours."""
     folder = tmp_path_factory.mktemp("lean")
-    for flavour, build in FLAVOURS.items():
+    for (flavour, build), full in zip(FLAVOURS.items(), (fmu_folder, native_folder, fmi3_folder), strict=True):
         build("TetherDynamic", folder / flavour, BuildOptions(lean=WINDY))
-        build("TetherDynamic", folder / f"full_{flavour}")
+        (folder / f"full_{flavour}").symlink_to(full, target_is_directory=True)
     return folder
 
 
@@ -166,7 +166,7 @@ def test_a_first_step_that_waits_for_an_input_is_a_doubt(inputs, tmp_path, capsy
     assert "would refuse the first step of 0.02 s with its start values: no unstretched length" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("flavour", FLAVOURS)
+@pytest.mark.parametrize("flavour", ["native", "fmi3"])  # PythonFMU's FMUs have the same description as these
 @pytest.mark.parametrize("key", ["inputs", "outputs", "parameters"])
 def test_an_fmu_without_one_kind_is_valid(flavour, key, tmp_path):
     path = FLAVOURS[flavour]("TetherStraight", tmp_path, BuildOptions(lean=Lean(**{key: ()})))

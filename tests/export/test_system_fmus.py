@@ -1,6 +1,5 @@
-"""The FMU of a system of tethers: refusals with names, dependencies, descriptions, wrong files."""
+"""The FMU of a system of tethers: dependencies, descriptions, wrong files; refusals: `test_winch_and_sheave_fmus.py`."""
 
-import math
 import re
 import zipfile
 from xml.etree import ElementTree
@@ -25,7 +24,7 @@ from tetherfmu.wiring.system import System
 from tetherfmu.wiring.system_variables import ENDS
 from tetherfmu.wiring.system_variables import GIVEN as GIVEN_INPUTS
 
-from .test_system_flavours import CHAIN, GIVEN, HOIST, LOADS, text_of
+from .test_system_flavours import CHAIN, GIVEN, text_of
 from .test_system_flavours import EXAMPLES as FILES
 
 EQUILIBRIUM = 2
@@ -53,11 +52,6 @@ def chain(built, flavour):
     return built(CHAIN, flavour)
 
 
-@pytest.fixture
-def digits(built, flavour):
-    return built(HOIST.replace("top", "p2kite_position"), flavour)
-
-
 @every_flavour
 @in_shared_process
 def test_a_state_of_another_system_is_refused(bridle, kites, flavour):
@@ -73,47 +67,6 @@ def refused(host, action):
     with pytest.raises(FMICallException):
         action()
     return " ".join(host.messages)
-
-
-@every_flavour
-@pytest.mark.parametrize(
-    ("name", "value", "says"),
-    [
-        ("main.segments", 0, "main.segments is 0; it must be at least 1"),
-        ("bridle_left.initial_length", 0.02, "the line bridle_left: initial_length is 0.02 m for 3 segments"),
-        ("knot.mass", -1.0, "knot.mass is -1.0; it must be at least 0 kg"),
-        ("knot.initial_position[2]", math.inf, "knot.initial_position[2] is inf; it must be"),
-        ("gravity", math.nan, "gravity is nan; it must be at least 0 m/s2"),
-        ("bridle_left.damping_law", 3, "bridle_left.damping_law is 3; it must be one of 1 (strain_rate)"),
-        ("left.position[2]", math.nan, "the input left.position[2] is nan; it must be a finite number"),
-    ],
-)
-@in_shared_process
-def test_a_start_is_refused_with_the_name_of_point_or_line(bridle, flavour, name, value, says):
-    host = Host(bridle)
-    assert says in refused(host, lambda: host.start(**{name: value}))
-
-
-@every_flavour
-@in_shared_process
-def test_a_step_is_refused_with_the_name_of_point_or_line(bridle, flavour):
-    host = Host(bridle).start()
-    before = host.outputs()
-    assert "knot.load is [nan, " in refused(host, lambda: host.step(STEP, **{"knot.load[1]": math.nan}))
-    host.set(**{"knot.load[1]": 0.0})
-    assert "main.reel_out_speed is inf" in refused(host, lambda: host.step(STEP, **{"main.reel_out_speed": math.inf}))
-    said = refused(host, lambda: host.step(STEP, **{"main.reel_out_speed": 0.0, "bridle_right.reel_out_speed": -1e3}))
-    assert "the line bridle_right: the reel_out_speed -1000.0 m/s" in said
-    assert host.outputs() == before
-
-
-@every_flavour
-@in_shared_process
-def test_a_name_that_ends_as_another_stays_whole(digits, flavour):
-    """That of a point ends as the input of a tether, after a digit."""
-    host = Host(digits).start()
-    said = refused(host, lambda: host.step(STEP, **{"p2kite_position.position[1]": math.nan}))
-    assert "the line rope: the input p2kite_position.position[1] is nan" in said
 
 
 @in_shared_process
@@ -170,25 +123,6 @@ def test_points_start_where_they_are_in_balance_unless_they_are_given(chain, fla
     assert (host.get("top.start"), host.get("knot.start"), host.get("load.start")) == (GIVEN, EQUILIBRIUM, EQUILIBRIUM)
     calm = TetherSystem.from_file(chain.with_name("system.toml")).initialize()
     assert host.get("load.initial_position") == calm.points["load"].position.tolist()
-
-
-REFUSED = {
-    "torn": ({"upper.axial_stiffness": 1.0, "lower.axial_stiffness": 1.0, "air_density": 50.0}, "for the free point"),
-    "nothing given": (
-        {"top.start": EQUILIBRIUM},
-        "no point of the system is driven or has a position: give one where it starts",
-    ),
-    "no number": ({"knot.load[2]": math.nan}, "the input knot.load is [30.0, nan, 0.0]"),
-    "no choice": ({"knot.start": 3}, "knot.start is 3; it must be one of 1 (given), 2 (equilibrium)"),
-}
-
-
-@every_flavour
-@pytest.mark.parametrize("refused", REFUSED.values(), ids=REFUSED)
-@in_shared_process
-def test_what_has_no_equilibrium_is_refused_in_words(chain, flavour, refused):
-    values, says = refused
-    Host(chain).refuses_to_start(says, wind_velocity=(9.0, 2.0, 0.0), **LOADS, **values)
 
 
 @pytest.mark.parametrize("flavour", ["native_fmi3"])

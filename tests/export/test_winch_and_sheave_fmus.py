@@ -1,10 +1,11 @@
-"""FMUs of systems with winches and sheaves, in all flavours: their variables, their evidence, and what is refused by name.
+"""FMUs of systems, also with winches and sheaves, in all flavours: variables, evidence, and what is refused by name.
 
 Their numbers are those of `test_system_flavours.py`.
 """
 
 import pytest
 from fmpy import read_model_description
+from fmpy.fmi1 import FMICallException
 
 from flavours import every_flavour
 from isolation import in_shared_process
@@ -13,10 +14,13 @@ from shared_drums import SHARED, TEXT
 from tetherfmu import PlausibilityWarning, TetherSystem
 from tetherfmu.check.__main__ import main as check
 
-from .test_system_flavours import DRUMS, OF_WINCHES, WEIGHTS, WINDY, steered, text_of
+from .test_system_flavours import CHAIN, DRUMS, HOIST, LOADS, OF_WINCHES, WEIGHTS, WINDY, steered, text_of
 
 FORCE, INFINITE, NO_NUMBER = 2, float("inf"), float("nan")
 FILES = {
+    "bridle": text_of("y_bridle"),
+    "chain": CHAIN,
+    "digits": HOIST.replace("top", "p2kite_position"),
     "by length": steered("length").file,
     "by speed": steered("speed").file,
     "drums": TEXT,
@@ -55,12 +59,13 @@ def test_lines_in_winches_have_no_variables_of_a_winch(fmu, name):
     assert not names & has_not
 
 
-STEPS = [  # of a file: inputs that are refused, with the name of winches
-    (
-        "by speed",
-        {"steering.reel_out_speed": NO_NUMBER},
-        "the input steering.reel_out_speed and depower.reel_out_speed is nan",
-    ),
+STEPS = [  # of a file: inputs that are refused, with the name of points, lines and winches
+    ("bridle", {"knot.load[1]": NO_NUMBER}, "knot.load is [nan, "),
+    ("bridle", {"main.reel_out_speed": INFINITE}, "main.reel_out_speed is inf"),
+    ("bridle", {"bridle_right.reel_out_speed": -1e3}, "the line bridle_right: the reel_out_speed -1000.0 m/s"),
+    # the name of this point ends as the input of a tether, after a digit
+    ("digits", {"p2kite_position.position[1]": NO_NUMBER}, "the line rope: the input p2kite_position.position[1] is nan"),
+    ("by speed", {"steering.reel_out_speed": NO_NUMBER}, "input steering.reel_out_speed and depower.reel_out_speed is nan"),
     ("drums", {"steering.winch_force": NO_NUMBER}, "the input steering.winch_force is nan"),
 ]
 
@@ -68,16 +73,30 @@ STEPS = [  # of a file: inputs that are refused, with the name of winches
 @every_flavour
 @pytest.mark.parametrize(("name", "inputs", "says"), STEPS)
 @in_shared_process
-def test_a_refused_step_names_the_winches(fmu, name, inputs, says):
+def test_a_refused_step_names_what_is_wrong(fmu, name, inputs, says):
     host = Host(fmu).start(**(WEIGHTS if name == "by speed" else {}))
-    with pytest.raises(Exception, match=r"fmi|Discard"):
+    before = host.outputs()
+    with pytest.raises(FMICallException):
         host.step(STEP, **inputs)
-    assert says in str(host.messages)
+    assert says in host.messages[-1]
+    assert host.outputs() == before
 
 
 ENDS = "the unstretched length is {} m at the start, beyond a stop of the winch"
 NOT_IN_BALANCE = "lift.winch_force, 1.0 N, with trim.winch_start and lift.winch_start 2 (equilibrium)"
+SOFT = {"upper.axial_stiffness": 1.0, "lower.axial_stiffness": 1.0, "air_density": 50.0}
 STARTS = [
+    ("bridle", {"main.segments": 0}, "main.segments is 0; it must be at least 1"),
+    ("bridle", {"bridle_left.initial_length": 0.02}, "the line bridle_left: initial_length is 0.02 m for 3 segments"),
+    ("bridle", {"knot.mass": -1.0}, "knot.mass is -1.0; it must be at least 0 kg"),
+    ("bridle", {"knot.initial_position[2]": INFINITE}, "knot.initial_position[2] is inf; it must be"),
+    ("bridle", {"gravity": NO_NUMBER}, "gravity is nan; it must be at least 0 m/s2"),
+    ("bridle", {"bridle_left.damping_law": 3}, "bridle_left.damping_law is 3; it must be one of 1 (strain_rate)"),
+    ("bridle", {"left.position[2]": NO_NUMBER}, "the input left.position[2] is nan; it must be a finite number"),
+    ("chain", SOFT, "for the free point"),
+    ("chain", {"top.start": 2}, "no point of the system is driven or has a position: give one where it starts"),
+    ("chain", {"knot.load[2]": NO_NUMBER}, "the input knot.load is [30.0, nan, 0.0]"),
+    ("chain", {"knot.start": 3}, "knot.start is 3; it must be one of 1 (given), 2 (equilibrium)"),
     ("drums", {"c.winch_control": FORCE, "c.longest_length": 20.0}, f"the line c: {ENDS.format(22.6)}"),
     ("drum starts", {"lift.winch_force": 1.0}, NOT_IN_BALANCE),
     ("drum starts", {"trim.winch_start": 3}, "winch_start is 3; it must be one of 1 (given), 2 (equilibrium)"),
@@ -93,8 +112,9 @@ STARTS = [
 @every_flavour
 @pytest.mark.parametrize(("name", "values", "says"), STARTS)
 @in_shared_process
-def test_a_refused_start_names_winches_and_lines(fmu, name, values, says):
-    Host(fmu).refuses_to_start(says, **values)
+def test_a_refused_start_names_what_is_wrong(fmu, name, values, says):
+    blown = {"wind_velocity": (9.0, 2.0, 0.0), **LOADS} if name == "chain" else {}
+    Host(fmu).refuses_to_start(says, **blown, **values)
 
 
 WITH_EVIDENCE = {name: (FILES[name], 0) for name in ("by length", "by speed", "two winches")}

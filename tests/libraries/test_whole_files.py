@@ -6,11 +6,11 @@ import re
 import time
 import zipfile
 from concurrent.futures import ProcessPoolExecutor
-from multiprocessing import get_context
 
 import numpy as np
 import pytest
 
+from isolation import CONTEXT
 from tetherfmu.export.archive import write_archive
 from tetherfmu.libraries.sources import PACKAGE
 from tetherfmu.libraries.whole_files import LEFT_BEHIND, clear, whole
@@ -35,7 +35,7 @@ def write_rounds(target, content):
 def test_writers_of_one_archive(tmp_path):
     """Each of 100 rounds leaves an archive that one of the writers has written; with one name for all most were broken."""
     contents = [bytes([k]) * 200_000 for k in range(WRITERS)]
-    with ProcessPoolExecutor(WRITERS, get_context("spawn")) as pool:
+    with ProcessPoolExecutor(WRITERS, CONTEXT) as pool:
         found = set().union(*pool.map(write_rounds, [tmp_path / "one.fmu"] * WRITERS, contents))
     assert found <= set(contents)
     assert [path.name for path in tmp_path.iterdir()] == ["one.fmu"]

@@ -5,11 +5,10 @@ import re
 import subprocess
 import sys
 import zipfile
-from ctypes import CDLL, c_void_p
+from ctypes import CDLL
 from pathlib import Path
 
 import fmpy
-import numpy as np
 import pytest
 from fmpy.fmi1 import FMICallException
 from fmpy.fmi3 import FMU3Model
@@ -185,48 +184,6 @@ def test_instances_that_are_refused(fmi3_folder):
     with pytest.raises(Exception, match="Failed to instantiate"):
         FMU3Model(instanceName="model", **facts).instantiate(logMessage=host.log)
     assert "this FMU is for co-simulation only" in host.messages[-1]
-
-
-@in_shared_process
-def test_instances_and_states_are_told_apart(fmi3_folder):
-    """A state where an instance belongs, and the other way round: refused, nothing is freed, both can be used."""
-    host = Host(fmi3_folder / "TetherDynamic.fmu").start()
-    before, tether, state = blob_of(host), host.fmu.component, host.fmu.getFMUState()
-    itself = c_void_p(tether)
-    for call in (
-        lambda: host.fmu.setFMUState(itself),
-        lambda: host.fmu.freeFMUState(itself),
-        lambda: host.fmu.serializeFMUState(itself),
-    ):
-        with pytest.raises(FMICallException, match="error"):
-            call()
-        assert host.messages[-1].endswith("this is not a state of this FMU")
-        assert itself.value == tether
-    host.fmu.component = state
-    for call in (host.fmu.reset, host.fmu.enterInitializationMode, host.fmu.terminate, lambda: host.step(STEP)):
-        with pytest.raises(FMICallException, match="error"):
-            call()
-    host.fmu.fmi3FreeInstance(state)
-    host.fmu.component = tether
-    assert blob_of(host) == before
-    host.step(STEP)
-    host.fmu.setFMUState(state)
-    host.fmu.freeFMUState(state)
-    assert blob_of(host) == before
-
-
-@in_shared_process
-def test_simulate_fmu(fmi3_folder):
-    """FMPy's own loop with arrays as start values and as outputs."""
-    path = fmi3_folder / "TetherDynamic.fmu"
-    start = {"initial_length": 525.0, "kite_position": [0.0, 300.0, 400.0]}
-    options = {"stop_time": 1.0, "output_interval": STEP, "output": ["kite_force", "sag"]}
-    result = fmpy.simulate_fmu(str(path), start_values=start, **options)
-    assert result["time"][-1] == pytest.approx(1.0)
-    host = Host(path).start(initial_length=525.0, kite_position=[0.0, 300.0, 400.0])
-    for step in np.diff(result["time"]):
-        host.step(float(step))
-    assert result["kite_force"][-1].tolist() == host.get("kite_force")
 
 
 def test_snippet_of_the_manual(native_folder, fmi3_folder, tmp_path):

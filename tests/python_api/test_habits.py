@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from scenes import same
 from tetherfmu import (
     Environment,
     Solver,
@@ -22,10 +23,6 @@ EVERY = (TetherStraight, TetherCatenary, TetherQuasiSteady, TetherDynamic)
 every_model = pytest.mark.parametrize("model", EVERY, ids=lambda model: model.variant)
 
 
-def equal(first, second):
-    return all(np.array_equal(one, other) for one, other in zip(first, second, strict=True))
-
-
 @every_model
 def test_an_input_that_is_not_given_stays(model):
     given, kept = model(initial_length=520.0), model(initial_length=520.0)
@@ -35,7 +32,7 @@ def test_an_input_that_is_not_given_stays(model):
         tether.step(0.02, **inputs, ground_velocity=(0.1, 0.0, 0.0), reel_out_speed=0.5)
     for _ in range(5):
         one = given.step(0.02, **inputs, ground_velocity=(0.1, 0.0, 0.0), reel_out_speed=0.5)
-        assert equal(one, kept.step(0.02))
+        assert same(one, kept.step(0.02))
 
 
 @every_model
@@ -48,7 +45,7 @@ def test_a_refused_step_keeps_the_inputs_too(model):
     assert refusal.value.status == status.REELED_TOO_SHORT
     with pytest.raises(ValueError, match=r"wind_velocity has the shape \(\); it must be \(3,\)"):
         refused.step(0.02, kite_position=(310.0, 0.0, 400.0), wind_velocity=3.0)
-    assert equal(refused.step(0.02), twin.step(0.02))
+    assert same(refused.step(0.02), twin.step(0.02))
 
 
 @every_model
@@ -73,9 +70,9 @@ def test_nothing_before_the_start(model):
 def test_the_short_form_is_the_long_one(model):
     long = model(Tether(initial_length=525.0, segments=7), Environment(wind_profile=2), Solver(relative_tolerance=1e-3))
     short = model(initial_length=525.0, segments=7, wind_profile="power_law", relative_tolerance=1e-3)
-    assert equal(long.initialize(KITE, wind_velocity=WIND), short.initialize(KITE, wind_velocity=WIND))
+    assert same(long.initialize(KITE, wind_velocity=WIND), short.initialize(KITE, wind_velocity=WIND))
     base = model(Tether(initial_length=525.0), segments=7, wind_profile="power_law", relative_tolerance=1e-3)
-    assert equal(long.outputs(), base.initialize(KITE, wind_velocity=WIND))
+    assert same(long.outputs(), base.initialize(KITE, wind_velocity=WIND))
 
 
 def test_enumerations_have_names():
@@ -103,7 +100,7 @@ def test_slack_is_a_share_of_the_distance(model):
     np.testing.assert_allclose(outputs.kite_force, same.kite_force, rtol=1e-9, atol=1e-9)
     with pytest.raises(ValueError, match=r"slack is -1.0: the tether would be 0 m long; it must be at least 0\.\d+ m"):
         tether.initialize(KITE, slack=-1.0)
-    assert equal(tether.outputs(), outputs)
+    assert same(tether.outputs(), outputs)
     assert tether.initialize((100.0, 0.0, 0.0)).tether_length == 123.0
 
 
@@ -122,7 +119,7 @@ def test_the_length_may_be_given_where_there_are_no_waves(model):
     kept = tether.outputs()
     with pytest.raises(StepRefused):
         tether.step(0.02, tether_length=-1.0)
-    assert equal(tether.outputs(), kept)
+    assert same(tether.outputs(), kept)
 
 
 def test_node_positions_and_velocities_at_the_start():
@@ -135,7 +132,7 @@ def test_node_positions_and_velocities_at_the_start():
     np.testing.assert_array_equal(outputs.shape[[0, -1]], positions[[0, -1]])
     twin = TetherDynamic(initial_length=505.0, segments=4)
     twin.initialize(positions=positions, velocities=velocities)
-    assert equal(tether.step(0.02), twin.step(0.02))
+    assert same(tether.step(0.02), twin.step(0.02))
     assert np.abs(tether.positions[1:-1] - positions[1:-1] - 0.02 * velocities[1:-1]).max() < 1.0
 
 
@@ -167,4 +164,4 @@ def test_states_start_a_tether_too():
     first, second = TetherDynamic(), TetherDynamic()
     first.initialize(KITE, wind_velocity=WIND)
     second.set_state(first.get_state())
-    assert equal(first.outputs(), second.outputs())
+    assert same(first.outputs(), second.outputs())

@@ -3,13 +3,10 @@
 import numpy as np
 import pytest
 
+from scenes import same
 from tetherfmu import StepRefused, TetherDynamic, TetherDynamicFree, inputs_along
 
 KITE, WIND, LOAD = (300.0, 0.0, 400.0), (8.0, 1.0, 0.0), (150.0, 20.0, 300.0)
-
-
-def equal(first, second):
-    return all(np.array_equal(one, other) for one, other in zip(first, second, strict=True))
 
 
 def started(segments=8, **options):
@@ -23,7 +20,7 @@ def test_is_the_dynamic_tether_with_a_free_end_and_a_point_mass():
     long = TetherDynamic(segments=8, free_ends=(False, True), point_masses={3: 1.0, 8: 14.0})
     long.initialize(KITE, wind_velocity=WIND)
     for _ in range(20):
-        assert equal(short.step(0.02, kite_load=LOAD), long.step(0.02, kite_load=LOAD))
+        assert same(short.step(0.02, kite_load=LOAD), long.step(0.02, kite_load=LOAD))
 
 
 def test_outputs_have_the_motion_of_the_kite():
@@ -39,9 +36,9 @@ def test_a_load_stays_and_is_none_after_a_new_start():
     kept, given, without = started(), started(), started()
     for tether in (kept, given):
         tether.step(0.02, kite_load=LOAD)
-    assert equal(kept.step(0.02), given.step(0.02, kite_load=LOAD))
+    assert same(kept.step(0.02), given.step(0.02, kite_load=LOAD))
     kept.initialize(KITE, wind_velocity=WIND)
-    assert equal(kept.step(0.02), without.step(0.02))
+    assert same(kept.step(0.02), without.step(0.02))
 
 
 def test_the_motion_of_the_kite_is_no_input():
@@ -56,7 +53,7 @@ def test_a_load_that_is_no_number_is_refused():
     refused, twin = started(), started()
     with pytest.raises(StepRefused, match=r"the input kite_load\[3\] is nan; it must be a finite number"):
         refused.step(0.02, kite_load=(0.0, 0.0, np.nan))
-    assert equal(refused.step(0.02), twin.step(0.02))
+    assert same(refused.step(0.02), twin.step(0.02))
 
 
 @pytest.mark.parametrize("mass", [-1.0, np.nan, 1e10, "heavy"])

@@ -10,30 +10,43 @@ from tetherfmu.wiring.system import System
 from tetherfmu.wiring.system_variables import table_of
 
 FEW, TIMES = 12, 4
-ROPE = Tether(initial_length=10.0, segments=1)
+
+
+def rope(length):
+    return Tether(initial_length=length, segments=1)
+
+
+def apart(count):
+    """Lines between two driven points each."""
+    points = [Point(f"{end}{k}", (x, float(k), 10.0)) for k in range(count) for end, x in (("a", 0.0), ("b", 20.0))]
+    return points, [Line(f"line{k}", f"a{k}", f"b{k}", rope(21.0)) for k in range(count)]
+
+
+def star(count):
+    """Lines from driven points to one free point."""
+    points = [Point(f"a{k}", (float(k), 0.0, 30.0)) for k in range(count)] + [Point("hook", (0.0, 0.0, 10.0), mass=100.0)]
+    return points, [Line(f"line{k}", f"a{k}", "hook", rope(25.0)) for k in range(count)]
 
 
 def chain(count):
-    """Points and lines of a chain between two driven ends."""
+    """Lines in a row, with free points between them."""
     points = [Point(f"p{k}", (10.0 * k, 0.0, 0.0), mass=None if k in (0, count) else 1.0) for k in range(count + 1)]
-    return points, [Line(f"l{k}", f"p{k}", f"p{k + 1}", ROPE) for k in range(count)]
+    return points, [Line(f"line{k}", f"p{k}", f"p{k + 1}", rope(10.0)) for k in range(count)]
 
 
-def stepped(count):
+def stepped(points, lines):
     """All that a step can be given, to a system that has started."""
-    points, lines = chain(count)
     system = TetherSystem(points, lines)
     system.initialize()
-    given = {f"p{k}": (10.0 * k, 0.0, 0.0) for k in (0, count)}
-    loads = {f"p{k}": (0.0, 0.0, 1.0) for k in range(1, count)}
+    driven = {point.name: point.position for point in points if point.is_driven}
+    loads = {point.name: (0.0, 0.0, 1.0) for point in points if not point.is_driven}
     speeds = {line.name: 0.0 for line in lines}
-    return lambda: system.step(0.01, given, loads=loads, reel_out_speeds=speeds)
+    return lambda: system.step(0.01, driven, loads=loads, reel_out_speeds=speeds)
 
 
-def wired(count):
+def wired(points, lines):
     """The variables of its FMU, and where they stand."""
-    points, lines = chain(count)
-    system = System("chain", points, lines)
+    system = System("many", points, lines)
     return lambda: (table_of(system), of_system(system, (), ()))
 
 
@@ -55,8 +68,9 @@ def counted(work):
     return count
 
 
+@pytest.mark.parametrize("kind", [apart, star, chain])
 @pytest.mark.parametrize("of", [stepped, wired])
-def test_work_grows_with_the_lines(of):
+def test_work_grows_with_the_lines(of, kind):
     """Four times as many lines take at most four times the work: what is there for any number only lessens it."""
-    few, many = counted(of(FEW)), counted(of(TIMES * FEW))
+    few, many = (counted(of(*kind(count))) for count in (FEW, TIMES * FEW))
     assert FEW < few < many <= TIMES * few

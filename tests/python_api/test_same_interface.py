@@ -9,6 +9,7 @@ import pytest
 from fmpy import read_model_description
 
 from balance import VARIANTS
+from scenes import same
 from tetherfmu import StepRefused
 from tetherfmu.export.archive import SLAVES
 from tetherfmu.python import models
@@ -34,11 +35,6 @@ def script(model, steps=5):
 
 def taut(variant, **changes):
     return getattr(models, variant)(Tether(initial_length=TAUT.initial_length, **changes), solver=Solver(initial_shape=2))
-
-
-def same(a, b):
-    """Whether all outputs are equal bit for bit."""
-    return all(np.array_equal(x, y) for x, y in zip(a, b, strict=True))
 
 
 @every_variant
@@ -74,29 +70,6 @@ def test_other_outputs_of_a_taut_tether_agree(variant):
         # shape of the load: uniform, or as the square of the distance
         assert np.isclose(outputs.sag, reference.sag, rtol=0.1)
     assert np.allclose(outputs.shape[[0, -1]], [np.zeros(3), KITE + 5 * STEP * KITE_VELOCITY], atol=1e-9)
-
-
-@every_variant
-@pytest.mark.parametrize(
-    ("wrong", "sentence"),
-    [
-        ({"wind_velocity": (0.0, np.nan, 0.0)}, r"wind_velocity\[2\] is nan"),
-        ({"kite_position": (np.inf, 0.0, 0.0)}, r"kite_position\[1\] is inf"),
-        ({"step": 0.0}, "communication step is 0.0 s"),
-        ({"reel_out_speed": -1e6}, "shorter than 0.01 m"),
-    ],
-    ids=lambda value: "-".join(value) if isinstance(value, dict) else "",
-)
-def test_refused_step_keeps_the_state(variant, wrong, sentence):
-    model, undisturbed = taut(variant), taut(variant)
-    good = {"step": STEP, "kite_position": KITE, "kite_velocity": KITE_VELOCITY, "wind_velocity": WIND}
-    script(model)
-    script(undisturbed)
-    state = model.get_state()
-    with pytest.raises(StepRefused, match=sentence):
-        model.step(**{**good, **wrong})
-    assert np.array_equal(model.get_state(), state)
-    assert same(model.step(**good), undisturbed.step(**good))
 
 
 CHANGED = {
@@ -139,22 +112,10 @@ def test_says_what_it_ignores_and_ignores_it(variant, name):
     assert unchanged == ignored
 
 
-def described(fmu_folder, variant):
-    return read_model_description(str(fmu_folder / f"{variant}.fmu")).modelVariables
-
-
-@every_variant
-def test_fmus_have_the_same_variables(fmu_folder, variant):
-    def interface(variables):
-        facts = ("name", "valueReference", "causality", "variability", "initial", "type", "unit", "start", "min", "max")
-        return [tuple(getattr(each, fact) for fact in facts) for each in variables]
-
-    assert interface(described(fmu_folder, variant)) == interface(described(fmu_folder, "TetherDynamic"))
-
-
 @every_variant
 def test_fmu_says_what_it_ignores(fmu_folder, variant):
-    ignored = {each.name for each in described(fmu_folder, variant) if "ignored: " in each.description}
+    known = read_model_description(str(fmu_folder / f"{variant}.fmu")).modelVariables
+    ignored = {each.name for each in known if "ignored: " in each.description}
     waves = {"axial_damping", "slack_damping_ratio", "damping_law", "initial_shape", "breaking_force"}
     nodes = {"segments", "slack_stiffness_ratio"}
     ground = {"ground_contact", "ground_height", "ground_friction", "ground_sink"}

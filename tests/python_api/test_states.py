@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from balance import VARIANTS
-from tetherfmu import Environment, StepRefused, Tether, TetherDynamic, TetherDynamicFree
+from scenes import same
+from tetherfmu import Environment, Line, Point, StepRefused, Tether, TetherDynamic, TetherDynamicFree, TetherSystem
 from tetherfmu.python import models
 from tetherfmu.runtime import layout as at
 
@@ -37,20 +38,16 @@ def flying(variant="TetherDynamic", **options):
     return tether
 
 
-def equal(one, other):
-    return all(np.array_equal(a, b) for a, b in zip(one, other, strict=True))
-
-
 @every_variant
 @pytest.mark.parametrize("way", WAYS)
 def test_another_object_continues_without_any_input(variant, way):
     """69 N without wind, or the kite at the start values of the inputs, was 24 kN."""
     tether = flying(variant)
     other = WAYS[way](tether)
-    assert equal(other.outputs(), tether.outputs())
+    assert same(other.outputs(), tether.outputs())
     assert other.positions.shape == tether.positions.shape == (tether.segments + 1, 3) == (other.segments + 1, 3)
     for _ in range(3):
-        assert equal(other.step(0.02), tether.step(0.02))
+        assert same(other.step(0.02), tether.step(0.02))
     other.step(0.02, wind_velocity=(0.0, 0.0, 0.0))
     before = tether.get_state()
     assert not np.array_equal(before, other.get_state())
@@ -66,10 +63,10 @@ def test_a_copy_has_all_that_the_tether_was_made_with(way):
     fresh, running = WAYS[way](tether), tether
     with pytest.raises(StepRefused, match="is not initialized"):
         fresh.step(0.02)
-    assert equal(fresh.initialize(wind_velocity=WIND), running.initialize(wind_velocity=WIND))
+    assert same(fresh.initialize(wind_velocity=WIND), running.initialize(wind_velocity=WIND))
     copied = WAYS[way](running)
     load = {"kite_load": (50.0, 0.0, 300.0), "wind_velocity": (9.0, 0.0, 0.0)}
-    assert equal(copied.step(0.02, **load), running.step(0.02, **load))
+    assert same(copied.step(0.02, **load), running.step(0.02, **load))
 
 
 @pytest.mark.parametrize("way", WAYS)
@@ -77,7 +74,7 @@ def test_wind_at_the_nodes_is_in_the_state(way):
     tether = flying()
     tether.step(0.02, wind_velocity=np.linspace(0.0, 12.0, 63).reshape(21, 3))
     other = WAYS[way](tether)
-    assert equal(other.step(0.02), tether.step(0.02))
+    assert same(other.step(0.02), tether.step(0.02))
 
 
 def test_the_environment_is_that_of_the_object():
@@ -87,8 +84,8 @@ def test_the_environment_is_that_of_the_object():
     for each in (blown, other):
         each.set_state(tether.get_state())
     expected = other.step(0.02)
-    assert equal(blown.step(0.02), expected)
-    assert not equal(tether.step(0.02), expected)
+    assert same(blown.step(0.02), expected)
+    assert not same(tether.step(0.02), expected)
 
 
 @pytest.mark.parametrize(
@@ -168,3 +165,55 @@ def test_a_state_with_any_number_replaced_is_refused_or_harmless(variant, value)
             tether.step(0.02)
         assert all(np.isfinite(each).all() for each in tether.outputs())
         tether.set_state(good)
+
+
+# --- systems
+
+
+WINDS = np.array([[4.0, 1.0, 0.0], [9.0, -2.0, 0.5], [12.0, 1.5, 0.0]])
+POINTS = [Point("left", (0.0, 0.0, 30.0)), Point("right", (8.0, 0.0, 30.0)), Point("load", (4.0, 0.0, 10.2), mass=20.0)]
+ROPE = Tether(segments=4, initial_length=20.4)
+
+
+def started(wind_points):
+    lines = [Line("a", "left", "load", ROPE), Line("b", "right", "load", ROPE)]
+    system = TetherSystem(POINTS, lines, wind_points=wind_points)
+    system.initialize(**winds(wind_points, 0))
+    return system
+
+
+def winds(wind_points, k):
+    scale = 1.0 + 0.1 * k
+    return {"wind_at": dict.fromkeys("ab", scale * WINDS)} if wind_points else {"wind_velocity": scale * WINDS[1]}
+
+
+def flown(system, wind_points, steps=range(5, 10)):
+    return [system.step(0.02, **winds(wind_points, k)).points["load"].position.tolist() for k in steps]
+
+
+@pytest.mark.parametrize("wind_points", [0, 3])
+@pytest.mark.parametrize("way", ["deepcopy", "copy", "pickle"])
+def test_a_copy_of_a_system_goes_on(way, wind_points):
+    system = started(wind_points)
+    flown(system, wind_points, range(5))
+    other = WAYS[way](system)
+    assert other.counters == system.counters
+    assert flown(other, wind_points) == flown(system, wind_points)
+
+
+@pytest.mark.parametrize("wind_points", [0, 3])
+def test_back_to_a_state_with_other_winds(wind_points):
+    system = started(wind_points)
+    flown(system, wind_points, range(5))
+    state = system.get_state()
+    expected = flown(system, wind_points)
+    system.set_state(state)
+    assert flown(system, wind_points) == expected
+    other = started(wind_points)
+    other.set_state(state)
+    assert flown(other, wind_points) == expected
+
+
+def test_a_system_that_was_not_started_is_copied():
+    system = TetherSystem(POINTS, [Line("a", "left", "load", ROPE), Line("b", "right", "load", ROPE)])
+    assert "not initialized" in repr(copy.deepcopy(system))

@@ -16,6 +16,7 @@ from tetherfmu.export.archive import SLAVES
 
 STEPS, HALF = 20, 10
 FREE = "TetherDynamicFree"
+WITH_WAVES = ("TetherDynamic", FREE)  # which take steps of their own
 
 
 class Flight(NamedTuple):
@@ -67,7 +68,7 @@ def landing(k):
     return np.array((45.0 + 2.0 * time, time, 12.0 - 4.0 * time)), np.array((2.0, 1.0, -4.0))
 
 
-def on_the_ground(**ground):
+def on_the_ground(tethers=tuple(SLAVES)[1:], **ground):
     """It lies there, but for the straight tether, which ignores the ground; a winch may pull it off at once."""
     held = "winch_control" in ground
 
@@ -79,7 +80,7 @@ def on_the_ground(**ground):
         assert length == 0.0 if name == "TetherStraight" else held or length > 5.0
 
     parameters = {"initial_length": 60.0, "segments": 10, "ground_contact": 2, "relative_tolerance": 1e-5, **ground}
-    return Flight(parameters, lambda name, k: kite_inputs(name, *landing(k)), start, seen=lies)
+    return Flight(parameters, lambda name, k: kite_inputs(name, *landing(k)), start, lies, tethers)
 
 
 def flies_away(name, k):
@@ -113,7 +114,7 @@ CRANE = {"ground_position": (1.0, 2.0, 50.0), "wind_velocity": (15.0, 3.0, 0.0),
 CRANE |= {"initial_kite_position": (1.0, 2.0, 10.0), "initial_kite_velocity": (1.0, 2.0, 3.0)}
 FLIGHTS = {
     "circle": CIRCLE,
-    "fixed steps": CIRCLE._replace(parameters={"initial_length": 525.0, "fixed_step": 0.005}),
+    "fixed steps": CIRCLE._replace(parameters={"initial_length": 525.0, "fixed_step": 0.005}, tethers=WITH_WAVES),
     "winch without a drum": by_force(),
     "its friction": by_force(winch_friction=30.0),
     "drum": by_force(**DRUM),
@@ -125,10 +126,10 @@ FLIGHTS = {
         from_the_circle(winch_length=525.0, reel_out_speed=1.5),
     ),
     "drum in fixed steps": by_force(**DRUM, fixed_step=0.005),
-    "ground": on_the_ground(),
+    "ground": on_the_ground(tuple(SLAVES)),
     "soft ground without friction": on_the_ground(ground_friction=0.0, ground_sink=0.02),
     "ground below the station": on_the_ground(ground_height=-4.0),
-    "ground in fixed steps": on_the_ground(fixed_step=0.005),
+    "ground in fixed steps": on_the_ground(WITH_WAVES, fixed_step=0.005),
     "ground, and a winch that holds 30 N": on_the_ground(winch_control=2),
     "break": loose(breaking_force=1500.0),
     "break in fixed steps": loose(breaking_force=1500.0, fixed_step=0.005),

@@ -11,10 +11,10 @@ import pytest
 from isolation import in_own_process
 from runtime.host import Host, of_every_flavour
 from scenes import circle, kite_inputs
-from tetherfmu.export.archive import SLAVES
 
 LINUX = pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="memory and open files are read from /proc")
 PAGE = 4096
+of_both_kinds = pytest.mark.parametrize("fmu", ["TetherCatenary", "TetherDynamicFree"])  # of kernels, which allocate nothing
 
 
 def resident():
@@ -28,7 +28,7 @@ def open_files():
 
 
 @LINUX
-@pytest.mark.parametrize("fmu", list(SLAVES))
+@of_both_kinds
 @in_own_process
 def test_1000_cycles(fmu_folder, fmu):
     """Instantiate, step, free: below 2.5 MB (PythonFMU itself keeps about 1.2 kB per instance), no path, no file."""
@@ -48,7 +48,7 @@ def test_1000_cycles(fmu_folder, fmu):
 
 
 @LINUX
-@pytest.mark.parametrize("fmu", ["TetherCatenary", "TetherDynamicFree"])  # of both kinds of kernels, which allocate nothing
+@of_both_kinds
 @in_own_process
 def test_many_steps(fmu_folder, fmu):
     """Steps of 1 to 50 ms on the circle, states taken and freed: no growth after the first 10000, all outputs finite.

@@ -1,15 +1,21 @@
-"""The model description is valid, complete and offers the interface of docs/use/interface.md."""
+"""The model description is valid, complete and offers the interface of docs/use/interface.md.
 
+FMPy's validation and the XML schemas: `check/test_check.py`, `native/test_fmi3.py`.
+"""
+
+import logging
 import math
 import subprocess
 import sys
 
 import pytest
 from fmpy import read_model_description
-from fmpy.validation import validate_fmu
+from fmu_manipulation_toolbox.checker import get_checkers
+from fmu_manipulation_toolbox.operations import FMU
 
+from ended import status_of
 from isolation import in_shared_process
-from runtime.host import Host, description_of, every_flavour_and_version
+from runtime.host import Host, description_of, every_flavour_and_version, of_every_flavour
 from tetherfmu.export import archive
 from tetherfmu.export.archive import SLAVES
 from tetherfmu.export.build_options import BuildOptions
@@ -80,13 +86,8 @@ every_fmu = pytest.mark.parametrize("name", list(SLAVES))
 
 
 @every_fmu
-def test_fmpy_finds_no_problem(fmu_folder, name):
-    assert validate_fmu(str(fmu_folder / f"{name}.fmu")) == []
-
-
-@every_fmu
 def test_offers_the_plug(fmu_folder, name):
-    description = read_model_description(str(fmu_folder / f"{name}.fmu"))
+    description = description_of(fmu_folder / f"{name}.fmu")
     variables = {variable.name: variable for variable in description.modelVariables}
     is_free = name == "TetherDynamicFree"
     parameters = PARAMETERS | (PARAMETERS_OF_A_FREE_KITE if is_free else {})
@@ -118,7 +119,7 @@ def test_offers_the_plug(fmu_folder, name):
 
 @every_fmu
 def test_variables_are_described(fmu_folder, name):
-    description = read_model_description(str(fmu_folder / f"{name}.fmu"))
+    description = description_of(fmu_folder / f"{name}.fmu")
     outputs = [variable for variable in description.modelVariables if variable.causality == "output"]
     assert all(variable.description for variable in description.modelVariables)
     assert [unknown.variable.name for unknown in description.outputs] == [variable.name for variable in outputs]
@@ -132,7 +133,7 @@ def test_variables_are_described(fmu_folder, name):
 
 @every_fmu
 def test_variables_have_quantity_nominal_and_true_limits(fmu_folder, name):
-    description = read_model_description(str(fmu_folder / f"{name}.fmu"))
+    description = description_of(fmu_folder / f"{name}.fmu")
     variables = {variable.name: variable for variable in description.modelVariables}
     for variable in variables.values():
         assert (variable.quantity is not None) == (variable.unit is not None)
@@ -162,7 +163,7 @@ def test_variables_have_quantity_nominal_and_true_limits(fmu_folder, name):
 
 @every_fmu
 def test_every_choice_is_described(fmu_folder, name):
-    description = read_model_description(str(fmu_folder / f"{name}.fmu"))
+    description = description_of(fmu_folder / f"{name}.fmu")
     variables = {variable.name: variable for variable in description.modelVariables}
     items = {each: variable.declaredType.items for each, variable in variables.items() if variable.type == "Enumeration"}
     for each, choices in items.items():
@@ -194,14 +195,15 @@ def test_the_shape_of_an_fmu_with_wind_points_is_an_output(tmp_path):
 
 
 @every_fmu
-def test_common_variables_have_one_order_and_one_value_reference(fmu_folder, name):
-    """So that a tool which keeps numbers instead of names can change the file, too.
+def test_common_variables_have_one_order_and_are_the_same(fmu_folder, name):
+    """Also their value references, so that a tool which keeps numbers instead of names can change the file, too.
 
     The motion of the kite is an input or an output, so a connection to it has to be changed anyway.
     """
+    facts = ("valueReference", "causality", "variability", "initial", "type", "unit", "start", "min", "max")
     found, expected = (
-        {v.name: v.valueReference for v in read_model_description(str(fmu_folder / f"{each}.fmu")).modelVariables}
-        for each in (name, "TetherDynamic")
+        {variable.name: [getattr(variable, fact) for fact in facts] for variable in description_of(path).modelVariables}
+        for path in (fmu_folder / f"{name}.fmu", fmu_folder / "TetherDynamic.fmu")
     )
     motion = {f"kite_{what}[{i}]" for what in ("position", "velocity") for i in (1, 2, 3)}
     common = [each for each in found if each in expected and each not in motion]
@@ -209,14 +211,10 @@ def test_common_variables_have_one_order_and_one_value_reference(fmu_folder, nam
     assert common == [each for each in expected if each not in motion]
 
 
-def build(folder, *options):
-    command = [sys.executable, "build_fmus.py", "--out", str(folder), *options]
-    return subprocess.run(command, capture_output=True, text=True, check=False)
-
-
 def test_builder_options_and_equal_bytes(tmp_path):
     for folder in ("a", "b"):
-        done = build(tmp_path / folder, "TetherDynamic", "--segments", "7", "--shape-points", "0")
+        options = ["TetherDynamic", "--segments", "7", "--shape-points", "0", "--out", str(tmp_path / folder)]
+        done = subprocess.run([sys.executable, "build_fmus.py", *options], capture_output=True, text=True, check=False)
         assert done.returncode == 0, done.stderr
         assert "TetherDynamic.fmu" in done.stdout
         assert f"for {this_platform()}\n" in done.stdout
@@ -228,10 +226,9 @@ def test_builder_options_and_equal_bytes(tmp_path):
 
 
 @pytest.mark.parametrize("options", [["NoTether"], ["--segments", "0"], ["--segments", "301"], ["--shape-points", "-1"]])
-def test_builder_refuses_wrong_options(tmp_path, options):
-    done = build(tmp_path, *options)
-    assert done.returncode == 2
-    assert options[-1] in done.stderr
+def test_builder_refuses_wrong_options(tmp_path, options, capsys):
+    assert status_of("build", "--out", str(tmp_path), *options) == 2
+    assert options[-1] in capsys.readouterr().err
     assert not list(tmp_path.iterdir())
 
 
@@ -245,3 +242,15 @@ def test_booleans_in_the_description(fmu_folder):
     assert variables["release"].start == "false"
     host = Host(fmu_folder / "TetherDynamic.fmu")
     host.refuses(lambda: host.fmu.setBoolean([host.reference["broken"]], [True]), "broken")
+
+
+@of_every_flavour("name")
+def test_toolbox(fmu_folder, caplog, name):
+    """Checkers of fmu-manipulation-toolbox tell a problem in the log only."""
+    caplog.set_level(logging.INFO)
+    checkers = [checker() for checker in get_checkers()]
+    with FMU(str(fmu_folder / f"{name}.fmu")) as fmu:
+        for checker in checkers:
+            fmu.apply_operation(checker)
+    assert [record.message for record in caplog.records if record.levelno > logging.INFO] == []
+    assert caplog.messages[-1] == "No semantic error against the FMI-2 standard."
