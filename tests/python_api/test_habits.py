@@ -95,9 +95,9 @@ def test_slack_is_a_share_of_the_distance(model):
     tether = model(initial_length=123.0)
     outputs = tether.initialize(KITE, ground_position=(0.0, 0.0, 100.0), slack=0.02)
     assert outputs.tether_length == pytest.approx(1.02 * np.hypot(300.0, 300.0), rel=1e-15)
-    same = model(initial_length=outputs.tether_length).initialize(KITE, ground_position=(0.0, 0.0, 100.0))
+    again = model(initial_length=outputs.tether_length).initialize(KITE, ground_position=(0.0, 0.0, 100.0))
     # the shares of the segments are rounded for another length
-    np.testing.assert_allclose(outputs.kite_force, same.kite_force, rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(outputs.kite_force, again.kite_force, rtol=1e-9, atol=1e-9)
     with pytest.raises(ValueError, match=r"slack is -1.0: the tether would be 0 m long; it must be at least 0\.\d+ m"):
         tether.initialize(KITE, slack=-1.0)
     assert same(tether.outputs(), outputs)
