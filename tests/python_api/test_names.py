@@ -38,20 +38,14 @@ WRONG = {
     "Line(speed=)": (lambda: Line("a", "b", "c", speed=1.0), "Line has no argument 'speed'; did you mean reel_out_speed?"),
     "MovingEnd(speed=)": (lambda: MovingEnd(abs, speed=abs), "MovingEnd has no argument 'speed'; there are position"),
     "TetherDynamic(l0=)": (lambda: TetherDynamic(l0=505.0), "no argument 'l0'; did you mean initial_length?"),
-    "TetherDynamic(wind=)": (
-        lambda: TetherDynamic(wind=8.0),
-        "no argument 'wind'; did you mean wind_profile, wind_reference_height or wind_exponent?",
-    ),
-    "initialize(wind_speed=)": (
-        lambda: TetherStraight().initialize(wind_speed=8.0),
-        "TetherStraight has no input 'wind_speed'; did you mean wind_velocity?",
-    ),
-    "inputs_along(kite_position=)": (
-        lambda: inputs_along(1, 0.02, kite_position=(0.0, 0.0, 1.0)),
-        "inputs_along has no input 'kite_position'; did you mean kite?",
-    ),
+    "TetherDynamic(wind=)": (lambda: TetherDynamic(wind=8.0),
+        "no argument 'wind'; did you mean wind_profile, wind_reference_height or wind_exponent?"),
+    "initialize(wind_speed=)": (lambda: TetherStraight().initialize(wind_speed=8.0),
+        "TetherStraight has no input 'wind_speed'; did you mean wind_velocity?"),
+    "inputs_along(kite_position=)": (lambda: inputs_along(1, 0.02, kite_position=(0.0, 0.0, 1.0)),
+        "inputs_along has no input 'kite_position'; did you mean kite?"),
     "tether_of(length=)": (lambda: tether_of("steel", 0.01, length=5.0), "did you mean initial_length?"),
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("name", WRONG)

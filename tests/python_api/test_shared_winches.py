@@ -102,64 +102,40 @@ def test_a_start_speed_and_a_winch_of_one_line():
 
 
 WRONG = {
-    "an unknown control": (
-        lambda: SharedWinch("drum", {"a": 1}, control="torque"),
-        r"drum\.control is 'torque'; it must be 'speed' or 'force' or 'length'",
-    ),
+    "an unknown control": (lambda: SharedWinch("drum", {"a": 1}, control="torque"),
+        r"drum\.control is 'torque'; it must be 'speed' or 'force' or 'length'"),
     "no lines": (lambda: SharedWinch("drum", {}), r"drum\.lines is \{\}; it must have names of lines"),
-    "a ratio of 0": (
-        lambda: SharedWinch("drum", {"a": 0}),
-        r"drum\.lines\.a is 0; it must be a number between 0\.001 and 1000",
-    ),
+    "a ratio of 0": (lambda: SharedWinch("drum", {"a": 0}),
+        r"drum\.lines\.a is 0; it must be a number between 0\.001 and 1000"),
     "a ratio that is no number": (lambda: SharedWinch("drum", {"a": "1"}), r"drum\.lines\.a is '1'"),
-    "a force without effect": (
-        lambda: SharedWinch("drum", {"a": 1}, "length", winch_force=0.5),
-        r"drum\.winch_force is 0\.5 and has no effect: control is 'length'",
-    ),
-    "a drum that all lines turn the other way": (
-        lambda: SharedWinch("drum", {"a": -1, "b": -0.5}, "force"),
-        r"drum\.lines has the ratios \[-1, -0\.5\]; with the control 'force' one of them must be above 0",
-    ),
-    "a mass without effect": (
-        lambda: SharedWinch("drum", {"a": 1}, winch_mass=2.0),
-        r"drum\.winch_mass is 2\.0 and has no effect: control is 'speed'",
-    ),
-    "a start without effect": (
-        lambda: SharedWinch("drum", {"a": 1}, "length", winch_start="equilibrium"),
-        r"drum\.winch_start is 2 and has no effect: control is 'length'",
-    ),
-    "a start that is none": (
-        lambda: SharedWinch("drum", {"a": 1}, "force", winch_start="rest"),
-        r"drum\.winch_start is 'rest'; it must be one of 1 \(given\), 2 \(equilibrium\)",
-    ),
+    "a force without effect": (lambda: SharedWinch("drum", {"a": 1}, "length", winch_force=0.5),
+        r"drum\.winch_force is 0\.5 and has no effect: control is 'length'"),
+    "a drum that all lines turn the other way": (lambda: SharedWinch("drum", {"a": -1, "b": -0.5}, "force"),
+        r"drum\.lines has the ratios \[-1, -0\.5\]; with the control 'force' one of them must be above 0"),
+    "a mass without effect": (lambda: SharedWinch("drum", {"a": 1}, winch_mass=2.0),
+        r"drum\.winch_mass is 2\.0 and has no effect: control is 'speed'"),
+    "a start without effect": (lambda: SharedWinch("drum", {"a": 1}, "length", winch_start="equilibrium"),
+        r"drum\.winch_start is 2 and has no effect: control is 'length'"),
+    "a start that is none": (lambda: SharedWinch("drum", {"a": 1}, "force", winch_start="rest"),
+        r"drum\.winch_start is 'rest'; it must be one of 1 \(given\), 2 \(equilibrium\)"),
     "a mass below 0": (lambda: SharedWinch("drum", {"a": 1}, "force", winch_mass=-1.0), r"drum\.winch_mass is -1\.0"),
-    "a force that is none": (
-        lambda: SharedWinch("drum", {"a": 1}, "force", winch_force=np.inf),
-        r"drum\.winch_force is inf",
-    ),
+    "a force that is none": (lambda: SharedWinch("drum", {"a": 1}, "force", winch_force=np.inf),
+        r"drum\.winch_force is inf"),
     "a speed that is none": (lambda: SharedWinch("drum", {"a": 1}, "speed", np.nan), r"drum\.reel_out_speed is nan"),
     "a wrong name": (lambda: SharedWinch("a drum", {"a": 1}), "the name of a winch is 'a drum'"),
     "an unknown argument": (lambda: SharedWinch("drum", {"a": 1}, ratio=1), "SharedWinch has no argument 'ratio'"),
-}
+}  # fmt: skip
 FITTING = {
-    "an unknown line": (
-        [SharedWinch("drum", {"c": 1})],
-        "the winch drum holds the line c, which does not exist; there are a, b",
-    ),
+    "an unknown line": ([SharedWinch("drum", {"c": 1})],
+        "the winch drum holds the line c, which does not exist; there are a, b"),
     "a taken name": ([SharedWinch("pod", {"a": 1})], "the name pod is given twice"),
-    "other controls": (
-        [SharedWinch("one", {"a": 1}), SharedWinch("two", {"a": 1, "b": 1}, "length")],
-        r"the line a is held by winches with different controls, one \(speed\), two \(length\)",
-    ),
-    "force and speed": (
-        [SharedWinch("one", {"a": 1}, "force"), SharedWinch("two", {"a": 1, "b": 1})],
-        r"the line a is held by winches with different controls, one \(force\), two \(speed\)",
-    ),
-    "the same ratios": (
-        [SharedWinch("one", {"a": 1, "b": 2}), SharedWinch("two", {"a": 2, "b": 4})],
-        "the winches one, two hold the same lines in the same ratios",
-    ),
-}
+    "other controls": ([SharedWinch("one", {"a": 1}), SharedWinch("two", {"a": 1, "b": 1}, "length")],
+        r"the line a is held by winches with different controls, one \(speed\), two \(length\)"),
+    "force and speed": ([SharedWinch("one", {"a": 1}, "force"), SharedWinch("two", {"a": 1, "b": 1})],
+        r"the line a is held by winches with different controls, one \(force\), two \(speed\)"),
+    "the same ratios": ([SharedWinch("one", {"a": 1, "b": 2}), SharedWinch("two", {"a": 2, "b": 4})],
+        "the winches one, two hold the same lines in the same ratios"),
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("case", WRONG)

@@ -49,36 +49,18 @@ WRONG = {
     "unknown table": (r"\[solver\]", "[solvers]", "unknown key solvers; did you mean solver?"),
     "nearest key": ("segments = 4", "segment = 4", "unknown key lines.rope.segment; did you mean segments?"),
     "no near key": ("segments = 4", "xyz = 4", "unknown key lines.rope.xyz; known are from, to, material, segments"),
-    "wrong before missing": (
-        "initial_length = 22",
-        "length = 22",
-        "unknown key lines.tag.length; did you mean initial_length?",
-    ),
-    "long name": (
-        r"\[lines.tag\]",
-        f"[lines.{'t' * 300}]",
-        "name of a line is 'tttttttttttttttttttt'... (300 characters); it must",
-    ),
-    "long name of a point": (
-        r"\[points.drone\]",
-        f"[points.{'d' * 300}]",
-        "'dddddddddddddddddddd'... (300 characters); it must",
-    ),
-    "long name of the system": (
-        '"Crane"',
-        f'"{"C" * 300}"',
-        "the name of a system is 'CCCCCCCCCCCCCCCCCCCC'... (300 characters)",
-    ),
-    "mass and density": (
-        "segments = 4",
-        "density = 700\nmass_per_length = 1",
-        "lines.rope.mass_per_length and density are both given",
-    ),
-    "heavy": (
-        "segments = 4",
-        "mass_per_length = '1e7 kg/m'",
-        "lines.rope.mass_per_length is 10000000.0; it must be at least",
-    ),
+    "wrong before missing": ("initial_length = 22", "length = 22",
+        "unknown key lines.tag.length; did you mean initial_length?"),
+    "long name": (r"\[lines.tag\]", f"[lines.{'t' * 300}]",
+        "name of a line is 'tttttttttttttttttttt'... (300 characters); it must"),
+    "long name of a point": (r"\[points.drone\]", f"[points.{'d' * 300}]",
+        "'dddddddddddddddddddd'... (300 characters); it must"),
+    "long name of the system": ('"Crane"', f'"{"C" * 300}"',
+        "the name of a system is 'CCCCCCCCCCCCCCCCCCCC'... (300 characters)"),
+    "mass and density": ("segments = 4", "density = 700\nmass_per_length = 1",
+        "lines.rope.mass_per_length and density are both given"),
+    "heavy": ("segments = 4", "mass_per_length = '1e7 kg/m'",
+        "lines.rope.mass_per_length is 10000000.0; it must be at least"),
     "wrong unit": ("20 m", "20 kg", "lines.rope.initial_length is '20 kg'; it must be a number with one of the units m, mm"),
     "not a number": ("initial_length = 22", "initial_length = nan", "lines.tag.initial_length is nan; it must be at least"),
     "half a segment": ("segments = 4", "segments = 4.5", "lines.rope.segments is 4.5; it must be a whole number"),
@@ -103,30 +85,18 @@ WRONG = {
     "short segments": ("initial_length = 22", "initial_length = 0.02", "the line tag: initial_length is 0.02 m for 3"),
     "unknown control": ('"force"', '"torque"', "lines.rope.winch_control is 'torque'; it must be"),
     "light drum": ('"20 kg"', '"-20 kg"', "lines.rope.winch_mass is '-20 kg'; it must be at least 0 kg"),
-    "stops crossed": (
-        'longest_length = "40 m"',
-        "longest_length = 9\nshortest_length = 10",
-        "lines.rope.shortest_length is 10",
-    ),
+    "stops crossed": ('longest_length = "40 m"', "longest_length = 9\nshortest_length = 10",
+        "lines.rope.shortest_length is 10"),
     "unknown ground": ('contact = "flat"', "", "the key ground.contact is missing"),
-    "mark of a winch": (
-        r"\[ground\]",
-        '[winches."my drum"]\nlines = {tag = 1}\n[ground]',
-        "the name of a winch is 'my drum'; it must be letters",
-    ),
+    "mark of a winch": (r"\[ground\]", '[winches."my drum"]\nlines = {tag = 1}\n[ground]',
+        "the name of a winch is 'my drum'; it must be letters"),
     "scene": (r"\[ground\]", "[flight]\n[ground]", "describes a scene, not a system of tethers; use tetherfmu fly, advise"),
-    "name over sheaves": (
-        "initial_length = 22",
-        'initial_length = 22\nthrough = "hook"',
-        "lines.tag.through is 'hook'; it must be a list of names of points",
-    ),
-    "short portion": (
-        "initial_length = 22",
-        'initial_length = 22\nthrough = ["hook"]\ninitial_portions = [21.99, 0.01]',
-        "tag.initial_portions is [21.99, 0.01]; each must be at least 0.03 m, 0.01 m for each of its 3 segments",
-    ),
+    "name over sheaves": ("initial_length = 22", 'initial_length = 22\nthrough = "hook"',
+        "lines.tag.through is 'hook'; it must be a list of names of points"),
+    "short portion": ("initial_length = 22", 'initial_length = 22\nthrough = ["hook"]\ninitial_portions = [21.99, 0.01]',
+        "tag.initial_portions is [21.99, 0.01]; each must be at least 0.03 m, 0.01 m for each of its 3 segments"),
     "no table": (r"\[environment\]\ngravity = 9.8", "", "environment is 3; it must be a table [environment]"),
-}
+}  # fmt: skip
 
 
 @pytest.fixture

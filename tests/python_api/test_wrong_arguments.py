@@ -24,6 +24,8 @@ def running(model=TetherDynamic, **quantities):
     return tether
 
 
+HOLE = [(300.0, 0.0, 400.0), (300.0, np.nan, 400.0), (300.0, 0.0, 400.0)]
+SOFT = {"segments": 2, "axial_stiffness": 1.0}
 WRONG = {  # what is raised: calls, and what is said of each
     TypeError: {
         "number for a tether": (lambda: TetherDynamic(505), "tether is 505; it must be a Tether or a sequence"),
@@ -98,7 +100,7 @@ WRONG = {  # what is raised: calls, and what is said of each
             "release is 2; it must be true or false",
         ),
         "hole in a log": (
-            lambda: inputs_along(3, 0.02, kite=[(300.0, 0.0, 400.0), (300.0, np.nan, 400.0), (300.0, 0.0, 400.0)]),
+            lambda: inputs_along(3, 0.02, kite=HOLE),
             "kite is nan in row 1, column 1, counted from 0; it must be a finite number",
         ),
         "path": (lambda: MovingEnd(lambda t: (t, t)).at(1.0), r"position of the moving end at 1.0 s has the shape \(2,\)"),
@@ -110,9 +112,7 @@ WRONG = {  # what is raised: calls, and what is said of each
         "no time": (lambda: running().step(0.0), "communication step is 0.0 s; it must be greater than 0"),
         "back in time": (lambda: running().step(-0.02), "must be greater than 0"),
         "positions in millimetres": (
-            lambda: TetherQuasiSteady(segments=2, axial_stiffness=1.0).initialize(
-                (9e8, 0.0, 4e8), wind_velocity=(1e6, 0.0, 0.0)
-            ),
+            lambda: TetherQuasiSteady(**SOFT).initialize((9e8, 0.0, 4e8), wind_velocity=(1e6, 0.0, 0.0)),
             r"no equilibrium was found between the given ends, 9.84886e\+08 m apart; check .* in m, .*length 505.0 m",
         ),
         "fast start of a free kite": (
