@@ -132,6 +132,9 @@ def entry(name, mode=0o644, method=zipfile.ZIP_STORED):
         (entry("resources/link", stat.S_IFLNK | 0o777), "'resources/link' is a symbolic link"),
         (entry("resources/a", method=zipfile.ZIP_LZMA), "'resources/a' is compressed in a way that FMI does not allow"),
         (entry("resources/a", method=zipfile.ZIP_BZIP2), "'resources/a' is compressed in a way that FMI does not allow"),
+        (entry("../escape.txt"), "which leads out of it"),
+        (entry("/root.txt"), "which leads out of it"),
+        (entry("folder\\file.txt"), "folder"),
         (entry("C:/autostart"), "the path 'C:/autostart', which leads out of it"),
         (entry("resources/../../a"), "which leads out of it"),
         (entry("MODELDESCRIPTION.xml"), "names that differ in upper and lower case only"),
@@ -166,6 +169,11 @@ def test_a_long_list_of_files(tmp_path, count, length, words):
         for k in range(count):
             archive.writestr(f"{k:0{length}d}", "")
     refused(path, words, memory=MEMORY)
+
+
+def test_an_empty_archive(tmp_path):
+    zipfile.ZipFile(tmp_path / "empty.fmu", "w").close()
+    refused(tmp_path / "empty.fmu", "no modelDescription.xml")
 
 
 @pytest.mark.parametrize("part", [0.0, 0.1, 0.5, 0.9, 0.999])

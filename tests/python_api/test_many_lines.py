@@ -2,10 +2,12 @@
 
 import sys
 
+import numpy as np
 import pytest
 
 from tetherfmu import Line, Point, Tether, TetherSystem
 from tetherfmu.wiring.fmu import of_system
+from tetherfmu.wiring.ordering import ordered
 from tetherfmu.wiring.system import System
 from tetherfmu.wiring.system_variables import table_of
 
@@ -73,3 +75,26 @@ def test_work_grows_with_the_lines(of, kind):
     """Four times as many lines take at most four times the work: what is there for any number only lessens it."""
     few, many = (counted(of(*kind(count))) for count in (FEW, TIMES * FEW))
     assert FEW < few < many <= TIMES * few
+
+
+# --- free points are numbered so that their matrix has a narrow band, however they are given
+
+
+def path(count):
+    return [(k, k + 1) for k in range(count - 1)]
+
+
+def ladder(count):
+    """Two chains, of the even and of the odd points, with rungs."""
+    return [(k, k + 2) for k in range(count - 2)] + [(k, k + 1) for k in range(0, count, 2)]
+
+
+@pytest.mark.parametrize(("pairs", "width"), [(path, 1), (ladder, 2)])
+def test_band(pairs, width):
+    lines = [Line(f"l{k}", f"p{a}", f"p{b}") for k, (a, b) in enumerate(pairs(40))]
+    given = [f"p{k}" for k in np.random.default_rng(1).permutation(40)]
+    found, band = ordered(given, lines)
+    numbers = {name: k for k, name in enumerate(found)}
+    assert sorted(found) == sorted(given)
+    assert max(abs(numbers[line.start] - numbers[line.end]) for line in lines) == width
+    assert band == width

@@ -1,4 +1,4 @@
-"""Random sessions of legal and illegal calls against a model of the FMI state machine.
+"""Random sessions of legal and illegal calls, of tethers and of examples, against a model of the FMI state machine.
 
 The model knows which calls must be refused: by a native FMU at once, by PythonFMU's library, which mostly cannot, with the
 next step. After a refusal the tether must be as before, after a restored state as it was when the state was taken, and no
@@ -8,6 +8,7 @@ output is ever infinite.
 import math
 from copy import deepcopy
 
+import pytest
 from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import fmi2Discard, fmi2Error, fmi2Fatal, fmi2OK
 from hypothesis import HealthCheck, settings
@@ -255,6 +256,12 @@ def session(folder, others, good=GOOD_INPUTS, good_parameters=GOOD_PARAMETERS, b
     return Session
 
 
+def run(machine, sessions):
+    """Do random sessions of 30 calls, the same ones each time."""
+    options = {"derandomize": True, "deadline": None, "database": None, "suppress_health_check": list(HealthCheck)}
+    run_state_machine_as_test(machine, settings=settings(max_examples=sessions, stateful_step_count=30, **options))
+
+
 @of_every_flavour("fmu", ["TetherDynamicFree"], SHELLS)
 @in_own_process
 def test_random_sessions(fmu_folder, fmu):
@@ -266,13 +273,29 @@ def test_random_sessions(fmu_folder, fmu):
         if other != fmu:
             host = Host(fmu_folder / f"{other}.fmu").start()
             others.append(host.fmu.serializeFMUstate(host.fmu.getFMUState()))
-    checks = (HealthCheck.too_slow, HealthCheck.filter_too_much, HealthCheck.data_too_large)
-    options = settings(
-        max_examples=sessions,
-        stateful_step_count=30,
-        deadline=None,
-        derandomize=True,
-        database=None,
-        suppress_health_check=checks,
-    )
-    run_state_machine_as_test(session(folder, others), settings=options)
+    run(session(folder, others), sessions)
+
+
+INPUTS = {
+    "PointMassKite": {"kite_velocity[3]": (-3.0, 0.0, 3.0), "kite_position[1]": (299.0, 300.5)},
+    "FlyingKite": {"kite_force[1]": (-30.0, 0.0, 3.0), "wind_velocity[1]": (-20.0, 0.0, 8.0)},
+    "Winch": {"ground_tension": (0.0, 1000.0), "set_speed": (-1.0, 1.0)},
+    "FlightController": {"heading": (0.0, 1.0), "tether_length": (100.0, 400.0)},
+    "TurbulentWind": {"kite_position[2]": (-20.0, 40.0), "shape[3,1]": (0.0, 90.0)},
+}
+PARAMETER = {
+    "PointMassKite": "wing_area",
+    "FlyingKite": "kite_mass",
+    "Winch": "drum_radius",
+    "FlightController": "elevation",
+    "TurbulentWind": "mean_speed",
+}
+
+
+@pytest.mark.parametrize("name", list(INPUTS))
+@in_own_process
+def test_random_sessions_of_examples(example_folder, name):
+    other = Host(example_folder / "KiteOnPath.fmu").start()
+    states = [other.fmu.serializeFMUstate(other.fmu.getFMUState())]
+    parameters = {PARAMETER[name]: (0.2, 0.5)}, {PARAMETER[name]: (-1.0, math.nan, 1e300)}
+    run(session(Host(example_folder / f"{name}.fmu").folder, states, INPUTS[name], *parameters), 30)
