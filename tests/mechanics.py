@@ -2,8 +2,6 @@
 
 import numpy as np
 
-from tetherfmu.runtime import layout as at
-
 
 def line_density(tether):
     """Mass per unstretched length mu = density pi d^2/4 [kg/m]."""
@@ -66,28 +64,8 @@ def energy(positions, velocities, tether, gravity=9.81):
     return kinetic + 0.5 * stiffness @ stretch**2 + gravity * mass @ positions[:, 2]
 
 
-def displaced(model, displacement):
-    """Move the nodes of a model by a displacement [m], array (n + 1, 3), at unchanged velocities."""
-    state = model.get_state()
-    state[at.STATE_HEADER : at.STATE_HEADER + displacement.size] += displacement.ravel()
-    model.set_state(state)
-
-
-def elastic_catenary(span, rise, length, load, axial_stiffness):
-    """Tension (H, V) [N] at the ground end of the elastic catenary (Irvine 1981): horizontal, and vertical part.
-
-    span = H L/EA + H/w (asinh((V + w L)/H) - asinh(V/H)),  rise = L (V + w L/2)/EA + (T_kite - T_ground)/w
-    """
-    from scipy.optimize import fsolve
-
-    def gap(unknown):
-        h, v = np.exp(unknown[0]), unknown[1]
-        v2 = v + load * length
-        across = h * length / axial_stiffness + h / load * (np.arcsinh(v2 / h) - np.arcsinh(v / h))
-        up = length * (v + v2) / 2.0 / axial_stiffness + (np.hypot(h, v2) - np.hypot(h, v)) / load
-        return across / length - span / length, up / length - rise / length
-
-    start = [np.log(0.2 * load * length), -0.5 * load * length * (1.0 - rise / length)]
-    (log_h, v), _, found, message = fsolve(gap, start, xtol=1e-13, full_output=True)
-    assert found == 1, message
-    return np.exp(log_h), v
+def pluck(model, **inputs):
+    """Start a tether anew where it is, its inner nodes with a sideways speed [m/s]."""
+    part = np.pi * np.linspace(0.0, 1.0, model.segments + 1)
+    sideways = np.column_stack([0.0 * part, 5.0 * np.sin(part), 2.5 * np.sin(2.0 * part)])
+    model.initialize(positions=model.positions, velocities=model.velocities + sideways, **inputs)

@@ -12,21 +12,22 @@ import pytest
 from scipy.optimize import brentq
 
 from mechanics import line_density
-from tetherfmu.python.models import TetherCatenary, TetherQuasiSteady
-from tetherfmu.runtime.parameters import Tether
+from tetherfmu import Tether, TetherCatenary, TetherDynamic, TetherQuasiSteady
 
 KITE, LENGTH = (100.0, 100.0, 800.0), 853.0240324867758
 GROUND_FORCE = np.array([2.7950759559722207, -1.5790958788949883])  # horizontal, vertical
 KITE_FORCE = np.array([-2.7950759559722207, -74.55491405628115])
+CHAINS = pytest.mark.parametrize("model", [TetherQuasiSteady, TetherDynamic])
 
 
 def hang(kite, length, model=TetherCatenary, **tether):
     return model(Tether(initial_length=length, **tether)).initialize(kite_position=kite)
 
 
-def in_plane(force, kite):
-    """Horizontal component towards the kite, and vertical component."""
-    return np.array([np.dot(force[:2], kite[:2]) / np.hypot(*kite[:2]), force[2]])
+def in_plane(outputs, kite):
+    """Components of ground force and kite force, (2, 2): horizontal towards the kite, and vertical."""
+    forces = np.array([outputs.ground_force, outputs.kite_force])
+    return np.stack([forces[:, :2] @ kite[:2] / np.hypot(*kite[:2]), forces[:, 2]], axis=1)
 
 
 def spans(h, v, w, length, stiffness):
@@ -51,10 +52,17 @@ def by_bisection(span, rise, w, length, stiffness):
     return np.exp(log_h), v_of(log_h)
 
 
+def exact_forces(kite, length):
+    """As `in_plane`, of the equations above."""
+    tether = Tether(initial_length=length)
+    w = line_density(tether) * 9.81
+    h, v = by_bisection(np.hypot(*kite[:2]), kite[2], w, length, tether.axial_stiffness)
+    return np.array([[h, v - 0.5 * w * length], [-h, -v - 0.5 * w * length]])
+
+
 def test_published_numbers():
     outputs = hang(KITE, LENGTH)
-    assert np.allclose(in_plane(outputs.ground_force, KITE), GROUND_FORCE, rtol=1e-9, atol=0.0)
-    assert np.allclose(in_plane(outputs.kite_force, KITE), KITE_FORCE, rtol=1e-9, atol=0.0)
+    assert np.allclose(in_plane(outputs, KITE), [GROUND_FORCE, KITE_FORCE], rtol=1e-9, atol=0.0)
     assert np.isclose(outputs.ground_tension, 3.2102949076988487, rtol=1e-9)
     assert np.isclose(outputs.kite_tension, 74.60728958713835, rtol=1e-9)
     assert np.isclose(outputs.ground_elevation, np.arctan2(*GROUND_FORCE[::-1]), rtol=1e-9)
@@ -62,13 +70,8 @@ def test_published_numbers():
 
 
 def test_published_thick_tether():
-    outputs = hang(
-        (100.0, 100.0, 300.0),
-        431.66247903554,
-        diameter=29.71973504179974e-3,
-        density=970.0,
-        axial_stiffness=8.047069220746364e7,
-    )
+    rope = {"diameter": 29.71973504179974e-3, "density": 970.0, "axial_stiffness": 8.047069220746364e7}
+    outputs = hang((100.0, 100.0, 300.0), 431.66247903554, **rope)
     # Published with 6 and 7 digits for gravity 9.8066; forces grow in proportion to it, but for their stretch, 3e-5
     assert np.isclose(outputs.ground_tension * 9.8066 / 9.81, 461.229, rtol=1e-4)
     assert np.isclose(outputs.kite_tension * 9.8066 / 9.81, 2440.856, rtol=1e-4)
@@ -77,11 +80,7 @@ def test_published_thick_tether():
 def random_cases(count):
     random = np.random.default_rng(3)
     for _ in range(count):
-        distance, elevation, azimuth = (
-            random.uniform(10.0, 800.0),
-            random.uniform(-1.55, 1.55),
-            random.uniform(-np.pi, np.pi),
-        )
+        distance, elevation, azimuth = random.uniform((10.0, -1.55, -np.pi), (800.0, 1.55, np.pi))
         out = np.cos(elevation)
         kite = distance * np.array([out * np.cos(azimuth), out * np.sin(azimuth), np.sin(elevation)])
         yield pytest.param(kite, distance * (1.0 + random.uniform(-0.01, 0.5)))
@@ -103,15 +102,9 @@ NAMED = {
     ("kite", "length"), [*(pytest.param(*case, id=name) for name, case in NAMED.items()), *random_cases(60)]
 )
 def test_is_the_solution_of_the_equations(kite, length):
-    tether = Tether(initial_length=length)
-    w = line_density(tether) * 9.81
-    h, v = by_bisection(np.hypot(*kite[:2]), kite[2], w, length, tether.axial_stiffness)
-    outputs = hang(kite, length)
-    half = 0.5 * w * length
-    expected = np.array([[h, v - half], [-h, -v - half]])
-    found = np.array([in_plane(outputs.ground_force, kite), in_plane(outputs.kite_force, kite)])
+    outputs, expected = hang(kite, length), exact_forces(kite, length)
     # of the larger end force; where L is the chord, 1e-16 of rounding in it are 1e-11 of the tension
-    assert np.abs(found - expected).max() < 1e-9 * np.abs(expected).max()
+    assert np.abs(in_plane(outputs, kite) - expected).max() < 1e-9 * np.abs(expected).max()
     assert np.allclose(outputs.shape[-1], kite, atol=1e-9 * length)
 
 
@@ -152,24 +145,43 @@ def test_sag_is_the_largest_distance_of_the_curve():
     assert beyond > 20
 
 
-def chain_errors(n):
-    """Errors of the ground force and of the kite force of the chain over the larger one, that on the kite."""
-    outputs = hang(KITE, LENGTH, TetherQuasiSteady, segments=n)
-    pairs = ((outputs.ground_force, GROUND_FORCE), (outputs.kite_force, KITE_FORCE))
-    return np.array([np.linalg.norm(in_plane(force, KITE) - exact) / np.linalg.norm(KITE_FORCE) for force, exact in pairs])
+# --- the chain
 
 
-def test_chain_converges_with_second_order():
-    errors = np.array([chain_errors(n) for n in (22, 44, 88, 176)])
+@CHAINS
+def test_chain_converges_with_second_order(model):
+    """Errors of both forces over that on the kite; without the weight of the end nodes the order is 1."""
+    numbers, exact = (22, 44, 88, 176), [GROUND_FORCE, KITE_FORCE]
+    chains = [in_plane(hang(KITE, LENGTH, model, segments=n), KITE) for n in numbers]
+    errors = np.array([np.linalg.norm(each - exact, axis=1) for each in chains]) / np.linalg.norm(KITE_FORCE)
     orders = np.log2(errors[:-1] / errors[1:])
     assert np.allclose(orders[0], 2.0, atol=0.2)  # the ground end is so slack that the next term still counts
     assert np.allclose(orders[1:], 2.0, atol=0.05)
     assert (errors[0] < 0.002).all()  # the bar for n = 22
 
 
-def test_published_chain():
-    """22 segments; published without the weight of the end nodes."""
-    outputs = hang(KITE, LENGTH, TetherQuasiSteady, segments=22)
+ENDS = {
+    "equal height": ((400.0, 0.0, 0.0), 401.0),
+    "equal height, slack": ((100.0, 0.0, 0.0), 150.0),
+    "below, slack": ((30.0, 0.0, -60.0), 100.0),
+    "taut": ((0.0, 300.0, 300.0), 424.0),
+}
+
+
+@CHAINS
+@pytest.mark.parametrize(("kite", "length"), ENDS.values(), ids=ENDS)
+def test_richardson_extrapolation_is_the_catenary(model, kite, length):
+    """Left is order 4 with a factor of order 10, 10/60^4 = 8e-7; 2e-6 is a hundredth of the plain error at n = 120."""
+    coarse, fine = (in_plane(hang(kite, length, model, segments=n), kite) for n in (60, 120))
+    exact = exact_forces(kite, length)
+    size = line_density(Tether()) * 9.81 * length + exact[0, 0]
+    np.testing.assert_allclose((4.0 * fine - coarse) / 3.0, exact, atol=2e-6 * size)
+
+
+@CHAINS
+def test_published_chain(model):
+    """22 segments; published without the weight of the end nodes, with 5 decimals."""
+    outputs = hang(KITE, LENGTH, model, segments=22)
     half_weight = np.array([0.0, 0.0, 0.08925189330624916 * LENGTH / 44.0])
-    assert np.allclose(outputs.ground_force + half_weight, [1.92751, 1.92751, 0.042482], atol=1e-5)
-    assert np.allclose(outputs.kite_force + half_weight, [-1.92751, -1.92751, -72.71586], atol=1e-5)
+    assert np.allclose(outputs.ground_force + half_weight, [1.92751, 1.92751, 0.042482], atol=6e-6)
+    assert np.allclose(outputs.kite_force + half_weight, [-1.92751, -1.92751, -72.71586], atol=6e-6)

@@ -36,10 +36,8 @@ def shaken(free_ends, length_of_chord=52.0):
     """Two sections with point masses at all kinds of nodes, all nodes displaced and moving, taut and slack segments."""
     model = TetherDynamic(SECTIONS, AIR, Solver(initial_shape=3), point_masses={0: 0.7, 3: 0.4, 7: 0.9}, free_ends=free_ends)
     model.initialize((0.6 * length_of_chord, 0.0, 0.8 * length_of_chord), ground_position=(0.0, 0.0, 3.0))
-    random = np.random.default_rng(7)
-    state = model.get_state()
-    state[at.STATE_HEADER : at.nodes_end(7)].reshape(2, -1)[:] += np.array([[0.3], [4.0]]) * random.normal(size=(2, 24))
-    model.set_state(state)
+    moved, thrown = np.random.default_rng(7).normal(size=(2, 8, 3))
+    model.initialize(positions=model.positions + 0.3 * moved, velocities=model.velocities + 4.0 * thrown)
     return model
 
 

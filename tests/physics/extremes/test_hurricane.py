@@ -1,7 +1,7 @@
 """A slack line at rest is hit by a hurricane at once: it streams out, snaps taut downwind, and comes to rest in the
 equilibrium.
 
-    1/2 rho cd d l |w| w of each segment, some 100 times its weight at 80 m/s; sum of the end forces = weight + drag
+    1/2 rho cd d l |w| w of each segment, some 100 times its weight at 80 m/s
 
 No node is ever blown faster than the wind: drag pulls it towards the wind's speed, and tension only turns it (the tip of a
 whip is faster, but both ends are held here). Energy from the wind is all accounted for.
@@ -11,13 +11,11 @@ import numpy as np
 import pytest
 
 from audited import held, run
-from mechanics import drag, line_density
-from tetherfmu.python.models import TetherCatenary, TetherDynamic, TetherQuasiSteady, TetherStraight
-from tetherfmu.runtime.parameters import Environment, Tether
+from mechanics import line_density
+from tetherfmu.python.models import TetherDynamic
+from tetherfmu.runtime.parameters import Tether
 
 KITE = np.array([60.0, 0.0, 60.0])
-SLACK = [1.05, 1.4]
-SPEED = [60.0, 80.0]
 
 
 def tether(slack):
@@ -31,8 +29,8 @@ def hit(slack, wind, step=0.005, duration=8.0):
     return model, run(model, held(kite_position=KITE, wind_velocity=wind), step, round(duration / step))
 
 
-@pytest.mark.parametrize("speed", SPEED)
-@pytest.mark.parametrize("slack", SLACK)
+@pytest.mark.parametrize("speed", [60.0, 80.0])
+@pytest.mark.parametrize("slack", [1.05, 1.4])
 def test_from_rest_to_the_equilibrium(slack, speed):
     wind = (0.0, speed, 0.0)
     model, result = hit(slack, wind)
@@ -41,21 +39,3 @@ def test_from_rest_to_the_equilibrium(slack, speed):
     np.testing.assert_allclose(model.positions, equilibrium.shape, rtol=0, atol=0.02)
     assert np.abs(result.residual).max() < 1e-4 * result.turnover  # trapezoidal rule with 5 ms; observed 1e-5
     assert max(energy.kinetic for energy in result.energies) < 0.5 * line_density(Tether()) * 1.4 * 85.0 * speed**2
-
-
-@pytest.mark.parametrize("speed", SPEED)
-@pytest.mark.parametrize("slack", SLACK)
-@pytest.mark.parametrize("variant", [TetherDynamic, TetherQuasiSteady, TetherCatenary, TetherStraight])
-def test_end_forces_carry_weight_and_drag(variant, slack, speed):
-    wind = (3.0, speed, 1.0)
-    line = tether(slack)
-    model = variant(line)
-    out = model.initialize(KITE, wind_velocity=wind)
-    weight = np.array([0.0, 0.0, -9.81 * line_density(line) * line.initial_length])
-    shape = out.shape[[0, -1]] if variant is TetherStraight else out.shape
-    if variant is TetherCatenary:
-        shape = variant(line, shape_points=801).initialize(KITE, wind_velocity=wind).shape
-    loads = drag(shape, np.zeros_like(shape), wind, line, Environment())
-    # rounding of positions times EA/l0, as in `test_balance.py`; a catenary has 8 places where it bends most (found: 2.5e-3)
-    allowed = 4e-3 * np.linalg.norm(loads) if variant is TetherCatenary else 1e-6
-    np.testing.assert_allclose(out.ground_force + out.kite_force, weight + loads, rtol=1e-6, atol=allowed)
