@@ -11,7 +11,6 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from scenes import CIRCLE_TETHER, circle
 from tetherfmu import MovingEnd, TetherCatenary, TetherDynamic, TetherQuasiSteady, TetherStraight, inputs_along
 from tetherfmu.runtime.parameters import Tether
 
@@ -72,42 +71,6 @@ def test_constant_acceleration_is_exact_once_three_rates_are_known(model, end, t
 
 
 @every_model
-def test_second_order_on_the_circle(model):
-    """v errs by j h^2/3 and a by j h, j the jerk: the end by j h^2 (1/3 + 1 + 1/2) and by j h^3 (1/3 + 1/2 + 1/6)."""
-    rate, end = 0.5, 2.0
-    jerk = rate**3 * 500.0 * np.sin(np.radians(10.0))
-    position, velocity = circle(end, rate)
-    for step in (0.02, 0.01):
-        tether = model(CIRCLE_TETHER, end_velocities="derived")
-        tether.initialize(circle(0.0, rate)[0])
-        for k in range(round(end / step)):
-            tether.step(step, kite_position=circle(k * step, rate)[0])
-        # leading terms; the next ones are of relative size rate h <= 0.01
-        assert np.linalg.norm(tether.velocities[-1] - velocity) == pytest.approx(11.0 / 6.0 * jerk * step**2, rel=0.05)
-        assert np.linalg.norm(tether.positions[-1] - position) == pytest.approx(jerk * step**3, rel=0.05)
-
-
-def forces(step, **options):
-    """Forces on a kite at 43 m/s on a taut tether from 26 to 30 s, when the jolt of the start is forgotten."""
-    tether = TetherDynamic(initial_length=505.0, relative_tolerance=1e-7, **options)
-    given = 1 if options.get("end_velocities") == "derived" else 2  # position alone, or velocity, too
-    tether.initialize(*circle(0.0, 0.5)[:given])
-    rows = [tether.step(step, *circle(k * step, 0.5)[:given]).kite_force for k in range(round(30.0 / step))]
-    every = round(0.08 / step)
-    return np.array(rows)[every - 1 :: every][-50:]
-
-
-def test_forces_converge_with_second_order():
-    """Against given velocities at a fine step: 0.59, 0.08 and 0.02 N of 500 N."""
-    exact = forces(0.0025)
-    error = [np.sqrt(np.mean((forces(step, end_velocities="derived") - exact) ** 2)) for step in (0.04, 0.02, 0.01)]
-    order = -np.diff(np.log2(error))
-    # drag feels the velocity (order 2), the spring of this taut tether the position (order 3)
-    assert np.all(order > 1.8)
-    assert np.all(order < 3.3)
-
-
-@every_model
 def test_velocity_inputs_are_not_read(model):
     """Rows of a flight that have them warn of it once and change nothing; given by name they are refused."""
     flights = []
@@ -123,19 +86,3 @@ def test_velocity_inputs_are_not_read(model):
         tether.step(0.02, kite_velocity=LIES)
     with pytest.raises(ValueError, match=r"ground_velocity is .* and has no effect"):
         tether.initialize(ground_velocity=LIES)
-
-
-@every_model
-def test_a_state_continues_bit_for_bit(model):
-    """The positions of the last two steps are in the state: at the first, second and any later step."""
-    path = [circle(0.02 * k)[0] for k in range(10)]
-    tether, another = (model(initial_length=525.0, end_velocities="derived") for _ in range(2))
-    tether.initialize(path[0])
-    states, rows = [], []
-    for position in path:
-        states.append(tether.get_state())
-        rows.append(tether.step(0.02, position))
-    for k in (7, 1, 2, 0):
-        another.set_state(states[k])
-        for position, expected in zip(path[k:], rows[k:], strict=True):
-            assert all(map(np.array_equal, another.step(0.02, position), expected))

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from kernels.chain_problem import ChainProblem
+from kernels.differences import assert_close, differences, full
 from kernels.interleaved import interleaved
 from tetherfmu.kernels.equations import assembly
 from tetherfmu.kernels.equations.properties import chain_in_motion, chain_with_flow
@@ -12,7 +13,6 @@ from tetherfmu.kernels.line.strand_room import Rope
 from tetherfmu.runtime import layout as at
 
 STEP = 1e-6
-TOLERANCE = 1e-6  # central differences: truncation h^2 F''' and rounding eps F/h, of the largest entry
 SPEED, GAIN = 1.5, 0.7  # of the reeling [m/s], [m/s2]
 
 
@@ -49,37 +49,18 @@ def forces(problem, chain, x, v):
     return found
 
 
-def differences(function, point):
-    shifts = STEP * np.eye(len(point))
-    return np.array([(function(point + d) - function(point - d)) / (2.0 * STEP) for d in shifts]).T
-
-
-def full(n, matrix):
-    found = np.zeros((3 * (n + 1), 3 * (n + 1)))
-    for i in range(n + 1):
-        rows = slice(3 * i, 3 * i + 3)
-        for k, blocks in ((i, matrix.diagonal), (i - 1, matrix.lower), (i + 1, matrix.upper)):
-            if 0 <= k <= n:
-                found[rows, 3 * k : 3 * k + 3] = blocks[9 * i : 9 * i + 9].reshape(3, 3)
-    return found
-
-
-def close(found, expected):
-    np.testing.assert_allclose(found, expected, rtol=0, atol=TOLERANCE * np.abs(expected).max())
-
-
 def test_forces_differentiate_to_the_matrix():
     problem = on_ground()
     chain, (x, v) = chain_after(problem, 0.0), (problem.x.copy(), problem.v.copy())
-    by_position = differences(lambda x: forces(problem, chain, x, v), x)
-    by_velocity = differences(lambda v: forces(problem, chain, x, v), v)
+    by_position = differences(lambda x: forces(problem, chain, x, v), x, STEP)
+    by_velocity = differences(lambda v: forces(problem, chain, x, v), v, STEP)
     for d in (0.0, 0.3):
         w = contact_found(problem, chain, x, v)
         assert w.touching[1:-1].all()
         for blocks in w.matrix:
             blocks[:] = 0.0
         contact.subtract_slopes(chain, d, x, v, w)
-        close(full(problem.n, w.matrix), -(by_velocity + d * by_position))
+        assert_close(full(problem.n, w.matrix), -(by_velocity + d * by_position))
 
 
 def test_rate_of_the_forces():
@@ -97,7 +78,7 @@ def test_rate_of_the_forces():
     w = contact_found(problem, chain, x, v)
     contact.add_rate(chain, GAIN, w, found)
     contact.add_end_motion(problem.conditions, chain, 0.0, w, found)
-    close(found, (later(STEP) - later(-STEP)) / (2.0 * STEP))
+    assert_close(found, (later(STEP) - later(-STEP)) / (2.0 * STEP))
 
 
 @pytest.mark.parametrize("end", [0, 1])
@@ -121,15 +102,18 @@ def test_pull_of_friction_differentiates_to_row_and_corner(end):
     d, flat = 0.3, 3 * (n + 1)
     own = Rope(*(np.zeros(flat) for _ in range(7)))
     contact.add_to_row(chain, d, weights[end], w, own)
-    by_position = differences(lambda x: pull(problem.length, rates, x, v), x)[0]
-    by_velocity = differences(lambda v: pull(problem.length, rates, x, v), v)[0]
-    close(own.by_velocity, by_velocity)
-    close(own.row, by_velocity + d * by_position)
+    by_position = differences(lambda x: pull(problem.length, rates, x, v), x, STEP)[0]
+    by_velocity = differences(lambda v: pull(problem.length, rates, x, v), v, STEP)[0]
+    assert_close(own.by_velocity, by_velocity)
+    assert_close(own.row, by_velocity + d * by_position)
     for other in range(2):
         by_length, by_rate = contact.corner(chain, weights[end], weights[other], growth, w)
-        more = np.eye(2)[other]
-        expected = differences(lambda q, more=more: pull(problem.length + q[0], rates + more * q[1], x, v), np.zeros(2))[0]
-        close(np.array((by_length, by_rate)), expected)
+
+        def moved_by(q, more=np.eye(2)[other]):  # noqa: B008 (a constant)
+            return pull(problem.length + q[0], rates + more * q[1], x, v)
+
+        expected = differences(moved_by, np.zeros(2), STEP)[0]
+        assert_close(np.array((by_length, by_rate)), expected)
     contact.add_to_column(chain, d, weights[end], growth, w, own)
 
     def moved(q):
@@ -139,6 +123,6 @@ def test_pull_of_friction_differentiates_to_row_and_corner(end):
             found[3 * i : 3 * i + 3] = contact.force_at(chain, i, w)
         return found
 
-    by_rope = differences(moved, np.zeros(2))
-    close(own.by_rate, by_rope[:, 1])
-    close(own.solved, by_rope[:, 1] + d * by_rope[:, 0])
+    by_rope = differences(moved, np.zeros(2), STEP)
+    assert_close(own.by_rate, by_rope[:, 1])
+    assert_close(own.solved, by_rope[:, 1] + d * by_rope[:, 0])

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from kernels.chain_problem import ChainProblem
+from kernels.differences import assert_close, differences, full
 from kernels.interleaved import interleaved, node_forces
 from tetherfmu.kernels.equations import assembly, flow, segment
 from tetherfmu.kernels.equations.properties import chain_at
@@ -11,8 +12,6 @@ from tetherfmu.kernels.line import rosenbrock
 from tetherfmu.runtime import layout as at
 
 STEP = 1e-5
-# central differences: truncation h^2 F''' and rounding eps F/h are both below 1e-6 of the largest entry
-TOLERANCE = 1e-6
 
 
 def chain_of_length(problem, length):
@@ -30,30 +29,13 @@ def linearize(chain, x, v, w):
     return rate
 
 
-def differences(function, point):
-    columns = []
-    for k in range(len(point)):
-        shift = np.zeros_like(point)
-        shift[k] = STEP
-        columns.append((function(point + shift) - function(point - shift)) / (2.0 * STEP))
-    return np.array(columns).T
-
-
 def dense(problem, factors, flowing=None):
-    """The block tridiagonal matrix of `assembly.assemble` as a full one, with the rope that flows in a `Chain`."""
-    n, w = problem.n, problem.of_rosenbrock
-    assembly.assemble(n, *factors, w.mass, w.records, w.matrix)
+    """The matrix of `assembly.assemble` as a full one, with the rope that flows in a `Chain`."""
+    w = problem.of_rosenbrock
+    assembly.assemble(problem.n, *factors, w.mass, w.records, w.matrix)
     if flowing is not None and flow.flows(flowing):
         flow.subtract_slopes(flowing, factors[1], factors[2], w.matrix)
-    full = np.zeros((3 * (n + 1), 3 * (n + 1)))
-    for i in range(n + 1):
-        rows = slice(3 * i, 3 * i + 3)
-        full[rows, rows] = w.matrix.diagonal[9 * i : 9 * i + 9].reshape(3, 3)
-        if i > 0:
-            full[rows, 3 * i - 3 : 3 * i] = w.matrix.lower[9 * i : 9 * i + 9].reshape(3, 3)
-        if i < n:
-            full[rows, 3 * i + 3 : 3 * i + 6] = w.matrix.upper[9 * i : 9 * i + 9].reshape(3, 3)
-    return full
+    return full(problem.n, w.matrix)
 
 
 @pytest.mark.parametrize("damping_law", [1, 2])
@@ -69,15 +51,12 @@ def test_forces_differentiate_to_the_matrices(damping_law, wind_profile, slack, 
     if flow.flows(chain):
         flow.add_rates(chain, chain.acceleration, 0.0, problem.x, problem.v, force_rate)
     np.testing.assert_array_equal(w.modes, segment.SLACK if slack else segment.TAUT)
-    by_position = differences(lambda x: forces(problem, x, problem.v, length), problem.x)
-    by_velocity = differences(lambda v: forces(problem, problem.x, v, length), problem.v)
-    by_length = differences(lambda at_length: forces(problem, problem.x, problem.v, at_length[0]), np.array([length]))[:, 0]
-    for found, expected in (
-        (dense(problem, (0.0, 0.0, -1.0), chain), by_position),
-        (dense(problem, (0.0, -1.0, 0.0), chain), by_velocity),
-        (force_rate / problem.conditions.reeling[1], by_length),
-    ):
-        np.testing.assert_allclose(found, expected, atol=TOLERANCE * np.abs(expected).max())
+    by_position = differences(lambda x: forces(problem, x, problem.v, length), problem.x, STEP)
+    by_velocity = differences(lambda v: forces(problem, problem.x, v, length), problem.v, STEP)
+    by_length = differences(lambda at_length: forces(problem, problem.x, problem.v, at_length[0]), [length], STEP)[:, 0]
+    assert_close(dense(problem, (0.0, 0.0, -1.0), chain), by_position)
+    assert_close(dense(problem, (0.0, -1.0, 0.0), chain), by_velocity)
+    assert_close(force_rate / problem.conditions.reeling[1], by_length)
 
 
 def test_motion_of_an_end_and_damping_product_agree_with_the_matrices():

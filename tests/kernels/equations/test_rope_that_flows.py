@@ -10,6 +10,7 @@ Written here are the energies, and nothing else; their derivatives are differenc
 import numpy as np
 import pytest
 
+from kernels.differences import differences
 from tetherfmu.kernels.equations import flow, rope, segment
 from tetherfmu.kernels.equations.properties import chain_in_motion
 from tetherfmu.runtime import layout as at
@@ -60,11 +61,6 @@ def potential(q):
     return 0.5 * STIFFNESS / rest * ((stretched - rest) ** 2).sum() + DENSITY * G * rest * heights.sum()
 
 
-def gradient(function, point):
-    shifts = STEP * np.eye(len(point))
-    return np.array([(function(point + each) - function(point - each)) / (2.0 * STEP) for each in shifts])
-
-
 def left_sides(seed):
     """d/dt dK/dq' - dK/dq."""
     x, v, a = motion(seed)
@@ -74,9 +70,9 @@ def left_sides(seed):
 
     def momentum(time):
         moved = q + time * rate + 0.5 * time**2 * second
-        return gradient(lambda speeds: energy(moved, speeds), rate + time * second)
+        return differences(lambda speeds: energy(moved, speeds), rate + time * second, STEP)
 
-    return (momentum(h) - momentum(-h)) / (2.0 * h) - gradient(lambda place: energy(place, rate), q)
+    return (momentum(h) - momentum(-h)) / (2.0 * h) - differences(lambda place: energy(place, rate), q, STEP)
 
 
 def along_chain(seed, function):
@@ -138,7 +134,7 @@ def test_force_on_the_drum(seed):
     stretched = np.linalg.norm(r, axis=1)
     damper = DAMPING / rest * ((r * u).sum(axis=1) / stretched - stretched * SPEED / LENGTH)
     expected = 0.5 * DENSITY * (SPEED**2 - v[0] @ v[0]) - left_sides(seed)[-1]
-    expected += (damper * stretched / rest).sum() / N - gradient(potential, np.append(x, LENGTH))[-1]
+    expected += (damper * stretched / rest).sum() / N - differences(potential, np.append(x, LENGTH), STEP)[-1]
     assert sum(found) == pytest.approx(expected, abs=1e-4)
 
 
@@ -157,16 +153,8 @@ REST, RATES, GAINS = 2.0, np.array([1.5, -0.4]), np.array([0.7, 0.9])
 R, U, Z = np.array([1.0, -0.7, 2.1]), np.array([0.4, 1.1, -0.8]), np.array([[0.5, -1.0, 2.0], [1.4, 0.3, -0.6]])
 
 
-def slope(function, at_point):
-    """Of a function by all components of an array, from differences over 1e-6."""
-    at_point = np.array(at_point, float)
-    found = []
-    for i in range(at_point.size):
-        shift = np.zeros(at_point.size)
-        shift[i] = 1e-6
-        shift = shift.reshape(at_point.shape)
-        found.append((function(at_point + shift) - function(at_point - shift)) / 2e-6)
-    return np.array(found)
+def slope(function, point):
+    return differences(function, point, 1e-6)
 
 
 @pytest.mark.parametrize("end", [0, 1])
@@ -207,9 +195,11 @@ def test_slopes_of_forces(end):
     loads = [tuple(np.add(z, (0.0, 0.0, G))) for z in Z]
     found = rope.column(piece, flowing, by_rest, tuple(e), tuple(R), tuple(U), ANY_SIDES[end], loads)
     share = ANY_SIDES[end].share
-    np.testing.assert_allclose(found[0], share * slope(lambda rest: both(rest=rest[0]), [REST])[0], rtol=1e-6, atol=1e-4)
-    np.testing.assert_allclose(found[1], slope(lambda rates: both(rates=rates), RATES)[end], rtol=1e-6, atol=1e-4)
-    np.testing.assert_allclose(found[2], slope(lambda gains: both(gains=gains), GAINS)[end], rtol=1e-6, atol=1e-4)
+    np.testing.assert_allclose(
+        found[0], share * slope(lambda rest: both(rest=rest[0]), [REST])[..., 0], rtol=1e-6, atol=1e-4
+    )
+    np.testing.assert_allclose(found[1], slope(lambda rates: both(rates=rates), RATES)[..., end], rtol=1e-6, atol=1e-4)
+    np.testing.assert_allclose(found[2], slope(lambda gains: both(gains=gains), GAINS)[..., end], rtol=1e-6, atol=1e-4)
 
 
 def test_a_line_is_the_same_from_either_end():

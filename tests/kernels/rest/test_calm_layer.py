@@ -9,7 +9,7 @@ mean height is in the thinnest layer: its two nodes may lack what that segment f
 import numpy as np
 import pytest
 
-from balance import residual, turning
+from balance import residual, rounding, turning
 from mechanics import drags
 from tetherfmu import Environment, StepRefused, TetherQuasiSteady
 from tetherfmu.kernels.rest import compressed_segments, homotopy, newton, solve
@@ -61,10 +61,8 @@ def unbalanced(x, velocity, tether):
     height = 0.5 * (x[1:, 2] + x[:-1, 2])
     inside = (height > 0.0) & (height < homotopy.THINNEST)
     felt = 0.5 * np.linalg.norm(drags(x, turning(x, velocity)[0], WIND, tether, AIR), axis=1) * inside
-    # rounding of the stretch of stiff segments, as in `test_robustness.py`
-    stiffness = tether.axial_stiffness * tether.segments / tether.initial_length
-    rounding = 1e-9 * np.abs(tensions).max() + 1e-14 * stiffness * np.abs(x).max()
-    return np.max(np.linalg.norm(missing, axis=1) - felt[1:] - felt[:-1] - rounding), inside.any()
+    lacking = np.linalg.norm(missing, axis=1) - felt[1:] - felt[:-1] - rounding(x, tensions, tether)
+    return np.max(lacking), inside.any()
 
 
 @pytest.mark.parametrize("segments", [10, 20, 30])  # without step 9 two steps of each are refused

@@ -12,7 +12,7 @@ cases: `benchmarks/robustness.py`, which also prints times; `pytest -s` shows th
 import numpy as np
 import pytest
 
-from balance import residual
+from balance import residual, rounding
 from benchmarks.robustness import STEP, random_cases, solve, table
 from tetherfmu.kernels.rest.compressed_segments import MOST_TRIALS
 from tetherfmu.kernels.rest.homotopy import MOST_LEVELS
@@ -29,15 +29,9 @@ def results():
 
 
 def imbalance(positions, case):
-    """Largest missing force of a node over what is allowed.
-
-    Allowed: 1e-9 of the largest tension, and the rounding of the segments' stretch, 1e-14 EA/l0 |x|: 8 sqrt(n) eps, twice
-    what usually remains; a chain with a slack segment is nearly singular, and Newton's method stalls there.
-    """
+    """Largest missing force of a node over what is allowed."""
     missing, tensions = residual(positions, case.kite_velocity, case.wind_velocity, case.tether, ENVIRONMENT)
-    stiffness = case.tether.axial_stiffness * case.tether.segments / case.tether.initial_length
-    allowed = 1e-9 * np.abs(tensions).max() + 1e-14 * stiffness * np.abs(positions).max()
-    return np.abs(missing).max() / allowed
+    return np.abs(missing).max() / rounding(positions, tensions, case.tether)
 
 
 def test_finds_99_percent_and_refuses_the_rest(results):
