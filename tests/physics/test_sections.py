@@ -16,15 +16,12 @@ from mechanics import line_density
 from sections import G, Sections
 from tetherfmu import (
     Environment,
-    Line,
-    Point,
     Solver,
     StepRefused,
     Tether,
     TetherDynamic,
     TetherDynamicFree,
     TetherQuasiSteady,
-    TetherSystem,
     Winch,
 )
 from tetherfmu.python.energy import EnergyAudit
@@ -109,23 +106,6 @@ def test_a_flight_of_sections(masses, control):
         found = [errors(masses, control, Solver(fixed_step=h, fixed_step_method=method)) for h in (0.001, 0.0005)]
         assert np.log2(found[0] / found[1]) == pytest.approx(order, abs=0.2)
         assert found[1] < largest
-
-
-def test_a_line_of_a_system_and_a_tether_of_its_own():
-    """A line with a winch of each kind in a system flies as a `TetherDynamic`."""
-    solver = Solver(relative_tolerance=1e-8)
-    for control, told in (("speed", {"reel_out_speeds": {"a": SPEED}}), ("force", {"winch_forces": {"a": FORCE}})):
-        winch = Winch(winch_control=control, **({"winch_mass": DRUM} if control == "force" else {}))
-        points = [Point("g", (0.0, 0.0, 0.0)), Point("k", tuple(END))]
-        system = TetherSystem(points, [Line("a", "g", "k", SERIES, winch=winch)], solver=solver)
-        alone = TetherDynamic(SERIES, Environment(), solver, winch)
-        own = {name.removesuffix("s"): values["a"] for name, values in told.items()}
-        system.initialize(**told)
-        alone.initialize(END, **own)
-        for _ in range(25):
-            system.step(0.02, **told)
-            alone.step(0.02, **own)
-        np.testing.assert_allclose(system.positions["a"], alone.positions, rtol=0.0, atol=1e-9)
 
 
 # --- hang

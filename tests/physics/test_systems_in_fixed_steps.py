@@ -1,7 +1,5 @@
 """Systems with a `fixed_step`: the properties of a single tether, of all lines and points at once.
 
-one line between driven points:   TetherDynamic, to the last bit
-two lines at a point of mass 0:   one line
 a smooth flight of a Y:           order 2 or 1 to the adaptive solution
 held ends, slack and taut:        kinetic + elastic energy + that of weight never exceeds that of the start
 a free point at rest:             weights and load in balance
@@ -14,12 +12,10 @@ import pytest
 
 from networks import Network
 from random_systems import random_network
-from solvers import METHODS
-from tetherfmu import Ground, Line, Point, Solver, StepRefused, Tether, TetherDynamic, TetherSystem, Winch
+from tetherfmu import Line, Point, Solver, StepRefused, Tether, TetherSystem, Winch
 from tetherfmu.runtime.limits import COARSE_WORK, ITERATION_BUDGET, LAST_ITERATIONS, STAGES, WORST_WORK
 
 WIND = (8.0, 1.0, 0.0)
-every_method = pytest.mark.parametrize("method", METHODS)
 quiet = pytest.mark.filterwarnings("ignore::tetherfmu.PlausibilityWarning")  # random systems at the extremes
 
 
@@ -27,60 +23,6 @@ def circle(centre, radius, angle, rate):
     """Position and velocity on a horizontal circle: angle [rad] and its rate [rad/s] now."""
     c, s = np.cos(angle), np.sin(angle)
     return np.add(centre, (radius * c, radius * s, 0.0)), radius * rate * np.array((-s, c, 0.0))
-
-
-@quiet
-@every_method
-@pytest.mark.parametrize(
-    ("ground", "initial_length", "control"),
-    [(Ground(), 101.0, "speed"), (Ground(ground_contact="flat"), 125.0, "speed"), (Ground(), 101.0, "length")],
-    ids=["taut", "on the ground", "by length"],
-)
-def test_one_line_is_the_dynamic_tether(method, ground, initial_length, control):
-    tether, winch = Tether(segments=6, initial_length=initial_length), Winch(winch_control=control)
-    solver = Solver(fixed_step=0.01, fixed_step_method=method)
-    points = [Point("ground", (0.0, 0.0, 0.0)), Point("kite", (60.0, 0.0, 80.0), (1.0, 20.0, 0.0))]
-    system = TetherSystem(points, [Line("line", "ground", "kite", tether, 0.3, winch)], solver=solver, ground=ground)
-    single = TetherDynamic(tether, solver=solver, winch=winch, ground=ground)
-    motion = {"kite_position": points[1].position, "kite_velocity": points[1].velocity}
-    by_length = control == "length"
-    single.initialize(**motion, wind_velocity=WIND, reel_out_speed=0.3, winch_length=initial_length if by_length else None)
-    system.initialize(WIND, winch_lengths={"line": initial_length} if by_length else None)
-    for k in range(100):
-        x, v = circle((0.0, 0.0, 80.0), 60.0, k * 0.02 / 3.0, 1.0 / 3.0)
-        length = initial_length + 0.006 * k
-        wanted = single.step(0.02, kite_position=x, kite_velocity=v, winch_length=length if by_length else None)
-        lengths = {"line": length} if by_length else None
-        found = system.step(0.02, positions={"kite": x}, velocities={"kite": v}, winch_lengths=lengths)
-    np.testing.assert_array_equal(system.positions["line"], single.positions)
-    np.testing.assert_array_equal(found.points["kite"].force, wanted.kite_force)
-    assert found.lines["line"].grounded_length == wanted.grounded_length
-    assert system.counters == single.counters
-    assert system.counters["steps"] == 200
-
-
-@quiet
-@every_method
-def test_two_lines_at_a_point_without_mass_are_one_line(method):
-    """The iterations end within 1e-6 of a segment (12.6 m) and converge quadratically; 250 steps."""
-    solver = Solver(fixed_step=0.02, fixed_step_method=method, initial_shape="static_equilibrium")
-    single = TetherDynamic(Tether(segments=8, initial_length=101.0), solver=solver)
-    start = {"kite_position": (60.0, 0.0, 80.0), "kite_velocity": (1.0, 2.0, 0.0)}
-    single.initialize(**start, wind_velocity=WIND)
-    points = [
-        Point("ground", (0.0, 0.0, 0.0)),
-        Point("knot", single.positions[3], mass=0.0),
-        Point("kite", start["kite_position"], start["kite_velocity"]),
-    ]
-    first, second = (Tether(segments=n, initial_length=n * 101.0 / 8) for n in (3, 5))
-    system = TetherSystem(points, [Line("a", "knot", "ground", first), Line("b", "knot", "kite", second)], solver=solver)
-    system.initialize(WIND)
-    for k in range(250):
-        x, v = circle((60.0 - 20.0, 0.0, 80.0), 20.0, 0.1 * k * 0.02, 2.0 / 20.0)
-        single.step(0.02, kite_position=x, kite_velocity=v)
-        system.step(0.02, positions={"kite": x}, velocities={"kite": v})
-    found = np.vstack((system.positions["a"][::-1], system.positions["b"][1:]))
-    np.testing.assert_allclose(found, single.positions, rtol=0, atol=1e-6)
 
 
 def y_flight(solver):
@@ -182,40 +124,13 @@ def test_a_load_on_a_free_point_comes_to_rest_in_balance():
     np.testing.assert_allclose(rest, 0.0, atol=1e-3)
 
 
-def held_line(tether, end, **solver):
-    """A system of one line between held points, straight at the start."""
-    points = [Point("low", (0.0, 0.0, 0.0)), Point("high", end)]
-    return TetherSystem(points, [Line("line", "low", "high", tether)], solver=Solver(initial_shape="straight", **solver))
-
-
-@quiet
-@every_method
-def test_the_bound_of_factorizations_is_that_of_a_tether(method):
-    """A slack line in a hurricane, of which some steps do not come to rest: the iterations of `TetherDynamic`."""
-    tether = Tether(segments=100, initial_length=20.0, axial_stiffness=1e7, axial_damping=0.0)
-    system = held_line(tether, (6.0, 0.0, 8.0), fixed_step=0.1, fixed_step_method=method)
-    solver = Solver(fixed_step=0.1, fixed_step_method=method, initial_shape="straight")
-    single = TetherDynamic(tether, solver=solver)
-    wind = (60.0, 10.0, 0.0)
-    single.initialize(kite_position=(6.0, 0.0, 8.0), wind_velocity=wind)
-    system.initialize(wind)
-    most = 0
-    for _ in range(30):
-        single.step(0.1, kite_position=(6.0, 0.0, 8.0), wind_velocity=wind)
-        before = system.counters["iterations"]
-        system.step(0.1)
-        most = max(most, system.counters["iterations"] - before)
-    np.testing.assert_array_equal(system.positions["line"], single.positions)
-    assert system.counters == single.counters
-    assert 500 < most <= system.most_factorizations == single.most_factorizations
-    assert [each.removeprefix("the line line: ") for each in system.implausible] == single.implausible
-
-
 @quiet
 def test_steps_are_hurried_when_their_iterations_have_spent_the_budget_and_refused_beyond_it():
     """The budget is that of the segments of all lines, as the sentence says."""
     hard = Tether(segments=300, initial_length=600.0, axial_stiffness=1e7, axial_damping=0.0)
-    system = held_line(hard, (300.0, 0.0, 400.0), fixed_step=1e-3)
+    points = [Point("low", (0.0, 0.0, 0.0)), Point("high", (300.0, 0.0, 400.0))]
+    solver = Solver(initial_shape="straight", fixed_step=1e-3)
+    system = TetherSystem(points, [Line("line", "low", "high", hard)], solver=solver)
     system.initialize((20.0, 0.0, 0.0))
     with pytest.raises(StepRefused, match=rf"more than {ITERATION_BUDGET // 300} iterations .*fixed_step 0\.001 s"):
         system.step(10.0)

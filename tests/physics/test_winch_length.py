@@ -1,6 +1,6 @@
 """A winch that is told a length: the unstretched length follows it, in every tether.
 
-What is known by positions only (ends with derived velocities, too) makes a jump good within one step, without a way beyond it;
+What is known by positions only, as ends with derived velocities are, makes a jump good within one step and not beyond it;
 stairs give a monotone motion; smooth motion is extrapolated to second order. Steps of any size: `test_varying_steps.py`.
 """
 
