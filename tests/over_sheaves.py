@@ -3,12 +3,14 @@
 import numpy as np
 
 from solvers import ADAPTIVE
-from tetherfmu import Environment, Line, Point, Tether, TetherSystem
+from tetherfmu import Environment, Line, Point, Tether, TetherSystem, Winch
 
 G, DENSITY, DIAMETER = 9.81, 1.0, 0.01  # [m/s2], of the rope [kg/m], [m]
 HEAVY = {"diameter": DIAMETER, "mass_per_length": DENSITY, "axial_stiffness": 1e7, "axial_damping": 1e4}
 LIGHT = {"diameter": DIAMETER, "mass_per_length": 0.2, "axial_stiffness": 1e5, "axial_damping": 100.0}
 STIFF = {"diameter": 0.012, "mass_per_length": 0.57, "axial_stiffness": 1e7, "axial_damping": 1e5}
+WIRE = {"diameter": 0.01, "mass_per_length": 0.4, "axial_stiffness": 1e7, "axial_damping": 1e5}
+SOFT = {"diameter": DIAMETER, "mass_per_length": 0.3, "axial_stiffness": 2e4, "axial_damping": 200.0}
 
 
 def rope(length, segments=6, drag=0.0, **of_rope):
@@ -17,40 +19,59 @@ def rope(length, segments=6, drag=0.0, **of_rope):
 
 
 class Atwood:
-    """Two masses [kg] on a heavy rope, 10 m on either side of a sheave; closed form of its motion at a time [s]."""
+    """Two masses [kg] on a heavy rope, 10 m on either side of a sheave, the second one on 4 m of chain [kg/m] or on none.
 
-    m1, m2, length = 20.0, 30.0, 10.0
+    Closed form of its motion at a time [s], where `right` hangs on `tail` m of rope on the second side, which may be lost:
+    (m1 + right + mu (side + tail) + J/r2) a = (right - m1 + mu (tail - side)) g, so the payout is a hyperbolic cosine.
+    """
 
-    def __init__(self, sheave_mass):
-        self.sheave_mass = sheave_mass
-        whole = self.m1 + self.m2 + 2.0 * DENSITY * self.length + sheave_mass
-        self.rate, self.first = np.sqrt(2.0 * DENSITY * G / whole), (self.m2 - self.m1) * G / whole
+    side, of_chain = 10.0, 4.0
 
-    def system(self, solver=ADAPTIVE, tether=None, **more):
-        """The system, started; tether : another one than the heavy rope.  more : about its sheave."""
-        weights = (mass + 0.5 * DENSITY * self.length for mass in (self.m1, self.m2))
-        low_a, low_b = (-self.length * (1.0 + weight * G / HEAVY["axial_stiffness"]) for weight in weights)  # stretched
+    def __init__(self, sheave_mass=0.0, m1=20.0, m2=30.0, of_rope=HEAVY, chain=0.0):
+        self.sheave_mass, self.m1, self.m2, self.of_rope, self.chain = sheave_mass, m1, m2, of_rope, chain
+        self.density, self.beyond = of_rope["mass_per_length"], self.of_chain if chain else 0.0
+        self.right, self.tail = m2 + chain * self.beyond, self.side - self.beyond
+
+    def system(self, solver=ADAPTIVE, **more):
+        """The system, stretched by its weights, started.  more : about its rope."""
+        of_rope, above = {**self.of_rope, **more}, self.side - self.beyond
+        first = (self.m1 + 0.5 * self.density * self.side) * self.side  # stretch times EA/g
+        second = (self.m2 + self.chain * self.beyond + 0.5 * self.density * above) * above
+        second += (self.m2 + 0.5 * self.chain * self.beyond) * self.beyond
+        low_a, low_b = (-self.side - each * G / of_rope["axial_stiffness"] for each in (first, second))
         points = [Point("a", (0.0, 0.0, low_a), mass=self.m1), Point("s", (0.0, 0.0, 0.0))]
         points.append(Point("b", (0.0, 0.0, low_b), mass=self.m2))
-        sheave = {"through": ["s"], "initial_portions": [self.length] * 2, "sheave_mass": self.sheave_mass, **more}
-        line = Line("rope", "a", "b", tether or rope(20.0, 10, **HEAVY), **sheave)
-        system = TetherSystem(points, [line], solver=solver)
+        tethers = [rope(2.0 * self.side - self.beyond, 6 if self.chain else 10, **of_rope)]
+        if self.chain:
+            tethers.append(rope(self.beyond, 3, **{**of_rope, "mass_per_length": self.chain}))
+        sheave = {"through": ["s"], "initial_portions": [self.side] * 2, "sheave_mass": self.sheave_mass}
+        system = TetherSystem(points, [Line("rope", "a", "b", tuple(tethers), **sheave)], solver=solver)
         system.initialize()
         return system
 
+    def gains(self):
+        """Rate of the hyperbolic functions [1/s] and acceleration at the start [m/s2]."""
+        whole = self.m1 + self.right + self.density * (self.side + self.tail) + self.sheave_mass
+        first = (self.right - self.m1 + self.density * (self.tail - self.side)) * G / whole
+        return np.sqrt(2.0 * self.density * G / whole), first
+
     def payout(self, time):
         """Rope that has passed [m]."""
-        return self.first / self.rate**2 * (np.cosh(self.rate * time) - 1.0)
+        rate, first = self.gains()
+        return first / rate**2 * (np.cosh(rate * time) - 1.0)
 
     def speed(self, time):
         """Its rate [m/s]."""
-        return self.first / self.rate * np.sinh(self.rate * time)
+        rate, first = self.gains()
+        return first / rate * np.sinh(rate * time)
 
     def tensions(self, time):
-        """Tensions on both sides of the sheave [N]."""
-        gained, payout = self.first * np.cosh(self.rate * time), self.payout(time)
-        behind = (self.m1 + DENSITY * (self.length - payout)) * (G + gained)
-        return behind, (self.m2 + DENSITY * (self.length + payout)) * (G - gained)
+        """Tensions on both sides of the sheave, and at the second mass [N]."""
+        (rate, first), payout = self.gains(), self.payout(time)
+        gained = first * np.cosh(rate * time)
+        behind = (self.m1 + self.density * (self.side - payout)) * (G + gained)
+        ahead = (self.right + self.density * (self.tail + payout)) * (G - gained)
+        return behind, ahead, self.m2 * (G - gained)
 
 
 def corner(load, friction=0.0, efficiency=1.0, solver=ADAPTIVE):
@@ -155,22 +176,14 @@ def moving(velocity, solver=ADAPTIVE):
     return np.array(found)
 
 
-def energy_from_nowhere(step, sheave_mass, reel, solver):
-    """Energy from nowhere [J] in 1 s of a rope over a driven sheave, whose one end hangs, and what was exchanged [J]."""
+def driven(sheave_mass, solver, winch=None, others=()):
+    """A rope over a driven sheave, whose one end hangs, started.  others : tethers in series at its end."""
     points = [Point("a", (-6.0, 0.0, 0.0)), Point("s", (0.0, 0.0, 4.0)), Point("b", (2.0, 0.0, -6.0), mass=10.0)]
-    of_rope = {"diameter": DIAMETER, "mass_per_length": 0.3, "axial_stiffness": 2e4, "axial_damping": 200.0, "drag": 1.0}
-    sheave = {"initial_portions": [7.5, 12.5], "sheave_mass": sheave_mass}
-    line = Line("rope", "a", "b", rope(20.0, 5, **of_rope), through=["s"], **sheave)
-    system = TetherSystem(points, [line], solver=solver)
-    system.initialize()
-    before, total = system.energy(), 0.0
-    first = before.total
-    for k in range(round(1.0 / step)):
-        system.step(step, reel_out_speeds={"rope": reel * (1.0 - np.cos(3.0 * k * step))})
-        after = system.energy()
-        total += 0.5 * step * (before.power + after.power)
-        before = after
-    return after.total - first - total, abs(after.total - first)
+    wire = rope(20.0 - sum(each.initial_length for each in others), 5, drag=1.0, **SOFT)
+    sheave = {"initial_portions": [7.5, 12.5], "sheave_mass": sheave_mass, "winch": winch or Winch()}
+    system = TetherSystem(points, [Line("rope", "a", "b", (wire, *others), through=["s"], **sheave)], solver=solver)
+    system.initialize(winch_forces={"rope": 90.0} if winch else None)
+    return system
 
 
 def reeved(solver=ADAPTIVE):
@@ -178,10 +191,10 @@ def reeved(solver=ADAPTIVE):
 
     The rope runs from its winch over a heavy sheave, which is driven, and over that of the load.
     """
-    soft = {"diameter": DIAMETER, "mass_per_length": 0.3, "axial_stiffness": 2e4, "axial_damping": 400.0}
     points = [Point("winch", (-8.0, 0.0, 0.0)), Point("head", (0.0, 0.0, 6.0)), Point("load", mass=60.0)]
     points.append(Point("anchor", (3.0, 0.0, 6.0)))
-    line = Line("rope", "winch", "anchor", rope(28.0, 4, **soft, drag=1.0), through=["head", "load"], sheave_mass=[8.0, 1.0])
+    of_rope = {**SOFT, "axial_damping": 400.0, "drag": 1.0}
+    line = Line("rope", "winch", "anchor", rope(28.0, 4, **of_rope), through=["head", "load"], sheave_mass=[8.0, 1.0])
     system = TetherSystem(points, [line], solver=solver)
     system.initialize((8.0, 1.0, 0.0))
     for time in 0.02 * np.arange(50):

@@ -51,18 +51,24 @@ def follows_atwood(ratios, mass, force, solver, within):
     return found, loads + length + r * payout, payout, rate(payout, speed)
 
 
-def own_or_shared(is_shared, friction, solver, start="top"):
+ONE = (rope(10.0, 5),)
+SERIES = rope(5.0, 3, **LIGHT), rope(5.0, 2, **{**LIGHT, "mass_per_length": 0.05, "axial_stiffness": 4e4})
+
+
+def own_or_shared(is_shared, friction, solver, start="top", tethers=ONE, lets_go=False):
     """Lengths [m] of a line and heights [m] of its load, from its own drum or from a shared one that holds it alone."""
     of_drum = {"winch_mass": 20.0, "winch_friction": friction, "winch_damping": 3.0}
     first = Point("top", (0.0, 0.0, 0.0)) if start == "top" else Point("body", (0.0, 0.0, 0.0), mass=60.0)
     winch = Winch() if is_shared else Winch(winch_control="force", **of_drum)
     winches = [SharedWinch("drum", {"line": 1.0}, "force", **of_drum)] if is_shared else []
-    lines = [Line("line", start, "load", rope(10.0, 5), winch=winch)]
+    lines = [Line("line", start, "load", tethers, winch=winch)]
     system = TetherSystem([first, Point("load", (0.0, 0.0, -10.0004), mass=30.0)], lines, solver=solver, winches=winches)
     system.initialize(loads={} if start == "top" else {"body": (5.0, 0.0, 1000.0)})
     rows = []
     for k in range(60):
-        outputs = system.step(0.02, winch_forces={"drum" if is_shared else "line": 300.0 + 150.0 * np.sin(k / 6.0)})
+        force = 350.0 if lets_go else 300.0 + 150.0 * np.sin(k / 6.0)
+        told = {"winch_forces": {"drum" if is_shared else "line": force}, "releases": {"line": lets_go and k >= 20}}
+        outputs = system.step(0.02, **told)
         rows.append((outputs.lines["line"].tether_length, outputs.points["load"].position[2]))
     return np.array(rows)
 

@@ -18,6 +18,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from of_systems import assert_continues
 from over_sheaves import G, rope
 from tetherfmu import Line, Point, Solver, TetherSystem
 from tetherfmu.kernels.line import step_control
@@ -226,19 +227,9 @@ def test_shorter_segments_are_more_exact():
 
 @pytest.mark.parametrize("solver", [ADAPTIVE, SECOND, EULER])
 def test_states_between_all_events(solver):
-    """Each is restored and goes on bit for bit; and `fly` is a loop of steps."""
     system, _ = broken_at(0, 4, solver, segments=4)
     for _ in range(5):
-        before, ends = system.get_state(), []
-        for _ in range(2):
-            system.set_state(before)
-            for _ in range(80):
-                system.step(STEP)
-            ends.append(system.get_state())
-        system.set_state(before)
-        system.fly(80, STEP)
-        assert np.array_equal(ends[0], ends[1])
-        assert np.array_equal(ends[0], system.get_state())
+        assert_continues(system, lambda _: {}, 0, 80, STEP)
     assert not system.outputs().portions["rope"].speed.any()
 
 

@@ -1,8 +1,6 @@
 """Drums of ropes over sheaves that stop at the shortest and longest length of the whole rope, with each solver.
 
-oracle     a load on a light rope over a sheave with mass: equations written here and solved by DOP853, which stops the drum
-           without a bounce (L' = 0), and lets it go when the rope pulls less than W at the longest length, or more than W
-           at the shortest
+oracle     a load on a light rope over a sheave with mass, with a heavy sling, too: `hoists.py`
 winch      a drum that is pressed against its stop is a winch at rest, to rounding: with losses, on the ground, limp, broken,
            released
 falls      at the stop each fall carries its part of the load
@@ -14,125 +12,65 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 
+from hoists import flown, hoist, solved
+from of_systems import assert_continues
 from over_sheaves import LIGHT, STIFF, G, rope
 from random_shared_drums import random_winches, told
 from solvers import ADAPTIVE, METHODS, fixed, with_each_solver
-from tetherfmu import Environment, Ground, Line, Point, Solver, StepRefused, Tether, TetherSystem, Winch
+from tetherfmu import Environment, Ground, Line, Point, Solver, StepRefused, TetherSystem, Winch
 
 pytestmark = pytest.mark.filterwarnings("ignore::tetherfmu.PlausibilityWarning")  # loads that stop at once
 STEP = 0.02
 
 # --- a solver of its own
 
-EA, DAMPING, DRUM, SHEAVE, LOAD = 2e4, 40.0, 5.0, 0.5, 20.0  # [N], [N.s], then masses [kg]
 STOPS = {"shortest_length": 19.0, "longest_length": 20.6}
-RAMP = 80.0  # of the winch force [N/s]
-NO_MASS = {"diameter": 1e-4, "mass_per_length": 1e-9, "drag_coefficient": 0.0, "slack_stiffness_ratio": 0.0}
+SCENES = {  # stops, W [N] over time, steps, events; errors: adaptive, in fixed steps of 4 ms
+    "constant": (STOPS, lambda _: 120.0, 150, 5, 2e-6, 1e-3),
+    "ramp": (STOPS, lambda time: 140.0 + 80.0 * time if time >= STEP else 140.0, 150, 2, 2e-6, 0.01),
+    "sling": ({"longest_length": 20.4}, lambda _: 20.0, 45, 1, 1e-6, 5e-3),
+}
 
 
-def light(solver):
-    """A load at 12 m of rope beyond a sheave, which is 8 m from the winch."""
-    points = [Point("winch", (-8.0, 0.0, 0.0)), Point("head", (0.0, 0.0, 0.0)), Point("load", (0.0, 0.0, -12.05), mass=LOAD)]
-    tether = Tether(segments=1, initial_length=20.0, axial_stiffness=EA, axial_damping=DAMPING, **NO_MASS)
-    winch = Winch(winch_control="force", winch_mass=DRUM, **STOPS)
-    sheave = {"through": ["head"], "initial_portions": [8.0, 12.0], "sheave_mass": SHEAVE}
-    return TetherSystem(points, [Line("rope", "winch", "load", tether, winch=winch, **sheave)], solver=solver)
+@pytest.mark.parametrize("name", SCENES)
+def test_against_a_solver_of_its_own(name):
+    """The drum stops at up to 2.8 m/s, bounces not, and is drawn away; the ramp reels in to the shortest length.
 
-
-def pulls(stretched, length, rate, growth):
-    """Tension of a segment, and tension where rope enters it [N]; with their rates [m/s]."""
-    if stretched < length:
-        return 0.0, 0.0
-    damper = DAMPING / length * (rate - stretched / length * growth)
-    pull = EA * (stretched**2 / length**2 - 1.0) / 2.0 + damper * stretched / length
-    return EA * (stretched / length - 1.0) + damper, 2.0 * pull / (1.0 + np.sqrt(1.0 + 2.0 * pull / EA))
-
-
-def rates(_, state, is_held, force):
-    """Rates of height, L and rope over the sheave, and of their speeds."""
-    height, length, passed, climb, speed, running = state
-    _, behind = pulls(8.0, length - passed - 12.0, 0.0, speed - running)
-    tension, ahead = pulls(-height, 12.0 + passed, -climb, running)
-    gained = 0.0 if is_held else (behind - force) / DRUM
-    return climb, 0.0 if is_held else speed, running, tension / LOAD - G, gained, (ahead - behind) / SHEAVE
-
-
-def alone(force, times):
-    """Height, length and rope over the sheave at these times [s], and the times of the events; force : W [N] over time."""
-    state, now, side, found, events = np.array((-12.05, 20.0, 0.0, 0.0, 0.0, 0.0)), 0.0, 0, [], []
-
-    def excess(time, state, *_):
-        _, tension = pulls(8.0, state[1] - state[2] - 12.0, 0.0, -state[5])
-        return tension - force(time)
-
-    def reaching(stop, direction):
-        def left(_, state, *__):
-            return state[1] - stop
-
-        left.terminal, left.direction = True, direction
-        return left
-
-    excess.terminal = True
-    stops = {1: reaching(STOPS["longest_length"], 1.0), -1: reaching(STOPS["shortest_length"], -1.0)}
-    while now < times[-1]:
-        excess.direction = -side
-        seen = [excess] if side else list(stops.values())
-        options = {"rtol": 1e-11, "atol": 1e-12, "dense_output": True, "max_step": 0.001}
-        solved = solve_ivp(
-            lambda time, state, held=side: rates(time, state, held, force(time)),
-            (now, times[-1]), state, "DOP853", events=seen, **options,
-        )  # fmt: skip
-        found += [solved.sol(time)[:3] for time in times if now < time <= solved.t[-1]]
-        now, state = solved.t[-1], solved.y[:, -1]
-        if solved.status == 1:
-            events.append(now)
-            side = 0 if side else (1 if len(solved.t_events[0]) else -1)
-            state[4] = 0.0
-            side = side if excess(now, state) * side > 0.0 else 0
-    return np.array(found), events
-
-
-def flown(solver, force, times):
-    """Height, length and rope over the sheave at these times [s]."""
-    system, found = light(solver), []
-    system.initialize(winch_forces={"rope": force(0.0)})
-    for time in times:
-        outputs = system.step(STEP, winch_forces={"rope": force(time - STEP)})
-        line, own = outputs.lines["rope"], outputs.portions["rope"]
-        found.append((outputs.points["load"].position[2], line.tether_length, own.payout[0]))
-    return np.array(found)
-
-
-FORCES = {"constant": lambda _: 120.0, "ramp": lambda time: 140.0 + RAMP * time if time >= STEP else 140.0}
-
-
-@pytest.mark.parametrize(("name", "count"), [("constant", 5), ("ramp", 2)])
-def test_against_a_solver_of_its_own(name, count):
-    """3 s: the drum stops at 2.8 and 1.7 m/s, bounces not, and is drawn away; the ramp reels in to the shortest length."""
-    times = STEP * np.arange(1, 151)
-    exact, events = alone(FORCES[name], times)
+    Error 8e-8 m until the rope goes slack, which makes the sheave swing. L counts the sling, too.
+    """
+    stops, force, steps, count, within, coarse_within = SCENES[name]
+    times = STEP * np.arange(1, steps + 1)
+    tight, *in_steps = (Solver(relative_tolerance=1e-9), *(fixed(h, "second_order") for h in (0.004, 0.0005)))
+    found, heights = flown(hoist(tight, name == "sling", **stops), force, times)
+    exact, events = solved(force, times, heights, name == "sling", **stops)
     assert len(events) == count
-    found = flown(Solver(relative_tolerance=1e-9), FORCES[name], times)
-    assert np.abs(found - exact).max() < 2e-6  # 8e-8 until the rope goes slack, which makes the sheave swing
-    assert found[:, 1].max() <= 20.6 * (1.0 + 1e-9)
-    coarse, fine = (np.abs(flown(fixed(h, "second_order"), FORCES[name], times) - exact).max() for h in (0.004, 0.0005))
-    assert fine < 0.4 * coarse < (1e-3 if name == "constant" else 0.01)
+    assert np.abs(found - exact).max() < within
+    assert found[:, 1].max() <= stops["longest_length"] * (1.0 + 1e-9)
+    flights = (flown(hoist(solver, name == "sling", **stops), force, times)[0] for solver in in_steps)
+    coarse, fine = (np.abs(each - exact).max() for each in flights)
+    assert fine < 0.4 * coarse < coarse_within
 
 
 def test_backward_euler_against_a_solver_of_its_own():
     """Order 1 with the constant force; the ramp turns the drum round so close to its stop that it needs steps of 0.1 ms."""
-    times, force, errors = STEP * np.arange(1, 151), FORCES["constant"], []
-    exact, _ = alone(force, times)
+    times, force, errors = STEP * np.arange(1, 151), SCENES["constant"][1], []
     for step in (0.002, 5e-4):
-        errors.append(np.abs(flown(fixed(step, "backward_euler"), force, times) - exact).max())
+        found, heights = flown(hoist(fixed(step, "backward_euler"), False, **STOPS), force, times)
+        errors.append(np.abs(found - solved(force, times, heights, False, **STOPS)[0]).max())
     assert errors[1] < 0.3 * errors[0] < 0.01
+
+
+@with_each_solver()
+def test_a_state_of_a_hoist_with_a_sling_is_restored(solver):
+    system = hoist(solver, True, longest_length=20.4)
+    system.initialize(winch_forces={"rope": 100.0})
+    assert_continues(system, lambda _: {}, 10, 40)
 
 
 # --- a drum at its stop is a winch at rest
 
-LENGTH = 32.5  # of a `hoist` [m]
+LENGTH = 32.5  # of a `reeved` rope [m]
 RESTING = {"winch_mass": 3.0, "winch_damping": 20.0}
 OF_ROPE = {**LIGHT, "axial_damping": 300.0}
 HOISTS = {  # keywords of the line, of the tether, of the system
@@ -145,7 +83,7 @@ HOISTS = {  # keywords of the line, of the tether, of the system
 }
 
 
-def hoist(kind, winch, solver):
+def reeved(kind, winch, solver):
     """A load on two falls; the rope runs from the winch over a head, too."""
     of_line, of_tether, of_system = HOISTS[kind]
     points = [Point("winch", (-8.0, 0.0, -3.0)), Point("head", (0.0, 0.0, 0.0)), Point("load", (0.7, 0.0, -12.0), mass=60.0)]
@@ -159,8 +97,8 @@ def hoist(kind, winch, solver):
 @pytest.mark.parametrize("kind", HOISTS)
 def test_a_drum_at_its_stop_is_a_winch_at_rest(kind, solver):
     """Pushed, lifted until the rope is slack, and dropped: the drum holds what the rope draws, and reels nothing in."""
-    held = hoist(kind, Winch(winch_control="force", longest_length=LENGTH, **RESTING), solver)
-    still = hoist(kind, Winch(), solver)
+    held = reeved(kind, Winch(winch_control="force", longest_length=LENGTH, **RESTING), solver)
+    still = reeved(kind, Winch(), solver)
     held.initialize(winch_forces={"rope": -500.0})  # the motor pays out
     still.initialize()
     for k in range(60):
@@ -182,7 +120,7 @@ def test_a_drum_at_its_stop_is_a_winch_at_rest(kind, solver):
 def test_it_leaves_its_stop_when_the_force_lets_it(is_outer, solver):
     """In the communication step in which the force passes the pull of the rope, which it has at rest."""
     stop, way = ({"longest_length": LENGTH}, 1.0) if is_outer else ({"shortest_length": LENGTH}, -1.0)
-    system = hoist("two falls", Winch(winch_control="force", **RESTING, **stop), solver)
+    system = reeved("two falls", Winch(winch_control="force", **RESTING, **stop), solver)
     pull = system.initialize(winch_forces={"rope": -way * 1e3}).portions["rope"].tension_from[0]
     for k in range(400):
         force = pull + way * (k - 100.0)
@@ -254,24 +192,19 @@ def test_a_rope_that_runs_out_starts_at_the_longest_length():
 
 def test_what_is_refused():
     """A given length beyond a stop, of all portions together."""
-    line = hoist("two falls", Winch(winch_control="force", longest_length=32.0), ADAPTIVE)
+    line = reeved("two falls", Winch(winch_control="force", longest_length=32.0), ADAPTIVE)
     with pytest.raises(StepRefused, match=r"the line rope: the unstretched length is 32\.5 m at the start, beyond a stop"):
         line.initialize()
 
 
 @with_each_solver(0.005)
 def test_a_state_is_restored(solver):
-    """Bit for bit, at a stop and away from it."""
-    system = hoist("capstan", Winch(winch_control="force", shortest_length=32.4, longest_length=32.7, **RESTING), solver)
+    """At a stop and away from it."""
+    system = reeved("capstan", Winch(winch_control="force", shortest_length=32.4, longest_length=32.7, **RESTING), solver)
     system.initialize(winch_forces={"rope": 200.0})
-    forces = [{"rope": 300.0 + 350.0 * np.sin(0.1 * k)} for k in range(100)]
-    lengths = [system.step(STEP, winch_forces=force).lines["rope"].tether_length for force in forces[:25]]
-    state = system.get_state()
-    first = [system.step(STEP, winch_forces=force).lines["rope"].tether_length for force in forces[25:]]
-    system.set_state(state)
-    assert [system.step(STEP, winch_forces=force).lines["rope"].tether_length for force in forces[25:]] == first
-    assert min(lengths + first) == pytest.approx(32.4, rel=1e-9)
-    assert max(lengths + first) == pytest.approx(32.7, rel=1e-9)
+    outputs = assert_continues(system, lambda k: {"winch_forces": {"rope": 300.0 + 350.0 * np.sin(0.1 * k)}}, 25, 75)
+    lengths = [each.lines["rope"].tether_length for each in outputs]
+    assert (min(lengths), max(lengths)) == pytest.approx((32.4, 32.7), rel=1e-9)
 
 
 def gained(drum, segments, density, is_outer, solver):
