@@ -11,7 +11,16 @@ from scipy.optimize import fsolve
 
 from grounds import Chain, scene
 from mechanics import line_density
-from tetherfmu import EnergyAudit, Ground, Solver, Tether, TetherDynamic, TetherDynamicFree, TetherQuasiSteady
+from tetherfmu import (
+    EnergyAudit,
+    Ground,
+    Solver,
+    Tether,
+    TetherCatenary,
+    TetherDynamic,
+    TetherDynamicFree,
+    TetherQuasiSteady,
+)
 from tetherfmu.runtime import layout as at
 
 G, SINK, FRICTION, CREEP = 9.81, 0.002, 0.5, 2e-4
@@ -261,7 +270,7 @@ def test_friction_of_a_steady_turn_holds_against_the_sliding():
             assert torque == pytest.approx(expected, rel=0.01)
 
 
-@pytest.mark.parametrize("model", [TetherQuasiSteady, TetherDynamic], ids=lambda model: model.variant)
+@pytest.mark.parametrize("model", [TetherQuasiSteady, TetherDynamic, TetherCatenary], ids=lambda model: model.variant)
 def test_a_ground_that_nothing_touches_changes_no_bit(model):
     """Shapes, a swing, and reeling 100 m above the ground."""
     found = []

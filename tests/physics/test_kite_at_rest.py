@@ -1,17 +1,15 @@
 """A free kite or load that starts in equilibrium: `kite_start`.
 
-chain of n segments between node 0 (given) and node n (free), all at rest, L/n = l0:
-    T_s = EA (|r_s|/l0 - 1),   D_s = 1/2 rho c_d d |r_s| |w_p| w_p,   w_p = the wind across r_s at the height of its middle
-    inner node:  T_(s+1) e_(s+1) - T_s e_s + (D_s + D_(s+1))/2 - mu l0 g e_z = 0
-    free end:    load - T_n e_n + D_n/2 - (M + mu l0/2) g e_z = 0
-Without wind the tensions follow from the end: T_s e_s = load - (M + (n - s + 1/2) mu l0) g e_z.
+By `balance.py` the forces of all nodes add up to 0, at the free end with load and weight.
 """
 
 import numpy as np
 import pytest
-from scipy.optimize import fsolve
 
+from balance import residual
+from mechanics import drags, line_density
 from tetherfmu import (
+    Environment,
     Line,
     PlausibilityWarning,
     Point,
@@ -25,8 +23,8 @@ from tetherfmu import (
 
 G, TIP = 9.81, np.array((3.0, -2.0, 60.0))
 WIRE = tether_of("steel", 0.012, initial_length=40.0, segments=6)
-SHEARED = {"wind_profile": "power_law", "wind_exponent": 0.2, "wind_reference_height": 10.0}
-LENGTH = WIRE.initial_length / WIRE.segments
+SHEARED = Environment(wind_profile="power_law", wind_exponent=0.2, wind_reference_height=10.0)
+LENGTH, MU = WIRE.initial_length / WIRE.segments, line_density(WIRE)
 
 
 def started(mass, wind=(0.0, 0.0, 0.0), load=(0.0, 0.0, 0.0), tether=WIRE, begin=(0.0, 0.0, 20.0), **options):
@@ -36,63 +34,30 @@ def started(mass, wind=(0.0, 0.0, 0.0), load=(0.0, 0.0, 0.0), tether=WIRE, begin
     return kite, kite.initialize(begin, (1.0, 2.0, 3.0), **given)
 
 
-def chain_of(tensions, tether):
-    """Vectors of the segments [m] and nodes [m] of a chain with these tension vectors [N], (n, 3)."""
-    rest, size = tether.initial_length / tether.segments, np.linalg.norm(tensions, axis=1)[:, None]
-    r = rest * (1.0 / size + 1.0 / tether.axial_stiffness) * tensions
-    return r, TIP + np.vstack([np.zeros(3), np.cumsum(r, axis=0)])
-
-
-def forces_of_nodes(tensions, tether, mass, wind, load):
-    """Forces [N] on the nodes 1 .. n of a chain with these tension vectors [N], by the formulas above; flat arrays.
-
-    The wind grows with the power law.
-    """
-    pull = tensions.reshape(-1, 3)
-    r, nodes = chain_of(pull, tether)
-    length, rest = np.linalg.norm(r, axis=1)[:, None], tether.initial_length / tether.segments
-    e, height = r / length, 0.5 * (nodes[1:] + nodes[:-1])[:, 2:]
-    w = np.asarray(wind) * (height / 10.0) ** 0.2
-    across = w - np.sum(w * e, axis=1)[:, None] * e
-    width = tether.drag_coefficient * tether.diameter
-    drag = 0.5 * 1.225 * width * length * np.linalg.norm(across, axis=1)[:, None] * across
-    forces = 0.5 * drag - pull
-    forces[:-1] += pull[1:] + 0.5 * drag[1:]
-    forces[:, 2] -= tether.mass_per_length * rest * G
-    forces[-1] += np.add(load, (0.0, 0.0, (0.5 * tether.mass_per_length * rest - mass) * G))
-    return forces.ravel()
-
-
 SCENES = {
     "load in wind": (500.0, (15.0, 3.0, 0.0), (0.0, 0.0, 0.0), (3.0, -2.0, 21.0)),
     "light load in a storm": (2.0, (30.0, -10.0, 2.0), (0.0, 0.0, 0.0), (3.0, -2.0, 21.0)),
     "balloon": (5.0, (6.0, 2.0, 0.0), (20.0, 0.0, 600.0), (3.0, -2.0, 99.0)),
     "from the wrong side": (500.0, (15.0, 3.0, 0.0), (0.0, 0.0, 0.0), (3.0, -2.0, 99.0)),
+    "no wind": (50.0, (0.0, 0.0, 0.0), (300.0, -100.0, 2000.0), (3.0, -2.0, 20.0)),
 }
 
 
 @pytest.mark.parametrize("scene", SCENES.values(), ids=SCENES)
-def test_forces_are_in_balance_as_an_independent_solver_finds_it(scene):
+def test_forces_are_in_balance(scene):
+    """Of all nodes, from their positions alone, and of the outputs; there is one equilibrium under tension."""
     mass, wind, load, begin = scene
-    kite, outputs = started(mass, wind, load, begin=begin, **SHEARED)
-    total = outputs.kite_force + np.subtract(load, (0.0, 0.0, mass * G))
-    assert np.linalg.norm(total) <= 1e-9 * max(np.linalg.norm(outputs.kite_force), mass * G)
-    guess = np.tile(np.add(load, (0.0, 0.0, -(mass + 0.5 * WIRE.mass_per_length * 40.0) * G)), (6, 1))
-    found, _, done, _ = fsolve(forces_of_nodes, guess, (WIRE, mass, wind, load), full_output=True, xtol=1e-13)
-    assert done == 1
-    expected = chain_of(found.reshape(-1, 3), WIRE)[1]
-    # 1e-9 of the force over m g/L, the stiffness of a pendulum
-    np.testing.assert_allclose(kite.positions, expected, rtol=0.0, atol=1e-7)
-
-
-def test_tensions_without_wind_follow_from_the_load():
-    load, mass = (300.0, -100.0, 2000.0), 50.0
-    _, outputs = started(mass, load=load)
-    position = TIP.copy()
-    for s in range(1, 7):
-        t = np.subtract(load, (0.0, 0.0, (mass + (6 - s + 0.5) * WIRE.mass_per_length * LENGTH) * G))
-        position += LENGTH * (1.0 / np.linalg.norm(t) + 1.0 / WIRE.axial_stiffness) * t
-    np.testing.assert_allclose(outputs.kite_position, position, rtol=0.0, atol=1e-9)
+    kite, outputs = started(mass, wind, load, begin=begin, environment=SHEARED)
+    x = kite.positions
+    missing, tensions = residual(x, np.zeros(3), wind, WIRE, SHEARED)
+    assert np.abs(missing).max() < 1e-9 * tensions.max()
+    drag, half_weight = drags(x, np.zeros_like(x), wind, WIRE, SHEARED), np.array((0.0, 0.0, -0.5 * MU * LENGTH * G))
+    pull = -tensions[-1] * (x[-1] - x[-2]) / np.linalg.norm(x[-1] - x[-2])
+    size = 1e-9 * max(tensions.max(), mass * G)
+    np.testing.assert_allclose(outputs.kite_force, pull + 0.5 * drag[-1] + half_weight, rtol=0.0, atol=size)
+    np.testing.assert_allclose(outputs.kite_force, np.subtract((0.0, 0.0, mass * G), load), rtol=0.0, atol=size)
+    whole = drag.sum(axis=0) + 12.0 * half_weight - outputs.kite_force
+    np.testing.assert_allclose(outputs.ground_force, whole, rtol=0.0, atol=10.0 * size)
 
 
 def test_it_starts_at_rest_and_stays_there():

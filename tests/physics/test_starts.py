@@ -121,16 +121,6 @@ def test_balance_with_a_drum_that_turns():
     assert tension == pytest.approx(1000.0 + 50.0 * 2.0 + 30.0, rel=1e-4)
 
 
-def test_balance_in_a_system():
-    points = [Point("ground", (0.0, 0.0, 0.0)), Point("kite", (300.0, 0.0, 400.0)), Point("side", (0.0, 100.0, 0.0))]
-    tether, other = Tether(initial_length=600.0), Tether(initial_length=530.0)
-    winch = Winch(winch_control="force", winch_start="equilibrium")
-    lines = [Line("main", "ground", "kite", tether, winch=winch), Line("guy", "side", "kite", other)]
-    out = TetherSystem(points, lines).initialize(winch_forces={"main": 3000.0})
-    alone = TetherDynamic(tether, winch=winch).initialize(winch_force=3000.0)
-    assert out.lines["main"].tether_length == alone.tether_length
-
-
 def test_a_stop_holds_the_winch():
     model = TetherDynamic(winch_control="force", winch_start="equilibrium", longest_length=499.0)
     assert model.initialize(winch_force=100.0).tether_length == pytest.approx(499.0, rel=1e-12)

@@ -49,18 +49,6 @@ def test_quarter_of_the_drag_is_the_limit_of_the_chain(n):
     assert np.isclose(outputs.kite_force @ ACROSS, -drag(speed) / 4.0 * (1.0 - 0.5 / n**2), rtol=1e-6)
 
 
-def test_drag_in_wind_is_halved():
-    """At rest in a uniform wind across the tether each end has half of it."""
-    outputs = fly("TetherStraight", wind=(0.0, 10.0, 0.0), initial_length=505.0)
-    for force in (outputs.ground_force, outputs.kite_force):
-        assert np.isclose(force[1], drag(10.0) / 2.0, rtol=1e-12)
-
-
-def test_wind_along_the_tether_does_nothing():
-    still, windy = fly("TetherStraight"), fly("TetherStraight", wind=tuple(30.0 * ALONG))
-    assert np.allclose(still.kite_force, windy.kite_force, rtol=0.0, atol=1e-12)
-
-
 @pytest.mark.parametrize("length", [450.0, 499.999, 500.0, 500.001, 600.0])
 def test_tension_and_weight(length):
     tether = Tether(initial_length=length)

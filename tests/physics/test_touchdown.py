@@ -169,21 +169,6 @@ def test_shape_is_the_curve_of_the_forces():
     assert compared > 10  # most of those that are drawn lie in part
 
 
-def test_what_is_missing_from_the_weight_lies_on_the_ground():
-    """The ends carry the weight of the parts that hang; friction takes up to mu w l of their horizontal forces."""
-    random, count = np.random.default_rng(8), 0
-    for _ in range(500):
-        tether, ground, kite, friction, _, height = random_scene(random)
-        outputs = held(tether, ground, kite, friction, height=height)
-        total, weight = outputs.ground_force + outputs.kite_force, line_density(tether) * GRAVITY
-        lying = outputs.grounded_length
-        largest = max(outputs.max_tension, weight * tether.initial_length)
-        assert total[2] == pytest.approx(-weight * (tether.initial_length - lying), abs=1e-12 * largest)
-        assert np.linalg.norm(total[:2]) <= friction * weight * lying + 1e-12 * largest
-        count += lying > 0.0
-    assert count > 250
-
-
 def test_ends_can_be_exchanged():
     """The same tether the other way round; with both ends on the ground its friction would act towards the other one."""
     random, lengths = np.random.default_rng(9), []
@@ -222,12 +207,6 @@ def test_slack(out, friction):
     assert outputs.sag == pytest.approx(out * 50.0 / np.hypot(out, 50.0), rel=1e-9)
     # the slack tension of `wave_time` is 1e-9 EA
     assert outputs.wave_time > 50.0 * np.sqrt(line_density(ROPE) / (1e-9 * ROPE.axial_stiffness)) * 0.99
-
-
-def test_slack_between_two_ends_above_the_ground():
-    outputs = held(ROPE, (0.0, 0.0, 4.0), (30.0, 0.0, 20.0), 0.3)
-    assert np.allclose(outputs.ground_force, (0.0, 0.0, -4.0 * WEIGHT), rtol=1e-3, atol=0.0)  # stretched by their weight
-    assert np.allclose(outputs.kite_force, (0.0, 0.0, -20.0 * WEIGHT), rtol=1e-3, atol=0.0)
 
 
 @pytest.mark.parametrize("distance", [50.0, 100.0, 100.0 + 1e-6, 100.01, 101.0])
@@ -275,17 +254,23 @@ def test_friction_between_two_ends_resists_the_higher_one():
 
 
 def test_sag_is_the_largest_distance_from_the_chord():
-    """Of 2001 points of the shape; it may lie between two of them, which are 5e-4 L apart but for the stretch."""
-    random, count = np.random.default_rng(11), 0
-    for _ in range(100):
-        tether, ground, kite, *_ = scene = random_scene(random)
-        outputs = held(*scene, points=2001)
+    """Of 2001 points of the shape; it may lie between two of them, which are 5e-4 L apart but for the stretch.
+
+    On the ground or not; in many of these scenes the tether is farthest from an end of its chord, beyond which it hangs.
+    """
+    random, lying, beyond = np.random.default_rng(11), 0, 0
+    for _ in range(150):
+        tether, ground, kite, friction, wind, height = random_scene(random)
+        height -= random.choice([0.0, 1e3])
+        outputs = held(tether, ground, kite, friction, wind, height, points=2001)
         chord = kite - ground
-        places = np.clip((outputs.shape - ground) @ chord / (chord @ chord), 0.0, 1.0)
-        distances = np.linalg.norm(outputs.shape - ground - np.outer(places, chord), axis=1)
+        places = (outputs.shape - ground) @ chord / (chord @ chord)
+        distances = np.linalg.norm(outputs.shape - ground - np.outer(np.clip(places, 0.0, 1.0), chord), axis=1)
         assert -1e-9 < (outputs.sag - distances.max()) / tether.initial_length < 5e-4
-        count += outputs.grounded_length > 0.0
-    assert count > 50
+        lying += outputs.grounded_length > 0.0
+        beyond += not 0.0 < places[distances.argmax()] < 1.0
+    assert lying > 50
+    assert beyond > 20
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.2])

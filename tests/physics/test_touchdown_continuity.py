@@ -79,31 +79,6 @@ def test_numbers_are_continuous_along_a_path(path, wind, friction):
 # --- what must not change
 
 
-SCENES = [
-    {"initial_length": 100.0, "kite_position": (60.0, 20.0, 70.0), "wind_velocity": (3.0, 1.0, 0.0)},  # is above the ground
-    {"initial_length": 100.0, "kite_position": (0.0, 90.0, 45.0)},
-    {"initial_length": 100.0, "kite_position": (10.0, 0.0, -99.0)},
-]
-
-
-def every_number(tether, scene, reel_out_speed=0.1):
-    scene = {name: value for name, value in scene.items() if name != "initial_length"}
-    tether.initialize(**scene)
-    return [tether.step(0.05, **scene, reel_out_speed=reel_out_speed) for _ in range(3)]
-
-
-@pytest.mark.parametrize("scene", SCENES)
-def test_without_contact_not_a_bit_changes(scene):
-    ground_height = min(0.0, scene["kite_position"][2]) - 0.5
-    options = {"initial_length": scene["initial_length"], "shape_points": 9}
-    free = every_number(TetherCatenary(**options), scene)
-    over = every_number(TetherCatenary(**options, ground_contact="flat", ground_height=ground_height), scene)
-    for one, other in zip(free, over, strict=True):
-        assert other.grounded_length == 0.0
-        for name in vars(one) if hasattr(one, "__dict__") else one._fields:
-            assert np.array_equal(getattr(one, name), getattr(other, name)), name
-
-
 def test_the_straight_tether_ignores_the_ground():
     outputs = held(ROPE, (0.0, 0.0, 0.0), (60.0, 0.0, 10.0), 0.5, height=5.0, model=TetherStraight)
     free = TetherStraight(ROPE).initialize(kite_position=(60.0, 0.0, 10.0))

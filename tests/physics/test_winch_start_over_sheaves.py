@@ -35,19 +35,16 @@ def test_a_winch_over_sheaves_starts_in_balance(gravity, given):
     assert outputs.lines["rope"].tether_length == pytest.approx(start.lines["rope"].tether_length, abs=1e-7)
 
 
-@pytest.mark.parametrize("is_shared", [False, True])
-def test_a_line_beside_them_starts_as_alone(is_shared):
-    """Beside a sheave, and beside a winch that holds a line by force."""
-    points = [Point("ground", (0.0, 0.0, 0.0)), Point("kite", (300.0, 0.0, 400.0)), Point("s", (0.0, 50.0, 9.0))]
-    points.append(Point("end", (5.0, 100.0, 0.0)))
-    tether, other = Tether(initial_length=600.0), rope(111.0, 4, **LIGHT)
-    main = Line("main", "ground", "kite", tether, winch=BALANCED)
-    if is_shared:
-        lines, winches = [Line("guy", "ground", "end", other)], [SharedWinch("drum", {"guy": 1.0}, "force")]
-        points.pop(2)
-    else:
-        lines, winches = [Line("guy", "ground", "end", other, through=["s"])], []
-    system = TetherSystem(points, [main, *lines], winches=winches)
+@pytest.mark.parametrize("beside", ["line", "sheave", "shared winch"])
+def test_a_line_beside_others_starts_as_alone(beside):
+    """Also beside a sheave, and beside a winch that holds a line by force."""
+    points = [Point("ground", (0.0, 0.0, 0.0)), Point("kite", (300.0, 0.0, 400.0)), Point("end", (5.0, 100.0, 0.0))]
+    points += [Point("s", (0.0, 50.0, 9.0))] if beside == "sheave" else []
+    tether, through = Tether(initial_length=600.0), ["s"] if beside == "sheave" else []
+    lines = [Line("main", "ground", "kite", tether, winch=BALANCED)]
+    lines.append(Line("guy", "ground", "end", rope(111.0, 4, **LIGHT), through=through))
+    winches = [SharedWinch("drum", {"guy": 1.0}, "force")] if beside == "shared winch" else []
+    system = TetherSystem(points, lines, winches=winches)
     start = system.initialize(winch_forces={"main": 3000.0})
     alone = TetherDynamic(tether, winch=BALANCED).initialize(winch_force=3000.0)
     assert start.lines["main"].tether_length == alone.tether_length
