@@ -1,6 +1,9 @@
 """Independent numpy formulas that several physics tests compare with: masses, drag, energy of a uniform chain."""
 
+from itertools import pairwise
+
 import numpy as np
+from scipy.integrate import quad
 
 
 def line_density(tether):
@@ -52,6 +55,28 @@ def drags(positions, velocities, wind, tether, air):
 def drag(positions, velocities, wind, tether, air):
     """Sum of the `drags` of all segments [N]."""
     return np.sum(drags(positions, velocities, wind, tether, air), axis=0)
+
+
+def loads_on_chord(ground, kite, kite_velocity, wind_at, cuts, tether, scale_height=0.0):
+    """Integrals of f, xi f and |f| along the chord, xi = 0 .. 1, by QUADPACK on the intervals between the cuts [N/m].
+
+    f = 1/2 rho cd d |w| w, w the wind_at(xi) [m/s] less xi times the velocity of the kite, across the chord.
+    """
+    chord = kite - ground
+    e, cuts = chord / np.linalg.norm(chord), np.unique([0.0, 1.0, *(xi for xi in cuts if 0.0 < xi < 1.0)])
+
+    def load(xi):
+        relative = wind_at(xi) - xi * kite_velocity
+        w = relative - (relative @ e) * e
+        density = 1.225 * np.exp(-(ground[2] + xi * chord[2]) / scale_height) if scale_height else 1.225
+        return 0.5 * density * tether.drag_coefficient * tether.diameter * np.linalg.norm(w) * w
+
+    def integral(function):
+        return sum(quad(function, *ends, epsabs=1e-13, epsrel=1e-11, limit=400)[0] for ends in pairwise(cuts))
+
+    mean = np.array([integral(lambda xi, i=i: load(xi)[i]) for i in range(3)])
+    moment = np.array([integral(lambda xi, i=i: xi * load(xi)[i]) for i in range(3)])
+    return mean, moment, integral(lambda xi: np.linalg.norm(load(xi)))
 
 
 def energy(positions, velocities, tether, gravity=9.81):

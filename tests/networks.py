@@ -15,9 +15,17 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 
+def rope_tension(stiffness, along):
+    """T [N] at a drum, of R = T + T^2/(2 EA) or T where that is below 0; EA, R [N]."""
+    return along if along <= 0.0 else stiffness * (np.sqrt(1.0 + 2.0 * along / stiffness) - 1.0)
+
+
 @dataclass
 class Network:
-    """A network of points and lines (`tetherfmu.Point`, `Line`); motions: driven point to a function of time, (x, v)."""
+    """A network of points and lines (`tetherfmu.Point`, `Line`).
+
+    motions : driven point to a function of time, (x, v).  winch_forces : line on a drum to a function of time [N].
+    """
 
     points: list
     lines: list
@@ -25,17 +33,18 @@ class Network:
     wind: np.ndarray
     motions: dict = field(default_factory=dict)
     loads: dict = field(default_factory=dict)
+    winch_forces: dict = field(default_factory=dict)
 
     def __post_init__(self):
         self.names = [point.name for point in self.points]
-        self.nodes_of, ends, rest, tethers, speeds = {}, [], [], [], []
+        self.nodes_of, self.segments_of, ends, rest, tethers, speeds = {}, {}, [], [], [], []
         count = len(self.points)
         for line in self.lines:
             n = line.tether.segments
             inner = list(range(count, count + n - 1))
             count += n - 1
             nodes = [self.names.index(line.start), *inner, self.names.index(line.end)]
-            self.nodes_of[line.name] = nodes
+            self.nodes_of[line.name], self.segments_of[line.name] = nodes, slice(len(ends), len(ends) + n)
             ends += list(pairwise(nodes))
             rest += [line.tether.initial_length / n] * n
             speeds += [line.reel_out_speed / n] * n
@@ -52,10 +61,20 @@ class Network:
         self.driven = [k for k, point in enumerate(self.points) if point.is_driven]
         self.free = np.setdiff1d(np.arange(count), self.driven)
         self.count = count
+        self.on_drums = [line for line in self.lines if line.name in self.winch_forces]
+        self.is_on_drum = np.zeros(len(self.rest), bool)
+        for line in self.on_drums:
+            self.is_on_drum[self.segments_of[line.name]] = True
 
     def rest_lengths(self, time):
         """Unstretched lengths of all segments [m]."""
-        return self.rest + self.speeds * time
+        return self.rest + np.where(self.is_on_drum, 0.0, self.speeds * time)
+
+    def turn(self, lengths, speeds):
+        """Let the lines on drums have these unstretched lengths [m] and reel-out speeds [m/s]."""
+        for line, length, speed in zip(self.on_drums, lengths, speeds, strict=True):
+            own, n = self.segments_of[line.name], line.tether.segments
+            self.rest[own], self.speeds[own] = length / n, speed / n
 
     def masses(self, time):
         """Masses of all nodes [kg]."""
@@ -129,15 +148,40 @@ class Network:
         return x, v
 
     def rates(self, time, y):
-        """d(x, v)/dt of the free nodes."""
+        """d(x, v, L, u)/dt of free nodes and drums: T + T^2/(2 EA) = R_0 + sum k . a - I u', T = W + c u + m u'.
+
+        All u' by Newton's method.
+        """
         x, v = self.unpacked(time, y)
-        a = self.forces(time, x, v)[self.free] / self.masses(time)[self.free, None]
-        return np.concatenate([v[self.free].ravel(), a.ravel()])
+        lengths, speeds = y[6 * len(self.free) :].reshape(2, -1)
+        self.turn(lengths, speeds)
+        count, free, masses, force = len(speeds), self.free, self.masses(time), self.forces(time, x, v)
+        columns, pulls, yielding = np.zeros((count, *x.shape)), np.zeros(count), np.zeros((count, count))
+        for k, line in enumerate(self.on_drums):
+            nodes, of_flow, column, pulls[k], yielding[k, k] = self.flow(line.name, x, v, lengths[k], speeds[k])
+            np.add.at(force, nodes, of_flow)
+            np.add.at(columns[k], nodes, column)
+        pulls += np.einsum("kij,ij->k", columns[:, free], force[free] / masses[free, None])
+        yielding -= np.einsum("kij,lij->kl", columns[:, free], columns[:, free] / masses[free, None])
+        stiffness = np.array([line.tether.axial_stiffness for line in self.on_drums])
+        mass = np.array([line.winch.winch_mass for line in self.on_drums])
+        held = [
+            self.winch_forces[line.name](time) + line.winch.winch_damping * u
+            for line, u in zip(self.on_drums, speeds, strict=True)
+        ]
+        gained = np.zeros(count)
+        for _ in range(8 if count else 0):
+            tension = held + mass * gained
+            pulled = np.maximum(tension, 0.0)
+            wrong = tension + 0.5 * pulled**2 / stiffness + yielding @ gained - pulls
+            gained -= np.linalg.solve(yielding + np.diag(mass * (1.0 + pulled / stiffness)), wrong)
+        a = (force + np.einsum("k,kij->ij", gained, columns))[free] / masses[free, None]
+        return np.concatenate([v[free].ravel(), a.ravel(), speeds, gained])
 
     def unpacked(self, time, y):
         """Positions [m] and velocities [m/s] of all nodes, (nodes, 3), from those of the free nodes."""
         x, v = np.zeros((self.count, 3)), np.zeros((self.count, 3))
-        x[self.free], v[self.free] = y.reshape(2, -1, 3)
+        x[self.free], v[self.free] = y[: 6 * len(self.free)].reshape(2, -1, 3)
         return self.with_driven(time, x, v)
 
     def gathered(self, of_lines):
@@ -147,17 +191,19 @@ class Network:
             found[nodes] = of_lines[name]
         return found
 
+    def state(self, positions, velocities):
+        """State of `rates` with these nodes of each line by name [m, m/s]; drums at rest."""
+        nodes = [self.gathered(each)[self.free].ravel() for each in (positions, velocities)]
+        return np.concatenate([*nodes, [line.tether.initial_length for line in self.on_drums], np.zeros(len(self.on_drums))])
+
+    def integrate(self, y, times, tolerance=1e-11, method="DOP853"):
+        """States at all but the first of some times [s], at which the state is y."""
+        span = times[0], times[-1]
+        solution = solve_ivp(self.rates, span, y, method, t_eval=times[1:], rtol=tolerance, atol=tolerance)
+        assert solution.success, solution.message
+        return solution.y.T
+
     def solve(self, system, times, tolerance=1e-11):
         """Positions and velocities of all nodes at times [s], (times, 2, nodes, 3), from the present state of a system."""
-        start = [self.gathered(each)[self.free].ravel() for each in (system.positions, system.velocities)]
-        solution = solve_ivp(
-            self.rates,
-            (0.0, times[-1]),
-            np.concatenate(start),
-            method="DOP853",
-            t_eval=times,
-            rtol=tolerance,
-            atol=tolerance,
-        )
-        assert solution.success
-        return np.array([self.unpacked(time, y) for time, y in zip(times, solution.y.T, strict=True)])
+        states = self.integrate(self.state(system.positions, system.velocities), (0.0, *times), tolerance)
+        return np.array([self.unpacked(time, y) for time, y in zip(times, states, strict=True)])

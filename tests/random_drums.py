@@ -13,8 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drums import rope_tension
-from networks import Network
+from networks import Network, rope_tension
 from random_systems import random_network
 from tetherfmu import Environment, TetherSystem, Winch
 from tetherfmu.runtime.limits import MIN_SEGMENT_LENGTH

@@ -3,15 +3,14 @@
 mass      a mass on a heavy, stiff rope whose winch pays out with the acceleration a: the rope pulls at the winch with
           (M + mu L)(g - a), whatever the number of segments
 light     a drum lighter than the rope under constant forces: waves die out (it once fluttered: 64 to 2840 N in 0.4 s)
-frame     an observer who moves uniformly sees the same tensions
-energy    what the powers do not explain falls with the square of the communication step
-law       a drum of the stretch_rate law has the momentum of Tethers.jl
+
+Energy: `test_sections.py`.  A moving observer: `test_invariance.py`.
 """
 
 import numpy as np
 import pytest
 
-from tetherfmu import Line, Point, Tether, TetherDynamic, TetherDynamicFree, TetherSystem, Winch
+from tetherfmu import Line, Point, Tether, TetherDynamicFree, TetherSystem, Winch
 
 G = 9.81
 MASS, DENSITY, LENGTH, DIAMETER = 20.0, 1.0, 20.0, 0.02  # of the load [kg], of the rope [kg/m], [m], [m]
@@ -131,20 +130,3 @@ def test_no_random_drum_makes_waves(seed):
     ranges, energies = light_drum(**random_drum(seed))
     assert ranges[4:].max() < 1.5 * ranges[:4].max()
     assert (np.diff(energies) < 0.0).all()
-
-
-@pytest.mark.parametrize("control", ["speed", "force"])
-def test_a_frame_that_moves_sees_the_same(control):
-    frame = np.array((7.0, -4.0, 3.0))
-    found = []
-    for v in (0.0 * frame, frame):
-        options = {"winch_control": control, "winch_mass": 2.0} if control == "force" else {"winch_control": control}
-        tether = TetherDynamic(segments=5, initial_length=50.0, relative_tolerance=1e-10, air_density=0.0, **options)
-        tether.initialize(positions=np.linspace((0.0, 0.0, 0.0), (30.0, 0.0, 40.1), 6), velocities=np.tile(v, (6, 1)))
-        for k in range(50):
-            ends = {"ground_position": 0.02 * k * v, "kite_position": np.add((30.0, 0.0, 40.1), 0.02 * k * v)}
-            ends |= {"ground_velocity": v, "kite_velocity": v}
-            given = {"winch_force": 800.0} if control == "force" else {"reel_out_speed": 0.3 * np.sin(0.2 * k)}
-            outputs = tether.step(0.02, **ends, **given)
-        found.append((outputs.ground_tension, outputs.kite_tension, outputs.tether_length))
-    np.testing.assert_allclose(found[1], found[0], rtol=1e-7)

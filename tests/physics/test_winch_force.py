@@ -1,19 +1,24 @@
-"""A winch that is told a force: formulas of drum, rope and load, and an independent solution (`tests/drums.py`)."""
+"""A winch that is told a force: formulas of drum, rope and load, and an independent solution (`tests/networks.py`)."""
 
 import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-import drums
 from mechanics import pluck
+from networks import Network
 from tetherfmu import (
     EnergyAudit,
+    Environment,
+    Line,
+    Point,
     StepRefused,
+    Tether,
     TetherCatenary,
     TetherDynamic,
     TetherDynamicFree,
     TetherQuasiSteady,
     TetherStraight,
+    Winch,
 )
 
 DRIVEN = (TetherDynamic, TetherQuasiSteady, TetherCatenary, TetherStraight)
@@ -21,7 +26,7 @@ IN_EQUILIBRIUM = DRIVEN[1:]
 FIXED = {"fixed_step": 0.01}
 AND_FIXED = [*((model, {}) for model in DRIVEN), (TetherDynamic, FIXED)]
 NOTHING = {"gravity": 0.0, "air_density": 0.0}  # acts on the tether
-G = 9.81
+G, STILL = 9.81, 4  # [m/s2]; a `scene` without wind whose kite stays
 
 
 def on_drum(model, distance=100.0, **options):
@@ -225,22 +230,49 @@ def test_tension_is_the_force_in_equilibrium(model):
 # --- independent solutions
 
 
+def scene(seed):
+    """`Network` of a random tether on its drum, its state, mean force of its winch [N] and rate of that [rad/s]."""
+    random = np.random.default_rng(seed)
+    n, length = int(random.integers(1, 5)), random.uniform(50.0, 500.0)
+    direction = random.normal(size=3)
+    direction[2] = 1.0 + abs(direction[2])
+    kite = direction / np.linalg.norm(direction) * length * random.uniform(0.99, 1.001)
+    mass = 0.0 if seed % 2 else 10.0 ** random.uniform(0.0, 4.0)
+    winch = Winch(winch_control="force", winch_mass=mass, winch_damping=float(random.choice((0.0, 50.0))))
+    wind, velocity = random.uniform(-10.0, 10.0, 3), random.uniform(-3.0, 3.0, 3)
+    if seed == STILL:
+        wind, velocity = np.zeros((2, 3))
+    points = [Point("ground", (0.0, 0.0, 0.0)), Point("kite", kite, velocity)]
+    line = Line("line", "ground", "kite", Tether(segments=n, initial_length=length), winch=winch)
+    motions = {"ground": lambda _: np.zeros((2, 3)), "kite": lambda time: (kite + time * velocity, velocity)}
+    network = Network(points, [line], Environment(), wind, motions, winch_forces={"line": None})
+    part = np.linspace(0.0, 1.0, n + 1)[:, None]
+    y = network.state({"line": part * kite}, {"line": part * velocity})
+    return network, y, random.uniform(20.0, 500.0), random.uniform(0.5, 3.0)
+
+
+def started(network, y, **options):
+    """The same as a tether."""
+    (line,), (x, v) = network.lines, network.unpacked(0.0, y)
+    nodes = network.nodes_of["line"]
+    tether = TetherDynamic(line.tether, winch=line.winch, **options)
+    tether.initialize(positions=x[nodes], velocities=v[nodes], wind_velocity=network.wind)
+    return tether
+
+
 def compared(seed, duration, step=0.02, **options):
-    """Largest difference of the length, relative, and of a position at the end [m], of a scene of `drums`."""
-    drum, mean, rate = drums.scene(seed)
-    shares = np.arange(drum.n + 1)[:, None] / drum.n
-    winch = {"winch_control": "force", "winch_mass": drum.mass, "winch_damping": drum.damping}
-    tether = TetherDynamic(segments=drum.n, initial_length=drum.length, **winch, **options)
-    tether.initialize(positions=drum.x, velocities=shares * drum.kite_velocity, wind_velocity=drum.wind)
-    worst, before = 0.0, None
-    for k in range(round(duration / step)):
-        force = mean * (1.0 + 0.5 * np.sin(rate * k * step))
+    """Largest difference of the length, relative, and of a position at the end [m], of a `scene`."""
+    network, y, mean, rate = scene(seed)
+    tether, worst, before = started(network, y, **options), 0.0, None
+    for now in step * np.arange(round(duration / step)):
+        force = mean * (1.0 + 0.5 * np.sin(rate * now))
         slope = 0.0 if before is None else (force - before) / step
-        length = drum.advance(step, lambda time, force=force, slope=slope: force + slope * time)
-        kite = drum.x[-1] + k * step * drum.kite_velocity
-        outputs = tether.step(step, kite_position=kite, kite_velocity=drum.kite_velocity, winch_force=force)
-        worst, before = max(worst, abs(outputs.tether_length / length - 1.0)), force
-    return worst, np.abs(tether.positions.ravel() - drum.state[: tether.positions.size]).max()
+        network.winch_forces["line"] = lambda t, force=force, slope=slope, now=now: force + slope * (t - now)
+        (y,) = network.integrate(y, (now, now + step), 1e-9, "LSODA")
+        kite, velocity = network.motions["kite"](now)
+        outputs = tether.step(step, kite_position=kite, kite_velocity=velocity, winch_force=force)
+        worst, before = max(worst, abs(outputs.tether_length / y[-2] - 1.0)), force
+    return worst, np.abs(tether.positions - network.unpacked(now + step, y)[0][network.nodes_of["line"]]).max()
 
 
 @pytest.mark.parametrize("seed", range(1, 11))
@@ -259,20 +291,15 @@ def test_order_of_fixed_steps(method, order):
 
 def test_second_order_in_the_communication_step():
     """The force is known at communication points only and continues linearly: an error of the square of the step."""
-    drum, mean, rate = drums.scene(4)
-    drum.wind, drum.kite_velocity = np.zeros(3), np.zeros(3)
-    exact = drums.scene(4)[0]
-    exact.wind, exact.kite_velocity = drum.wind, drum.kite_velocity
-    exact.__post_init__()
-    exact.advance(1.0, lambda time: mean * (1.0 + 0.5 * np.cos(rate * time)))
-    errors = []
+    network, y, mean, rate = scene(STILL)
+    network.winch_forces["line"] = lambda time: mean * (1.0 + 0.5 * np.cos(rate * time))
+    (exact,), errors = network.integrate(y, (0.0, 1.0), 1e-9, "LSODA"), []
     for step in (0.1, 0.05, 0.025):
-        options = {"winch_mass": drum.mass, "winch_damping": drum.damping, "relative_tolerance": 1e-8}
-        tether = TetherDynamic(segments=drum.n, initial_length=drum.length, winch_control="force", **options)
-        tether.initialize(positions=drum.x)
+        tether = started(network, y, relative_tolerance=1e-8)
         for k in range(round(1.0 / step)):
-            outputs = tether.step(step, winch_force=mean * (1.0 + 0.5 * np.cos(rate * k * step)))
-        errors.append(outputs.tether_length - exact.state[-2])
+            outputs = tether.step(step, winch_force=network.winch_forces["line"](k * step))
+        errors.append(outputs.tether_length - exact[-2])
+
     assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.2)
     assert errors[1] / errors[2] == pytest.approx(4.0, rel=0.2)
 

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from drums import rope_tension
+from networks import rope_tension
 from tetherfmu import Line, Point, Solver, Tether, TetherDynamic, TetherSystem, Winch
 
 TIMES = 0.02 * np.arange(251)  # of communication [s]
