@@ -4,8 +4,7 @@ from collections import namedtuple
 
 import numpy as np
 
-from tetherfmu.python.energy import EnergyAudit
-from tetherfmu.runtime.parameters import Environment
+from tetherfmu import EnergyAudit, Environment
 
 VOID = Environment(gravity=0.0, air_density=0.0)
 

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from tetherfmu.runtime.parameters import Tether
+from tetherfmu import Tether
 
 REFERENCE = Path(__file__).parent / "reference"
 CIRCLE_TETHER = Tether(initial_length=525.0)

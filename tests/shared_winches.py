@@ -24,33 +24,6 @@ def moved(rate, payout, speed, h):
     return tuple(y + h / 6.0 * (a + 2.0 * b + 2.0 * c + d) for y, a, b, c, d in zip((payout, speed), *k, strict=True))
 
 
-def follows_atwood(ratios, mass, force, solver, within):
-    """Fly loads on heavy ropes straight down from one drum along the formula: its last outputs, payout [m] and u' [m/s2].
-
-    within : deviation of the payout [m] and of the last speed [m/s].
-    """
-    loads, length, r = np.array([20.0, 30.0]), 10.0, np.array(ratios)
-    ends = [
-        Point(name, (0.0, 0.0, -length * (1.0 + (m + 5.0) * G / 1e7)), mass=m) for name, m in zip("ab", loads, strict=True)
-    ]
-    lines = [Line(f"to_{name}", "top", name, rope(length)) for name in "ab"]
-    drum = SharedWinch("drum", dict(zip(("to_a", "to_b"), ratios, strict=True)), "force", winch_force=force, winch_mass=mass)
-    system = TetherSystem([Point("top", (0.0, 0.0, 0.0)), *ends], lines, solver=solver, winches=[drum])
-    system.initialize()
-    payout, speed = 0.0, 0.0
-
-    def rate(p, _):
-        hanging = loads + length + r * p
-        return (r @ hanging * G - force) / (mass + r**2 @ hanging)
-
-    for _ in range(60):
-        found = system.step(0.02)
-        payout, speed = moved(rate, payout, speed, 0.02)
-        assert abs(found.winches["drum"].payout - payout) < within[0]
-    assert abs(found.winches["drum"].winch_speed - speed) < within[1]
-    return found, loads + length + r * payout, payout, rate(payout, speed)
-
-
 ONE = (rope(10.0, 5),)
 SERIES = rope(5.0, 3, **LIGHT), rope(5.0, 2, **{**LIGHT, "mass_per_length": 0.05, "axial_stiffness": 4e4})
 

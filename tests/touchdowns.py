@@ -3,8 +3,7 @@
 import numpy as np
 
 from mechanics import line_density
-from tetherfmu.python.models import TetherCatenary
-from tetherfmu.runtime.parameters import Tether
+from tetherfmu import Tether, TetherCatenary
 
 GRAVITY = 9.81
 ROPE = Tether(initial_length=100.0, axial_stiffness=1e5)

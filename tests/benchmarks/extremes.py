@@ -44,7 +44,7 @@ def stop():
 
 def released():
     from test_folded_chain import let_go
-    from test_released_end import recoil
+    from test_snap_load import recoil
 
     _, _, kinetic, residual = recoil(100, 0.0)
     yield "released end, n = 100: energy at L/c", "all kinetic", f"{100 * (kinetic - 1):.2f} %", np.abs(residual).max()
@@ -117,7 +117,7 @@ def noise():
 
 
 def undamped():
-    from test_energy_without_damping import FALLS, fall
+    from test_energy import FALLS, fall
 
     for name in FALLS:
         total, kinetic = fall(name, 3600.0)

@@ -3,13 +3,13 @@
 import numpy as np
 
 from kernels.packed import packed
+from tetherfmu import Environment, Solver, Tether
 from tetherfmu.kernels.arrays import nodes_end, shared_size
 from tetherfmu.kernels.equations import end_motion, winch
 from tetherfmu.kernels.equations.boundary import BoundaryConditions, chain_during
 from tetherfmu.kernels.line import backward_euler, rosenbrock
 from tetherfmu.kernels.variants.dynamic import work_size
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime.parameters import Environment, Solver, Tether
 
 
 class ChainProblem:
@@ -24,12 +24,7 @@ class ChainProblem:
     def __init__(self, reeling=1.5, damping_law=1, wind_profile=2, masses=()):
         self.n = n = self.SEGMENTS
         tether = Tether(
-            segments=n,
-            initial_length=38.0,
-            diameter=0.02,
-            axial_stiffness=2e3,
-            axial_damping=60.0,
-            damping_law=damping_law,
+            segments=n, initial_length=38.0, diameter=0.02, axial_stiffness=2e3, axial_damping=60.0, damping_law=damping_law
         )
         self.parameters = packed(
             tether, Environment(air_density_scale_height=500.0), Solver(relative_tolerance=1e-6), masses=masses

@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from tetherfmu import Environment, Solver
 from tetherfmu.libraries.ready import kernels
-from tetherfmu.runtime.parameters import Environment, Solver
 from tetherfmu.wiring.packing import pack_records
 
 

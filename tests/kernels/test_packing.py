@@ -8,10 +8,11 @@ from math import inf, nan, pi
 import numpy as np
 import pytest
 
+from tetherfmu import Environment, Solver, Tether
 from tetherfmu.kernels import packing
 from tetherfmu.libraries.ready import kernels
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime.parameters import QUANTITIES_OF_TETHER, Environment, Solver, Tether, numbers_of
+from tetherfmu.runtime.parameters import QUANTITIES_OF_TETHER, numbers_of
 from tetherfmu.runtime.variants import BY_NAME, VARIANTS
 from tetherfmu.wiring.packing import pack, pack_records
 from tetherfmu.wiring.variables import PARAMETERS

@@ -1,11 +1,15 @@
-"""Ropes over sheaves that break, and run off: against solvers of their own, with adaptive and fixed steps.
+"""Ropes over sheaves that break, let go, and run off: against solvers of their own, with adaptive and fixed steps.
 
 The rope of the solvers is inextensible; a broken one ends in half of the broken segment, as a lump. T is the tension beside
 the sheave, l1 and l2 the lengths on its sides.
 
 two masses   (m1 + mu (l1 + l2) + J/r2) a = (mu (l2 - l1) - m1) g, after m2 was lost: the payout is a hyperbolic cosine
 running      before and after the break, whose time is the time at which the tension reaches the breaking force
-run off      what falls then, falls with g; rope is neither lost nor made
+run off      what falls then, falls with g; rope is neither lost nor made; of a rope over no sheave beyond, T = mu l (g - a)
+held         a rope that friction holds at its sheave is two lines, of which the second one lets go, bit for bit
+one line     on a drum that holds no other is the line with its own winch
+
+Energy: `test_sheaves.py`.
 """
 
 import re
@@ -15,8 +19,9 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from of_systems import unexplained
-from over_sheaves import DENSITY, LIGHT, Atwood, G, rope
+from of_systems import assert_continues, unexplained
+from over_sheaves import DENSITY, LIGHT, Atwood, G, driven, rope
+from shared_winches import own_or_shared
 from solvers import ADAPTIVE, METHODS, fixed, with_each_solver
 from tetherfmu import Line, Point, SharedWinch, Solver, StepRefused, Tether, TetherSystem, Winch
 
@@ -217,3 +222,95 @@ def test_a_step_in_which_the_end_passes_its_sheave_is_refused():
     with pytest.raises(StepRefused, match="the end of the rope reached a sheave in a step of 2"):
         system.step(2.0)
     system.step(0.01)
+
+
+# --- a rope that lets go at its last end
+
+DRUM = Winch(winch_control="force", winch_mass=10.0, winch_damping=20.0)
+
+
+@pytest.mark.parametrize(("solver", "within"), [(ADAPTIVE, 1e-4), (SECOND, 1e-4), (EULER, 1e-2)])
+@pytest.mark.parametrize("sheave_mass", [0.0, 5.0])
+def test_a_rope_runs_off(sheave_mass, solver, within):
+    """Payout in m; what is left is the stretch by the lost mass, 0.2 mm at the end of the rope, and of Euler its order."""
+    scene = Atwood(sheave_mass, 20.0, 20.0)
+    system = scene.system(solver)
+    scene.right = 0.0
+    low = system.outputs().points["b"].position[2]
+    for k in range(50):
+        outputs, time = system.step(0.02, releases={"rope": True}), 0.02 * (k + 1)
+        assert outputs.portions["rope"].payout[0] == pytest.approx(scene.payout(time), abs=within)
+    found, lost = outputs.portions["rope"], outputs.points["b"]
+    assert abs(found.payout[0]) > 2.0
+    behind, ahead, _ = scene.tensions(1.0)
+    if solver is not EULER:
+        assert (found.tension_to[0], found.tension_from[1]) == pytest.approx((behind, ahead), abs=0.02)
+        assert lost.position[2] == pytest.approx(low - 0.5 * G, abs=1e-6)
+    assert lost.velocity[2] == pytest.approx(-G, abs=1e-6)
+    assert found.tension_to[1] == outputs.lines["rope"].kite_tension == 0.0
+    assert outputs.lines["rope"].broken
+    assert outputs.lines["rope"].break_time == 0.0
+
+
+def hung(through, solver):
+    """Nodes and forces of a rope from a winch over a sheave to an end below, which it lets go at 0.2 s; on one line or two.
+
+    The tail carries more than the tension at its end, so that it stays taut.
+    """
+    points = [Point("a", (-7.0, 0.0, 0.0)), Point("s", (0.0, 0.0, 0.0)), Point("b", (0.0, 0.0, -10.0012))]
+    of_rope = {**LIGHT, "axial_damping": 300.0, "drag": 1.0}
+    if through:
+        sheave = {"through": ["s"], "initial_portions": [7.0, 10.0], "sheave_friction": 5.0}
+        lines = [Line("one", "a", "b", rope(17.0, **of_rope), **sheave)]
+    else:
+        lines = [Line("one", "a", "s", rope(7.0, **of_rope)), Line("two", "s", "b", rope(10.0, **of_rope))]
+    system = TetherSystem(points, lines, solver=solver)
+    system.initialize()
+    found = []
+    for k in range(50):
+        moved = {"positions": {"b": (0.002 * k, 0.0, -10.0012)}, "velocities": {"b": (0.1, 0.0, 0.0)}}
+        given = {"reel_out_speeds": {"one": 0.1 * np.sin(0.05 * k)}, "releases": {lines[-1].name: k >= 10}}
+        outputs = system.step(0.02, **moved, **given)
+        nodes = list(system.positions.values())
+        nodes = nodes[0] if through else np.vstack([nodes[0], nodes[1][1:]])
+        found.append(np.concatenate([nodes.ravel(), *(outputs.points[name].force for name in "asb")]))
+    assert outputs.lines[lines[-1].name].broken
+    return np.array(found)
+
+
+@with_each_solver(0.002)
+def test_a_rope_that_is_held_is_two_lines(solver):
+    one, two = hung(True, solver), hung(False, solver)
+    assert np.array_equal(one, two)
+    assert np.all(one[12:, -3:] == 0.0)  # nothing pulls at the last point
+
+
+@pytest.mark.parametrize(("solver", "within"), [(Solver(relative_tolerance=1e-6), 1e-8), (SECOND, 1e-4), (EULER, 1e-8)])
+def test_a_line_of_a_drum_by_force(solver, within):
+    """The drum reels in what is left; as the line with a winch of its own but for steps that backward Euler takes over."""
+    found = [own_or_shared(is_shared, 20.0, solver, lets_go=True) for is_shared in (False, True)]
+    assert found[0][20, 0] - found[0][-1, 0] > 1.5
+    assert found[0] == pytest.approx(found[1], abs=within)
+
+
+def test_releases_that_are_no_numbers():
+    """They are refused as such, also where nothing could be let go of."""
+    points = [Point("a", (0.0, 0.0, 0.0)), Point("s", (1.0, 0.0, 0.0)), Point("b", (3.0, 0.0, -4.0), mass=0.0)]
+    system = TetherSystem(points, [Line("rope", "a", "b", rope(5.05, 4), through=["s"], initial_portions=[1.0, 4.05])])
+    system.initialize()
+    for value, said in (
+        (np.nan, "rope.release is nan"),
+        (np.inf, "rope.release is inf"),
+        (True, "released end has no mass"),
+    ):
+        before = system.get_state()
+        with pytest.raises(StepRefused, match=said):
+            system.step(0.02, releases={"rope": value})
+        assert np.array_equal(system.get_state(), before)
+
+
+@with_each_solver(0.002)
+def test_states_and_flights_over_the_event(solver):
+    outputs = assert_continues(driven(2.0, solver, DRUM), lambda k: {"releases": {"rope": k >= 8}}, 5, 20)
+    assert not outputs[7].lines["rope"].broken
+    assert outputs[-1].lines["rope"].broken

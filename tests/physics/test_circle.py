@@ -12,8 +12,7 @@ import pytest
 
 from mechanics import line_density
 from scenes import CIRCLE_TETHER, REVOLUTION, fly_circle, nodes, read
-from tetherfmu.python.models import TetherDynamic
-from tetherfmu.runtime.parameters import Solver
+from tetherfmu import Solver, TetherDynamic
 
 STEP = 0.02
 EVERY = 25  # communication steps between two rows of the file

@@ -11,8 +11,7 @@ import numpy as np
 import pytest
 
 from scenes import REVOLUTION, fly_circle
-from tetherfmu.python.models import TetherDynamic, TetherQuasiSteady
-from tetherfmu.runtime.parameters import Solver, Tether
+from tetherfmu import Solver, Tether, TetherDynamic, TetherQuasiSteady
 
 STILL, BREEZE = (0.0, 0.0, 0.0), (0.1, 0.0, 0.0)
 

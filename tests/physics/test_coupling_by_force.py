@@ -2,8 +2,7 @@
 
 import pytest
 
-from tetherfmu.python.models import TetherDynamic
-from tetherfmu.runtime.parameters import Environment, Tether
+from tetherfmu import Environment, Tether, TetherDynamic
 
 
 @pytest.mark.parametrize(("part", "grows"), [(0.9, False), (1.3, True)])

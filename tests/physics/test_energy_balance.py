@@ -15,12 +15,11 @@ from audited import run
 from kernels.interleaved import node_forces
 from mechanics import energy as energy_of_chain
 from mechanics import line_density
+from tetherfmu import Environment, Solver, Tether, TetherCatenary, TetherDynamic, TetherQuasiSteady
 from tetherfmu.kernels.equations import assembly, segment
 from tetherfmu.kernels.equations.properties import chain_at
 from tetherfmu.python import given_inputs
-from tetherfmu.python.models import TetherCatenary, TetherDynamic, TetherQuasiSteady
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime.parameters import Environment, Solver, Tether
 
 WIND = (9.0, -3.0, 1.0)
 NODE_WINDS = 9.0 * np.random.default_rng(9).normal(size=(8, 3))

@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from mechanics import line_density
-from tetherfmu.python.models import TetherDynamic
-from tetherfmu.runtime.parameters import Environment, Solver, Tether
+from tetherfmu import Environment, Solver, Tether, TetherDynamic
 
 FREE = {"free_ends": (True, True)}
 TETHER = Tether(segments=8, initial_length=40.0)

@@ -12,8 +12,12 @@ import numpy as np
 import pytest
 
 from tetherfmu import (
+    Environment,
     Line,
     Point,
+    Solver,
+    StepRefused,
+    Tether,
     TetherCatenary,
     TetherDynamic,
     TetherDynamicFree,
@@ -21,8 +25,6 @@ from tetherfmu import (
     TetherStraight,
     TetherSystem,
 )
-from tetherfmu.records.problems import StepRefused
-from tetherfmu.runtime.parameters import Environment, Solver, Tether
 
 VARIANTS = [TetherDynamic, TetherQuasiSteady, TetherCatenary, TetherStraight]
 KITE = (30.0, 0.0, 40.0)
@@ -150,20 +152,3 @@ def test_the_load_on_a_point_goes_on_as_that_of_a_kite(continuation, fixed_step)
             system.step(step, loads={"kite": load_at(time)})
     np.testing.assert_allclose(forward.positions["line"], kite.positions, rtol=0.0, atol=1e-9)
     np.testing.assert_allclose(backward.positions["line"][::-1], kite.positions, rtol=0.0, atol=1e-9)
-
-
-@pytest.mark.parametrize(("continuation", "order"), [("linear", 2.0), ("held", 1.0)])
-def test_order_of_the_motion_under_a_load(continuation, order):
-    """A load that swings a free point of a system."""
-
-    def way(step):
-        system = next(systems_with_a_free_point(Solver(input_continuation=continuation, relative_tolerance=1e-8)))
-        kept = []
-        for k in range(round(2.0 / step)):
-            system.step(step, loads={"kite": load_at(k * step)})
-            kept.append(system.positions["line"][-1])
-        return np.array(kept)[round(0.08 / step) - 1 :: round(0.08 / step)]
-
-    fine = way(0.0025)
-    errors = [np.sqrt(np.mean((way(step) - fine) ** 2)) for step in (0.08, 0.04, 0.02)]
-    assert -np.diff(np.log2(errors)) == pytest.approx(order, abs=0.3)

@@ -3,9 +3,9 @@
 import pytest
 
 from example_fmus.example_slaves import Model, example_fmus
-from tetherfmu import TetherDynamicFree
+from tetherfmu import EnergyAudit, TetherDynamicFree
 from tetherfmu.libraries.examples import example
-from tetherfmu.python.energy import POWERS, EnergyAudit
+from tetherfmu.python.energy import POWERS
 
 STEP = 0.01
 CONTROL = ("steering", "depower")

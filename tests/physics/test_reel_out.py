@@ -11,8 +11,7 @@ import numpy as np
 import pytest
 
 from mechanics import line_density
-from tetherfmu import TetherDynamic
-from tetherfmu.runtime.parameters import Environment, Solver, Tether
+from tetherfmu import Environment, Solver, Tether, TetherDynamic
 
 SPEED = 2.0
 STRAIN = 1e-3

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from balance import residual
+from tetherfmu import Environment, Solver, Tether
 from tetherfmu.python import models
-from tetherfmu.runtime.parameters import Environment, Solver, Tether
 
 KITE = np.array([240.0, -180.0, 400.0])  # 500 m away
 WIND = (10.0, 0.0, 0.0)

@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from scenes import nodes, read
-from tetherfmu.python.models import TetherDynamic
-from tetherfmu.runtime.parameters import Solver, Tether
+from tetherfmu import Solver, Tether, TetherDynamic
 
 N = 5
 END = 50.0 * np.array([-np.sin(np.pi / 10.0), 0.0, -np.cos(np.pi / 10.0)])

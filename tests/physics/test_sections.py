@@ -15,16 +15,7 @@ import pytest
 from audited import run
 from mechanics import line_density
 from sections import G, Sections
-from tetherfmu import (
-    Environment,
-    Solver,
-    StepRefused,
-    Tether,
-    TetherDynamic,
-    TetherDynamicFree,
-    TetherQuasiSteady,
-    Winch,
-)
+from tetherfmu import Environment, Solver, StepRefused, Tether, TetherDynamic, TetherDynamicFree, TetherQuasiSteady, Winch
 from tetherfmu.runtime.limits import MIN_SEGMENT_LENGTH
 
 LIGHT = Tether(segments=19, initial_length=190.0, diameter=0.01)

@@ -43,11 +43,7 @@ from tetherfmu import Line, Point, Solver, StepRefused, Tether, TetherSystem, Wi
 @pytest.mark.filterwarnings("error", "ignore:.*backward Euler")
 @pytest.mark.parametrize(
     ("solver", "within", "of_tension"),
-    [
-        (ADAPTIVE, 2e-4, 0.05),
-        (fixed(0.01, "second_order"), 2e-4, 0.05),
-        (fixed(0.002, "backward_euler"), 0.02, 3.0),
-    ],
+    [(ADAPTIVE, 2e-4, 0.05), (fixed(0.01, "second_order"), 2e-4, 0.05), (fixed(0.002, "backward_euler"), 0.02, 3.0)],
 )
 @pytest.mark.parametrize("sheave_mass", [0.0, 5.0])
 @pytest.mark.parametrize("chain", [0.0, WIRE["mass_per_length"], 5.0])

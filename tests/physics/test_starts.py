@@ -7,12 +7,21 @@ in balance pulls with its force and does not turn; ends at rest have one equilib
 import numpy as np
 import pytest
 
+from tetherfmu import (
+    Ground,
+    Line,
+    PlausibilityWarning,
+    Point,
+    Solver,
+    StepRefused,
+    Tether,
+    TetherDynamic,
+    TetherDynamicFree,
+    TetherQuasiSteady,
+    TetherSystem,
+    Winch,
+)
 from tetherfmu.python import models
-from tetherfmu.python.models import TetherDynamic, TetherDynamicFree, TetherQuasiSteady
-from tetherfmu.python.system import TetherSystem
-from tetherfmu.records.problems import PlausibilityWarning, StepRefused
-from tetherfmu.runtime.parameters import Ground, Solver, Tether, Winch
-from tetherfmu.wiring.lines import Line, Point
 
 DRIVEN = ("TetherStraight", "TetherCatenary", "TetherQuasiSteady", "TetherDynamic")
 STEP = 0.02

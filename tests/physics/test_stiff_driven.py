@@ -12,8 +12,7 @@ import numpy as np
 import pytest
 
 from scenes import read
-from tetherfmu import PlausibilityWarning, StepRefused, TetherDynamic, TetherDynamicFree
-from tetherfmu.runtime.parameters import Solver, Tether
+from tetherfmu import PlausibilityWarning, Solver, StepRefused, Tether, TetherDynamic, TetherDynamicFree
 
 STEP, WIND = 0.02, (8.0, 0.0, 0.0)
 REFERENCE = read("inextensible.csv")

@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 
 from mechanics import line_density
+from tetherfmu import Environment, Tether
 from tetherfmu.python import models
-from tetherfmu.runtime.parameters import Environment, Tether
 
 KITE = np.array([300.0, 0.0, 400.0])
 ALONG = KITE / 500.0

@@ -15,8 +15,7 @@ import pytest
 from audited import VOID
 from balance import slope_of_springs
 from mechanics import line_density
-from tetherfmu.python.models import TetherCatenary, TetherDynamic, TetherQuasiSteady, TetherStraight
-from tetherfmu.runtime.parameters import Environment, Tether
+from tetherfmu import Environment, Tether, TetherCatenary, TetherDynamic, TetherQuasiSteady, TetherStraight
 
 CHAINS = [TetherDynamic, TetherQuasiSteady]
 DISTANCE = 500.0

@@ -6,9 +6,7 @@ Integrated by the trapezoidal rule, whose error falls with the square of the com
 import numpy as np
 import pytest
 
-from tetherfmu import Environment, Ground, Solver, Tether, TetherDynamicFree, Winch
-from tetherfmu.python.system import TetherSystem
-from tetherfmu.wiring.lines import Line, Point
+from tetherfmu import Environment, Ground, Line, Point, Solver, Tether, TetherDynamicFree, TetherSystem, Winch
 
 EXACT = Solver(relative_tolerance=1e-8)
 ARM = Tether(segments=3, initial_length=50.2, axial_stiffness=2e4, axial_damping=40.0)

@@ -14,8 +14,7 @@ from numpy.polynomial.legendre import leggauss
 
 from mechanics import drags, line_density
 from scenes import read
-from tetherfmu.python.models import TetherCatenary
-from tetherfmu.runtime.parameters import Environment, Tether
+from tetherfmu import Environment, Tether, TetherCatenary
 from touchdowns import GRAVITY, ROPE, WEIGHT, forces, held, random_scene
 
 pytestmark = [

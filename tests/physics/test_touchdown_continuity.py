@@ -9,9 +9,7 @@ import warnings
 import numpy as np
 import pytest
 
-from tetherfmu import PlausibilityWarning
-from tetherfmu.python.models import TetherCatenary, TetherStraight
-from tetherfmu.runtime.parameters import Tether
+from tetherfmu import PlausibilityWarning, Tether, TetherCatenary, TetherStraight
 from touchdowns import ROPE, between, forces, held, over_ground, random_scene
 
 pytestmark = [

@@ -11,9 +11,17 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from tetherfmu import Environment, Solver, Tether, TetherCatenary, TetherQuasiSteady, TetherStraight, Winch
-from tetherfmu.python.models import TetherDynamicFree
-from tetherfmu.records.materials import tether_of
+from tetherfmu import (
+    Environment,
+    Solver,
+    Tether,
+    TetherCatenary,
+    TetherDynamicFree,
+    TetherQuasiSteady,
+    TetherStraight,
+    Winch,
+    tether_of,
+)
 
 GRAVITY, LENGTH, DURATION = 9.81, 100.0, 2.0
 HELD = {"input_continuation": "held"}

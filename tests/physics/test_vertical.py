@@ -11,8 +11,7 @@ import numpy as np
 import pytest
 
 from mechanics import line_density
-from tetherfmu.python.models import TetherDynamic
-from tetherfmu.runtime.parameters import Tether
+from tetherfmu import Tether, TetherDynamic
 
 # positions round off at 500 m * 1e-16 and a segment of 0.25 m multiplies that by EA/l0 = 2.5e6 N/m
 ROUNDING = 1e-6

@@ -13,8 +13,7 @@ import numpy as np
 import pytest
 
 from mechanics import line_density
-from tetherfmu.python.models import TetherDynamic
-from tetherfmu.runtime.parameters import Environment, Solver, Tether
+from tetherfmu import Environment, Solver, Tether, TetherDynamic
 
 PERIODS = 5.25
 LENGTH = 100.0

@@ -41,12 +41,12 @@ def started(model, **options):
 
 
 def errors(model, step):
-    """Largest errors of the length [m] and of its rate [m/s] in 10 s, and the tension at their end [N]."""
+    """Largest errors of the length [m] and of its rate [m/s] in 10 s."""
     tether, found = started(model), []
     for k in range(round(10.0 / step)):
         outputs, end = tether.step(step, winch_length=told(k * step)), (k + 1) * step
         found.append((abs(outputs.tether_length - told(end)), abs(outputs.winch_speed - speed_told(end))))
-    return *np.max(found, axis=0), outputs.kite_tension
+    return np.max(found, axis=0)
 
 
 @pytest.mark.parametrize("model", EVERY)
@@ -56,19 +56,6 @@ def test_length_is_third_order_in_the_step_and_its_rate_second(model):
     assert coarse[1] / fine[1] == pytest.approx(4.0, rel=0.02)
     # the length goes on from the last three values: h^3 times the third derivative of the length times 1 + 1/... at most
     assert coarse[0] < 1.1 * 0.1**3 * SWING * RATE**3
-
-
-@pytest.mark.parametrize("model", DRIVEN)
-def test_force_is_that_of_the_length_reeled_by_its_speed(model):
-    """A tether whose winch is told the exact speed at small steps is the oracle."""
-    step = 0.0025
-    oracle = model(segments=5, initial_length=MEAN)
-    oracle.initialize(wind_velocity=(8.0, 0.0, 0.0), reel_out_speed=speed_told(0.0))
-    for k in range(round(10.0 / step)):
-        outputs = oracle.step(step, reel_out_speed=speed_told(k * step))
-    found = errors(model, 0.05)[2]
-    assert found == pytest.approx(outputs.kite_tension, rel=2e-3)
-    assert found != pytest.approx(model(segments=5).initialize(wind_velocity=(8.0, 0.0, 0.0)).kite_tension, rel=2e-3)
 
 
 @pytest.mark.parametrize("model", EVERY)

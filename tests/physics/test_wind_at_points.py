@@ -7,9 +7,12 @@ import pytest
 
 from mechanics import loads_on_chord, wind_factor
 from tetherfmu import (
+    Environment,
     Line,
     Point,
+    Solver,
     StepRefused,
+    Tether,
     TetherCatenary,
     TetherDynamic,
     TetherDynamicFree,
@@ -19,7 +22,6 @@ from tetherfmu import (
 )
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.inputs import by_name
-from tetherfmu.runtime.parameters import Environment, Solver, Tether
 
 GROUND, KITE = np.array([0.0, 0.0, 60.0]), np.array([240.0, 50.0, 380.0])
 LENGTH = 1.02 * np.linalg.norm(KITE - GROUND)

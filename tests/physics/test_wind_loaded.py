@@ -14,8 +14,8 @@ import pytest
 
 from balance import segments
 from scenes import read
+from tetherfmu import Environment, Tether
 from tetherfmu.python import models
-from tetherfmu.runtime.parameters import Environment, Tether
 
 TABLE = read("wind_loaded.csv")
 ROWS = [dict(zip(TABLE, values, strict=True)) for values in zip(*TABLE.values(), strict=True)]

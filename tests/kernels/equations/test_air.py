@@ -11,10 +11,10 @@ import pytest
 
 import mechanics
 from kernels.packed import packed
+from tetherfmu import Environment, Tether
 from tetherfmu.kernels.equations.air import air_density, is_known, wind_factor
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import status
-from tetherfmu.runtime.parameters import Environment, Tether
 from tetherfmu.runtime.quantities import quantities
 
 HEIGHTS = [0.5, 6.0, 10.0, 200.0, 3000.0]

@@ -11,8 +11,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from tetherfmu import MovingEnd, TetherCatenary, TetherDynamic, TetherQuasiSteady, TetherStraight, inputs_along
-from tetherfmu.runtime.parameters import Tether
+from tetherfmu import MovingEnd, Tether, TetherCatenary, TetherDynamic, TetherQuasiSteady, TetherStraight, inputs_along
 
 EVERY = (TetherStraight, TetherCatenary, TetherQuasiSteady, TetherDynamic)
 every_model = pytest.mark.parametrize("model", EVERY, ids=lambda model: model.variant)

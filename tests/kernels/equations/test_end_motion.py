@@ -13,8 +13,7 @@ import numpy as np
 import pytest
 
 from scenes import CIRCLE_TETHER, circle
-from tetherfmu import TetherCatenary, TetherDynamic, TetherQuasiSteady, TetherStraight
-from tetherfmu.runtime.parameters import Solver, Tether
+from tetherfmu import Solver, Tether, TetherCatenary, TetherDynamic, TetherQuasiSteady, TetherStraight
 
 RATE = 0.5
 EVERY = (TetherStraight, TetherCatenary, TetherQuasiSteady, TetherDynamic)

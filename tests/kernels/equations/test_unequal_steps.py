@@ -11,8 +11,7 @@ import numpy as np
 import pytest
 
 from scenes import circle
-from tetherfmu import TetherCatenary, TetherDynamic, TetherQuasiSteady, TetherStraight
-from tetherfmu.runtime.parameters import Tether
+from tetherfmu import Tether, TetherCatenary, TetherDynamic, TetherQuasiSteady, TetherStraight
 
 EVERY = (TetherStraight, TetherCatenary, TetherQuasiSteady, TetherDynamic)
 every_model = pytest.mark.parametrize("model", EVERY, ids=lambda model: model.variant)

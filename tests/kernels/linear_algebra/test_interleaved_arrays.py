@@ -1,12 +1,15 @@
 """Interleaved arrays, parts of arrays, and what goes through an array by pairs, for even and odd numbers."""
 
+import ctypes
+
 import numpy as np
 import pytest
-from numba import njit
+from numba import njit, types
 
 from kernels.interleaved import interleaved
 from tetherfmu.kernels.arrays import copy, nodes_end
-from tetherfmu.kernels.flat_arrays import part
+from tetherfmu.kernels.compilation import entry_point
+from tetherfmu.kernels.flat_arrays import every_second, flat, part
 from tetherfmu.kernels.linear_algebra.both_ends import deinterleave, next_interleaved
 from tetherfmu.kernels.linear_algebra.pairs import first, pair, second
 from tetherfmu.kernels.step.transaction import check_state
@@ -39,14 +42,14 @@ def fill(array, start, size):
     return len(part(array, start, size))
 
 
-def flat(n):
+def numbered(n):
     """Vectors of n + 1 nodes, all numbers different."""
     return np.arange(3.0 * (n + 1)) + 1.0
 
 
 @every_length
 def test_vectors_of_mirror_images_stand_beside_each_other(n):
-    array, nodes = interleaved(flat(n)).reshape(-1, 3, 2), flat(n).reshape(-1, 3)
+    array, nodes = interleaved(numbered(n)).reshape(-1, 3, 2), numbered(n).reshape(-1, 3)
     np.testing.assert_array_equal(array[..., 0], nodes[: n // 2 + 1])
     np.testing.assert_array_equal(array[..., 1], nodes[::-1][: n // 2 + 1])
 
@@ -54,15 +57,15 @@ def test_vectors_of_mirror_images_stand_beside_each_other(n):
 @every_length
 def test_deinterleaved_is_what_was_interleaved(n):
     found = np.zeros(3 * (n + 1))
-    deinterleave(n, interleaved(flat(n)), found)
-    np.testing.assert_array_equal(found, flat(n))
+    deinterleave(n, interleaved(numbered(n)), found)
+    np.testing.assert_array_equal(found, numbered(n))
 
 
 @every_length
 def test_the_next_vectors_towards_the_middle_and_one_beyond(n):
-    nodes = flat(n).reshape(-1, 3)
+    nodes = numbered(n).reshape(-1, 3)
     for k in range((n + 1) // 2):
-        np.testing.assert_array_equal(vectors_of_next(n, k, interleaved(flat(n))), (nodes[k + 1], nodes[n - k - 1]))
+        np.testing.assert_array_equal(vectors_of_next(n, k, interleaved(numbered(n))), (nodes[k + 1], nodes[n - k - 1]))
 
 
 @pytest.mark.parametrize("function", [max_of_pairs, max_of_numbers])
@@ -94,3 +97,19 @@ def test_a_state_is_finite_or_not_at_any_place(bad, n):
         wrong = state.copy()
         wrong[place] = bad
         assert check_state(n, wrong) == STATE_NOT_FINITE
+
+
+def change(pointer, size):
+    array = flat(pointer, size)
+    inner, odd = part(array, 2, 3), every_second(array, 1, 3)
+    inner[0] += 10.0 * len(inner)
+    odd[2] = 100.0 * len(odd)
+    return inner[1] + odd[1] + len(array)
+
+
+def test_reads_and_writes_go_to_the_places_of_the_whole():
+    numbers = np.arange(8.0)
+    code = entry_point(types.float64(types.CPointer(types.float64), types.int64), change)
+    called = ctypes.CFUNCTYPE(ctypes.c_double, ctypes.c_void_p, ctypes.c_int64)(code.address)
+    assert called(numbers.ctypes.data, len(numbers)) == 3.0 + 3.0 + 8.0
+    np.testing.assert_array_equal(numbers, [0.0, 1.0, 2.0 + 30.0, 3.0, 4.0, 300.0, 6.0, 7.0])

@@ -12,14 +12,13 @@ import numpy as np
 import pytest
 
 from bounds import most_work
-from tetherfmu import StepRefused, TetherDynamic
+from tetherfmu import Environment, Solver, StepRefused, Tether, TetherDynamic
 from tetherfmu.kernels.line import backward_euler, step_control
 from tetherfmu.kernels.motion import adaptive_steps, fixed_steps
 from tetherfmu.kernels.rest.compressed_chain import NUDGE
 from tetherfmu.python import models
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import limits, status
-from tetherfmu.runtime.parameters import Environment, Solver, Tether
 
 MODELS = [models.TetherDynamic, models.TetherQuasiSteady, models.TetherCatenary, models.TetherStraight]
 SOLVERS = [Solver(), Solver(fixed_step=0.01)]

@@ -11,10 +11,8 @@ import pytest
 
 from balance import residual, rounding, turning
 from mechanics import drags
-from tetherfmu import Environment, StepRefused, TetherQuasiSteady
+from tetherfmu import Environment, StepRefused, Tether, TetherQuasiSteady, tether_of
 from tetherfmu.kernels.rest import compressed_segments, homotopy, newton, solve
-from tetherfmu.records.materials import tether_of
-from tetherfmu.runtime.parameters import Tether
 
 STEP, START, STEPS = 0.1, 0.3, 60
 AIR = Environment(wind_profile="power_law", wind_reference_height=100.0, wind_exponent=0.023)

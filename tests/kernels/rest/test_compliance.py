@@ -4,12 +4,11 @@ import numpy as np
 import pytest
 
 from kernels.packed import packed
-from tetherfmu import StepRefused, TetherDynamic
+from tetherfmu import Environment, StepRefused, Tether, TetherDynamic
 from tetherfmu.kernels.equations import assembly
 from tetherfmu.kernels.equations.ground import without_ground
 from tetherfmu.kernels.equations.properties import chain_at
 from tetherfmu.kernels.rest import newton, rigid_body
-from tetherfmu.runtime.parameters import Environment, Tether
 
 N = 7
 WIND = (9.0, -4.0, 1.0)

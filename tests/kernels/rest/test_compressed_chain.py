@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from kernels.packed import packed
+from tetherfmu import Tether
 from tetherfmu.kernels.equations.properties import chain_at
 from tetherfmu.kernels.rest import compressed_chain
-from tetherfmu.runtime.parameters import Tether
 
 TETHER = Tether(segments=6, initial_length=60.0)
 

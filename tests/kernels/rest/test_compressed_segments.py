@@ -19,9 +19,8 @@ import numpy as np
 import pytest
 
 from balance import growth, residual, rounding, segments, slope_of_segments
-from tetherfmu import Environment, StepRefused, TetherQuasiSteady
+from tetherfmu import Environment, StepRefused, Tether, TetherQuasiSteady
 from tetherfmu.kernels.rest import newton
-from tetherfmu.runtime.parameters import Tether
 
 STARTS, AIR = 40, Environment()
 

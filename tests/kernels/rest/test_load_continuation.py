@@ -11,9 +11,8 @@ import pytest
 
 from balance import residual
 from stability.points import kite, point
-from tetherfmu import StepRefused, TetherQuasiSteady
+from tetherfmu import Environment, StepRefused, Tether, TetherQuasiSteady
 from tetherfmu.kernels.rest import homotopy, newton
-from tetherfmu.runtime.parameters import Environment, Tether
 
 # iterations of the searches at the levels 1, 1/2, 1/4, 1/8 (two at each, one with a perturbation), and of the rise to 1
 SEARCH = 2 * (newton.MOST_ITERATIONS + newton.MOST_PSEUDO_STEPS)

@@ -11,10 +11,10 @@ Source: Tethers.jl (MIT), quasi-steady model, fixture of its marching test.
 import numpy as np
 
 from kernels.packed import packed
+from tetherfmu import Environment, Tether
 from tetherfmu.kernels.equations.properties import chain_at
 from tetherfmu.kernels.rest import hanging_chain
 from tetherfmu.runtime import layout as at
-from tetherfmu.runtime.parameters import Environment, Tether
 
 TETHER = Tether(
     segments=16,

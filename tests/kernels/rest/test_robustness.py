@@ -14,10 +14,10 @@ import pytest
 
 from balance import residual, rounding
 from benchmarks.robustness import STEP, random_cases, solve, table
+from tetherfmu import Environment
 from tetherfmu.kernels.rest.compressed_segments import MOST_TRIALS
 from tetherfmu.kernels.rest.homotopy import MOST_LEVELS
 from tetherfmu.kernels.rest.newton import MOST_ITERATIONS, MOST_PSEUDO_STEPS
-from tetherfmu.runtime.parameters import Environment
 
 COUNT, SEED = 2000, 1
 ENVIRONMENT = Environment()

@@ -12,8 +12,8 @@ import pytest
 
 from stability import flight
 from stability.points import point
+from tetherfmu import StepRefused
 from tetherfmu.kernels.rest.solve import BUDGET
-from tetherfmu.records.problems import StepRefused
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import status
 from tetherfmu.study.measuring.runs import UNWARNED

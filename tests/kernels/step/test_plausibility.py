@@ -90,11 +90,7 @@ def test_speed_at_the_start_and_in_flight(model, end):
         positions = start + 0.5 * acceleration * times[:, None] ** 2 * across
         until = 30 if speed < 340.0 else 40
         found = fly(
-            model(initial_length=620.0),
-            positions[:until],
-            (acceleration * times[:, None] * across)[:until],
-            0.01,
-            end,
+            model(initial_length=620.0), positions[:until], (acceleration * times[:, None] * across)[:until], 0.01, end
         )
         assert set(found) == ({kind(end, "SPEED")} if speed > 340.0 else set())
 

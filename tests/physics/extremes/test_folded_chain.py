@@ -14,8 +14,7 @@ from scipy.integrate import trapezoid
 
 from audited import run
 from mechanics import node_masses
-from tetherfmu.python.models import TetherDynamic
-from tetherfmu.runtime.parameters import Environment, Solver, Tether
+from tetherfmu import Environment, Solver, Tether, TetherDynamic
 
 LENGTH, GRAVITY = 10.0, 9.81
 

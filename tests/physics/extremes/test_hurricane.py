@@ -12,8 +12,7 @@ import pytest
 
 from audited import held, run
 from mechanics import line_density
-from tetherfmu.python.models import TetherDynamic
-from tetherfmu.runtime.parameters import Tether
+from tetherfmu import Tether, TetherDynamic
 
 KITE = np.array([60.0, 0.0, 60.0])
 

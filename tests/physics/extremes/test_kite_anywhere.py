@@ -10,8 +10,7 @@ import numpy as np
 import pytest
 
 from audited import run
-from tetherfmu import StepRefused, TetherCatenary, TetherDynamic, TetherQuasiSteady, TetherStraight
-from tetherfmu.runtime.parameters import Tether
+from tetherfmu import StepRefused, Tether, TetherCatenary, TetherDynamic, TetherQuasiSteady, TetherStraight
 
 STEP, COUNT = 0.02, 200
 WIND = (5.0, 1.0, 0.0)

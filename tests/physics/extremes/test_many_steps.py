@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 from scenes import CIRCLE_TETHER, circle
-from tetherfmu.python.models import TetherDynamic
-from tetherfmu.runtime.parameters import Solver
+from tetherfmu import Solver, TetherDynamic
 
 STEPS_PER_REVOLUTION = 1000
 STEP = 0.02

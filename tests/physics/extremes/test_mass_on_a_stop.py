@@ -11,8 +11,7 @@ import pytest
 
 from audited import run
 from mechanics import line_density
-from tetherfmu.python.models import TetherDynamic
-from tetherfmu.runtime.parameters import Environment, Solver, Tether
+from tetherfmu import Environment, Solver, Tether, TetherDynamic
 
 LENGTH, FALL, ASIDE = 50.0, 5.0, 1.0
 NO_AIR = Environment(air_density=0.0)

@@ -15,8 +15,7 @@ import pytest
 from scipy.linalg import expm
 
 from mechanics import line_density
-from tetherfmu.python.models import TetherCatenary, TetherDynamic, TetherQuasiSteady, TetherStraight
-from tetherfmu.runtime.parameters import Solver, Tether
+from tetherfmu import Solver, Tether, TetherCatenary, TetherDynamic, TetherQuasiSteady, TetherStraight
 
 STEP, POSITION_NOISE, VELOCITY_NOISE = 0.02, 1e-3, 1e-2
 LENGTH, STRAIN = 500.0, 5e-4

@@ -10,8 +10,7 @@ import numpy as np
 import pytest
 
 from mechanics import drag, line_density
-from tetherfmu.python.models import TetherDynamic, TetherQuasiSteady
-from tetherfmu.runtime.parameters import Environment, Solver, Tether
+from tetherfmu import Environment, Solver, Tether, TetherDynamic, TetherQuasiSteady
 
 LENGTH = 100.0
 ONE = Tether(segments=1, initial_length=LENGTH)

@@ -12,8 +12,7 @@ import pytest
 
 from audited import run
 from mechanics import line_density
-from tetherfmu import TetherCatenary, TetherDynamic, TetherQuasiSteady, TetherStraight
-from tetherfmu.runtime.parameters import Solver, Tether
+from tetherfmu import Solver, Tether, TetherCatenary, TetherDynamic, TetherQuasiSteady, TetherStraight
 
 VARIANTS = [TetherDynamic, TetherQuasiSteady, TetherCatenary, TetherStraight]
 

@@ -22,8 +22,7 @@ import pytest
 
 from audited import VOID, run
 from mechanics import line_density
-from tetherfmu.python.models import TetherDynamic
-from tetherfmu.runtime.parameters import Solver, Tether
+from tetherfmu import Solver, Tether, TetherDynamic
 
 LENGTH, STRAIN = 100.0, 0.005
 EA, DAMPING = 614600.0, 473.0

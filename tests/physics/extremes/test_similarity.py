@@ -25,8 +25,7 @@ from hypothesis import Phase, assume, given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from tetherfmu import StepRefused, TetherDynamic, TetherQuasiSteady
-from tetherfmu.runtime.parameters import Environment, Solver, Tether
+from tetherfmu import Environment, Solver, StepRefused, Tether, TetherDynamic, TetherQuasiSteady
 
 MOVING = ("kite", "velocity", "wind")
 SAME = np.eye(3)

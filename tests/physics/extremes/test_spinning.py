@@ -10,8 +10,7 @@ import pytest
 
 from audited import VOID, held, run
 from mechanics import line_density, node_masses
-from tetherfmu.python.models import TetherDynamic
-from tetherfmu.runtime.parameters import Solver, Tether
+from tetherfmu import Solver, Tether, TetherDynamic
 
 LENGTH, OMEGA = 100.0, 2.0
 EA = 614600.0

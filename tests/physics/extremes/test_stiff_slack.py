@@ -11,8 +11,7 @@ import numpy as np
 import pytest
 from scipy.optimize import root
 
-from tetherfmu import TetherDynamic, TetherQuasiSteady
-from tetherfmu.runtime.parameters import Tether
+from tetherfmu import Tether, TetherDynamic, TetherQuasiSteady
 
 EPS = 2.0**-52
 CASES = [(20, 1000.0, (300.0, 200.0, 700.0)), (10, 30.0, (-15.0, 3.0, 5.0)), (100, 525.0, (400.0, 0.0, -300.0))]

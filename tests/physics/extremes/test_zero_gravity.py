@@ -10,8 +10,7 @@ import pytest
 
 from audited import VOID, run
 from mechanics import node_masses
-from tetherfmu import StepRefused, TetherCatenary, TetherDynamic, TetherQuasiSteady, TetherStraight
-from tetherfmu.runtime.parameters import Solver, Tether
+from tetherfmu import Solver, StepRefused, Tether, TetherCatenary, TetherDynamic, TetherQuasiSteady, TetherStraight
 
 
 def tumbling(n, tolerance, count=200, step=0.005):
