@@ -57,7 +57,16 @@ def assert_equal(system, single, within=0.0):
     found, wanted = system.outputs(), single.outputs()
     np.testing.assert_allclose(system.positions["line"], single.positions, rtol=0, atol=within)
     np.testing.assert_allclose(system.velocities["line"], single.velocities, rtol=0, atol=100.0 * within)
-    for name in ("tether_length", "winch_speed", "ground_force", "kite_force", "ground_tension", "grounded_length"):
+    names = (
+        "tether_length",
+        "winch_speed",
+        "ground_force",
+        "kite_force",
+        "ground_tension",
+        "peak_tension",
+        "grounded_length",
+    )
+    for name in names:
         np.testing.assert_allclose(getattr(found.lines["line"], name), getattr(wanted, name), rtol=within, atol=within)
     assert system.counters == single.counters
     assert found.solver_iteration_limit == wanted.solver_iteration_limit

@@ -11,15 +11,12 @@ import pytest
 
 from tetherfmu import (
     Environment,
-    Line,
-    Point,
     Solver,
     Tether,
     TetherCatenary,
     TetherDynamicFree,
     TetherQuasiSteady,
     TetherStraight,
-    TetherSystem,
 )
 
 MASS, FALL, LENGTH, EA, GRAVITY = 20.0, 1.0, 100.0, 614600.0, 9.81
@@ -62,14 +59,6 @@ def test_it_is_that_of_the_communication_points_of_the_same_steps():
     each = np.reshape([out.max_tension for out in every], (-1, 10)).max(axis=1)
     np.testing.assert_allclose([out.peak_tension for out in tenth], each, rtol=1e-9)  # steps of 5 ms, up to rounding
     assert [out.peak_tension for out in every] == [out.max_tension for out in every]
-
-
-def test_a_line_of_a_system():
-    points = [Point("above", (0.0, 0.0, 0.0)), Point("mass", (0.0, 0.0, FALL - LENGTH), mass=MASS)]
-    system = TetherSystem(points, [Line("rope", "above", "mass", ROPE)], VOID)
-    system.initialize()
-    found = [system.step(0.9 * PERIOD).lines["rope"].peak_tension for _ in range(3)]
-    assert found == pytest.approx([each.peak_tension for each in caught(0.9 * PERIOD)][:3], rel=1e-9)
 
 
 @pytest.mark.parametrize("model", [TetherStraight, TetherCatenary, TetherQuasiSteady])

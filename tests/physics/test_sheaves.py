@@ -11,8 +11,6 @@ frame      an observer who moves uniformly sees the same tensions
 energy     what the powers do not explain falls with the square of the communication step
 """
 
-from itertools import pairwise
-
 import numpy as np
 import pytest
 
@@ -95,35 +93,16 @@ def test_the_onset(solver):
 
 
 @with_each_solver()
-def test_efficiency(solver):
-    """The side that the rope runs from has 0.95 of the tension on the other one, but for mu u^2."""
-    system = corner(120.0, efficiency=0.95, solver=solver)
+@pytest.mark.parametrize("load", [120.0, 80.0])
+def test_efficiency(load, solver):
+    """The side that the rope runs from has 0.95 of the tension on the other one, but for mu u^2; either way."""
+    system = corner(load, efficiency=0.95, solver=solver)
     for _ in range(50):
         found = system.step(0.02).portions["rope"]
     moving = 0.2 * found.speed[0] ** 2
-    ratio = (found.tension_to[0] - moving) / (found.tension_from[1] - moving)
-    assert ratio == pytest.approx(0.95, rel=1e-12)
-
-
-@with_each_solver()
-@pytest.mark.parametrize("sheaves", [1, 3])
-def test_efficiency_by_raising_and_lowering(sheaves, solver):
-    """As it is measured: sqrt(T_lower/T_raise) at the winch is the efficiency of all sheaves, for any load."""
-    places = [("top", (0.0, 0.0, 10.0)), ("foot", (-4.0, 0.0, 0.0)), ("post", (-8.0, 0.0, 10.0))][:sheaves]
-    points = [Point("winch", (-12.0, 0.0, 0.0)), *(Point(*place) for place in places), Point("load", mass=50.0)]
-    names = [name for name, _ in reversed(places)]
-    around = sum(np.linalg.norm(np.subtract(a.position, b.position)) for a, b in pairwise([points[0], *points[-2:0:-1]]))
-    tether = rope(around + 6.0, 3, **{**LIGHT, "mass_per_length": 1e-3, "axial_damping": 1e4})
-    system = TetherSystem(
-        points, [Line("rope", "winch", "load", tether, through=names, sheave_efficiency=0.93)], solver=solver
-    )
-    system.initialize()
-    pulled = {}
-    for speed in (-0.3, 0.3):
-        for k in range(300):
-            outputs = system.step(0.02, reel_out_speeds={"rope": speed * min(1.0, 0.02 * k)})
-            pulled[speed] = outputs.portions["rope"].tension_from[0]
-    assert np.sqrt(pulled[0.3] / pulled[-0.3]) == pytest.approx(0.93**sheaves, rel=1e-3)
+    pulls = found.tension_to[0] - moving, found.tension_from[1] - moving
+    assert np.sign(found.speed[0]) == np.sign(load - 100.0)
+    assert min(pulls) / max(pulls) == pytest.approx(0.95, rel=1e-12)
 
 
 @with_each_solver()

@@ -3,7 +3,6 @@
 oracle     a load on a light rope over a sheave with mass, with a heavy sling, too: `hoists.py`
 winch      a drum that is pressed against its stop is a winch at rest, to rounding: with losses, on the ground, limp, broken,
            released
-falls      at the stop each fall carries its part of the load
 start      a balance beyond a stop is a start at this stop
 energy     at a stop never exceeds that of the start, of the winch and of the rope that leaves it
 """
@@ -15,7 +14,7 @@ import pytest
 
 from hoists import flown, hoist, solved
 from of_systems import assert_continues
-from over_sheaves import LIGHT, STIFF, G, rope
+from over_sheaves import LIGHT, G, rope
 from random_shared_drums import random_winches, told
 from solvers import ADAPTIVE, METHODS, fixed, with_each_solver
 from tetherfmu import Environment, Ground, Line, Point, Solver, StepRefused, TetherSystem, Winch
@@ -112,48 +111,7 @@ def test_a_drum_at_its_stop_is_a_winch_at_rest(kind, solver):
     assert np.abs(one.portions["rope"].payout).max() > 1e-3
 
 
-# --- release, start, energy
-
-
-@with_each_solver(0.005)
-@pytest.mark.parametrize("is_outer", [True, False])
-def test_it_leaves_its_stop_when_the_force_lets_it(is_outer, solver):
-    """In the communication step in which the force passes the pull of the rope, which it has at rest."""
-    stop, way = ({"longest_length": LENGTH}, 1.0) if is_outer else ({"shortest_length": LENGTH}, -1.0)
-    system = reeved("two falls", Winch(winch_control="force", **RESTING, **stop), solver)
-    pull = system.initialize(winch_forces={"rope": -way * 1e3}).portions["rope"].tension_from[0]
-    for k in range(400):
-        force = pull + way * (k - 100.0)
-        outputs = system.step(STEP, winch_forces={"rope": force})
-        if outputs.lines["rope"].winch_speed != 0.0:
-            break
-        assert outputs.lines["rope"].tether_length == pytest.approx(LENGTH, rel=1e-15)
-        pull_now = outputs.portions["rope"].tension_from[0]
-    assert way * (force - pull_now) < 2.0
-    assert k > 50
-    assert way * outputs.lines["rope"].winch_speed < 0.0
-
-
-@with_each_solver(0.005)
-@pytest.mark.parametrize("falls", [2, 4])
-def test_falls_at_the_stop(falls, solver):
-    """The block sinks until its rope is paid out, 1/n of it, swings and hangs there; each fall carries 1/n of the load."""
-    through = ["block"] if falls == 2 else ["block", "crown", "block"]
-    points = [Point("winch", (0.0, 0.0, 30.0)), Point("anchor", (0.02, 0.0, 30.0)), Point("block", mass=2000.0)]
-    points += [Point("crown", (0.01, 0.0, 30.0))] if falls == 4 else []
-    share, length = 2000.0 * G / falls, 20.0 * falls
-    winch = Winch(winch_control="force", winch_mass=500.0, winch_damping=3e3, longest_length=length + 1.5)
-    tether = rope(length, 3, **STIFF | {"axial_damping": 2e6})
-    system = TetherSystem(points, [Line("rope", "winch", "anchor", tether, winch=winch, through=through)], solver=solver)
-    start = system.initialize(winch_forces={"rope": 0.9 * share})
-    for _ in range(600):
-        outputs = system.step(STEP)
-    assert outputs.lines["rope"].winch_speed == 0.0
-    assert outputs.portions["rope"].length.sum() == pytest.approx(length + 1.5, rel=1e-9)
-    sunk = start.points["block"].position[2] - outputs.points["block"].position[2]
-    assert sunk == pytest.approx(1.5 / falls * (1.0 + share / 1e7), abs=2e-4)
-    weight = 20.0 * STIFF["mass_per_length"] * G
-    assert outputs.portions["rope"].tension_to == pytest.approx([share] * falls, rel=1e-3, abs=1.1 * weight)
+# --- start, energy
 
 
 START = {"winch_control": "force", "winch_start": "equilibrium", "winch_mass": 5.0}

@@ -1,11 +1,7 @@
 """Winches of the lines of a system: told a speed, a length or a force.
 
 Y with drums:                     m du/dt = T - W - c u, dL/dt = u beside the equations of `networks.py`, by DOP853
-energy of loads on light ropes:   d/dt (kinetic + m g z + EA (l - L)^2/(2 L) + m u^2/2 + W L) = -T^2 u/(2 EA): what is
-                                  paid out was not stretched before, and the drum gets T only
 """
-
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -69,51 +65,6 @@ def test_drums_at_a_y_move_as_their_equations_say():
     found = [outputs.lines[name].winch_speed for name in ("main", "a")]
     np.testing.assert_allclose(found, y[-3:-1], rtol=0, atol=1e-5)
     assert np.abs(np.subtract(found, 0.0)).min() > 0.1  # the drums turn
-
-
-def test_winches_give_the_energy_of_their_loads():
-    light = Tether(segments=1, diameter=1e-4, axial_stiffness=2e4, axial_damping=0.0, slack_stiffness_ratio=0.0)
-    drum = Winch(winch_control="force", winch_mass=30.0)
-    points = [
-        Point("port", (-3.0, 0.0, 20.0)),
-        Point("starboard", (3.0, 0.0, 20.0)),
-        Point("left", mass=40.0),
-        Point("right", mass=60.0),
-    ]
-    ends = {"a": ("port", "left", 10.0), "b": ("starboard", "right", 10.0), "bar": ("left", "right", 4.0)}
-    lines = [
-        Line(name, start, end, replace(light, initial_length=length), 0.0, Winch() if name == "bar" else drum)
-        for name, (start, end, length) in ends.items()
-    ]
-    forces = {"a": 500.0, "b": 450.0}
-    system = TetherSystem(points, lines, Environment(air_density=0.0), Solver(relative_tolerance=1e-7))
-    outputs = system.initialize()
-
-    def energy():
-        """Energy with the work against the winches [J], and its rate by what is paid out [W]."""
-        total = rate = 0.0
-        for point in points:
-            if not point.is_driven:
-                of = outputs.points[point.name]
-                total += point.mass * (0.5 * of.velocity @ of.velocity + 9.81 * of.position[2])
-        for line in lines:
-            of = outputs.lines[line.name]
-            pull, length = of.ground_tension, of.tether_length
-            total += pull * pull * length / (2.0 * light.axial_stiffness)
-            if line.name in forces:
-                total += 15.0 * of.winch_speed**2 + forces[line.name] * length
-                rate -= pull * pull * of.winch_speed / (2.0 * light.axial_stiffness)
-        return total, rate
-
-    found = [energy()]
-    for _ in range(200):
-        outputs = system.step(0.005, winch_forces=forces)
-        found.append(energy())
-    total, rate = np.array(found).T
-    integral = 0.005 / 3.0 * (rate[0] + rate[-1] + 4.0 * rate[1:-1:2].sum() + 2.0 * rate[2:-1:2].sum())
-    work = forces["a"] * (outputs.lines["a"].tether_length - 10.0)
-    assert abs(work) > 50.0
-    assert total[-1] - total[0] == pytest.approx(integral, abs=1e-5 * abs(work))
 
 
 def test_what_a_winch_cannot_do_is_refused_by_its_line():

@@ -121,18 +121,6 @@ def test_a_winch_that_is_told_a_force_finds_its_length_on_the_ground(mass, frict
     assert 1.0 < outputs.grounded_length < 80.0
 
 
-@pytest.mark.filterwarnings("ignore:the length that the winch follows")
-def test_a_winch_that_is_told_a_length_reels_the_tether_over_the_ground():
-    kite = (60.0, 0.0, 30.0)
-    tether = TetherCatenary(initial_length=95.0, ground_contact="flat", winch_control="length")
-    tether.initialize(kite_position=kite, winch_length=95.0)
-    for k in range(60):
-        length = 95.0 - 0.5 * k
-        outputs = tether.step(0.1, kite_position=kite, winch_length=length)
-        expected = held(Tether(initial_length=outputs.tether_length), (0.0, 0.0, 0.0), kite, 0.5)
-        assert np.allclose(forces(outputs), forces(expected), rtol=1e-9, atol=1e-9)
-
-
 # --- whatever hangs below
 
 

@@ -26,7 +26,7 @@ IN_EQUILIBRIUM = DRIVEN[1:]
 FIXED = {"fixed_step": 0.01}
 AND_FIXED = [*((model, {}) for model in DRIVEN), (TetherDynamic, FIXED)]
 NOTHING = {"gravity": 0.0, "air_density": 0.0}  # acts on the tether
-G, STILL = 9.81, 4  # [m/s2]; a `scene` without wind whose kite stays
+G = 9.81  # [m/s2]
 
 
 def on_drum(model, distance=100.0, **options):
@@ -66,51 +66,6 @@ def test_atwood(stiffness, solver):
         assert outputs.winch_speed == pytest.approx(acceleration * 0.02 * k, rel=1e-6)
     assert outputs.tether_length - length == pytest.approx(0.5 * acceleration, rel=1e-6)
     assert outputs.kite_position[2] == pytest.approx(-stretched - 0.5 * (1.0 + strain) * acceleration, rel=1e-6)
-
-
-def test_motor_turns_a_free_drum():
-    """On a tether that carries nothing the drum has the speed F/c (1 - exp(-c t/m)); without friction F t/m."""
-    slack = {"initial_length": 120.0, "slack_stiffness_ratio": 0.0}
-    for friction in (0.0, 15.0):
-        tether = spring(winch_mass=40.0, winch_damping=friction, **slack)
-        for k in range(1, 51):
-            outputs = tether.step(0.02, winch_force=-8.0)
-            time = 0.02 * k
-            speed = 8.0 / friction * (1.0 - np.exp(-friction * time / 40.0)) if friction else 8.0 * time / 40.0
-            assert outputs.winch_speed == pytest.approx(speed, rel=1e-7)
-
-
-@pytest.mark.parametrize("fixed_step", [0.0, 0.001])
-@pytest.mark.parametrize("kite", ["held", "free"])
-def test_drum_and_load_oscillate_on_the_rope(kite, fixed_step):
-    """omega^2 = EA/L (1/m + l/(L M)): the tension is EA (l/L - 1) with the length l of the load and L of the drum.
-
-    A step of order 2 is wrong by 0.013 (omega h)^3 of the amplitude (docs/models/numerics.md), all of it phase at most.
-    """
-    drum, load, mean, length, stiffness = 2.0, 1.0, 1000.0, 100.0, 1e6
-    start = length * (1.0 + mean / stiffness) * (1.0 + 1e-5)  # stretched by 1e-5 more than the force of the winch does
-    options = {"initial_length": length, "axial_stiffness": stiffness, "axial_damping": 0.0, "segments": 1, "density": 1e-3}
-    options |= {"winch_control": "force", "winch_mass": drum, "relative_tolerance": 1e-9, **NOTHING}
-    options["fixed_step"] = fixed_step
-    if kite == "held":
-        tether = TetherDynamic(**options)
-        tether.initialize(kite_position=(start, 0.0, 0.0))
-        load = np.inf
-    else:
-        tether = TetherDynamicFree(kite_mass=load, **options)
-        tether.initialize(positions=((0.0, 0.0, 0.0), (start, 0.0, 0.0)))
-    step, tensions = 0.001, []
-    for _ in range(600):
-        given = {} if kite == "held" else {"kite_load": (mean, 0.0, 0.0)}
-        tensions.append(tether.step(step, winch_force=mean, **given).ground_tension - mean)
-    tensions = np.array(tensions)
-    above = np.flatnonzero((tensions[:-1] < 0.0) & (tensions[1:] >= 0.0))
-    passages = above - tensions[above] / (tensions[above + 1] - tensions[above])
-    period = step * (passages[-1] - passages[0]) / (len(passages) - 1)
-    omega = np.sqrt(stiffness / length * (1.0 / load + (1.0 + mean / stiffness) / drum))
-    assert len(passages) > 5
-    allowed = 3e-5 + 0.013 * (omega * fixed_step) ** 2  # passages between two steps, and the strain of 1e-5; the method
-    assert period == pytest.approx(2.0 * np.pi / omega, rel=allowed)
 
 
 def elastic_work(length, distance, stiffness):
@@ -240,8 +195,6 @@ def scene(seed):
     mass = 0.0 if seed % 2 else 10.0 ** random.uniform(0.0, 4.0)
     winch = Winch(winch_control="force", winch_mass=mass, winch_damping=float(random.choice((0.0, 50.0))))
     wind, velocity = random.uniform(-10.0, 10.0, 3), random.uniform(-3.0, 3.0, 3)
-    if seed == STILL:
-        wind, velocity = np.zeros((2, 3))
     points = [Point("ground", (0.0, 0.0, 0.0)), Point("kite", kite, velocity)]
     line = Line("line", "ground", "kite", Tether(segments=n, initial_length=length), winch=winch)
     motions = {"ground": lambda _: np.zeros((2, 3)), "kite": lambda time: (kite + time * velocity, velocity)}
@@ -287,21 +240,6 @@ def test_order_of_fixed_steps(method, order):
     coarse, _ = compared(4, 0.4, fixed_step=0.01, fixed_step_method=method)
     fine, _ = compared(4, 0.4, fixed_step=0.005, fixed_step_method=method)
     assert coarse / fine == pytest.approx(2.0**order, rel=0.1)
-
-
-def test_second_order_in_the_communication_step():
-    """The force is known at communication points only and continues linearly: an error of the square of the step."""
-    network, y, mean, rate = scene(STILL)
-    network.winch_forces["line"] = lambda time: mean * (1.0 + 0.5 * np.cos(rate * time))
-    (exact,), errors = network.integrate(y, (0.0, 1.0), 1e-9, "LSODA"), []
-    for step in (0.1, 0.05, 0.025):
-        tether = started(network, y, relative_tolerance=1e-8)
-        for k in range(round(1.0 / step)):
-            outputs = tether.step(step, winch_force=network.winch_forces["line"](k * step))
-        errors.append(outputs.tether_length - exact[-2])
-
-    assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.2)
-    assert errors[1] / errors[2] == pytest.approx(4.0, rel=0.2)
 
 
 # --- stability
