@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from over_sheaves import LIGHT, WIRE, Atwood, G, flown_held, rope
-from random_sheaves import random_ropes, told
+from random_sheaves import random_ropes
 from solvers import ADAPTIVE, METHODS, fixed, with_each_solver
 from tetherfmu import Line, Point, StepRefused, TetherSystem, Winch
 
@@ -112,25 +112,24 @@ def test_random_ropes_with_a_last_section(is_wild, solver):
     """All that starts goes on; rope is neither lost nor made, and beyond the joint it keeps its length."""
     flights = 0
     for seed in range(24):
-        points, lines, environment, ground = random_ropes(np.random.default_rng((31, seed)), is_wild=is_wild)
+        scene = random_ropes(np.random.default_rng((31, seed)), is_wild=is_wild)
         rng, found = np.random.default_rng((32, seed)), []
-        for line in lines:
+        for line in scene.lines:
             if line.through:
                 last = rng.uniform(0.5, 1.5)
                 heavy = {"density": line.tether.density * rng.uniform(0.3, 3.0), "segments": int(rng.integers(1, 4))}
                 wire = replace(line.tether, initial_length=line.tether.initial_length - last)
                 line = replace(line, tether=(wire, replace(line.tether, initial_length=last, **heavy)))
             found.append(line)
-        system = TetherSystem(points, found, environment, solver, ground)
-        lengths = {line.name: line.initial_length for line in found if line.winch.winch_control == 3}
+        scene.lines = found
         try:
-            system.initialize((6.0, 2.0, 0.0), winch_lengths=lengths or None)
+            system = scene.started(solver)
         except StepRefused:
             continue
+
         flights += 1
         for k in range(20):
-            inputs = told((points, lines, environment, ground), 0.01 * k)
-            outputs = system.step(0.01, **inputs)
+            outputs = system.step(0.01, **scene.told(0.01 * k))
         assert all(np.isfinite(each).all() for each in system.positions.values())
         for line in found:
             if line.through:

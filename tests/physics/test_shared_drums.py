@@ -17,8 +17,8 @@ random     random systems in fixed steps are bounded
 import numpy as np
 import pytest
 
-import random_shared_drums as drawn
 from of_systems import assert_continues, unexplained
+from random_sheaves import random_winches
 from shared_winches import (
     LIGHT,
     ONE,
@@ -339,13 +339,13 @@ def test_random_drums_are_bounded(method):
     flights = 0
     for seed in range(40):
         rng = np.random.default_rng((5, seed))
-        network, h = drawn.random_winches(rng), float(rng.choice((0.002, 0.01, 0.05)))
+        scene, h = random_winches(rng), float(rng.choice((0.002, 0.01, 0.05)))
         try:
-            system = drawn.started(network, fixed(h, method))
+            system = scene.started(fixed(h, method))
         except StepRefused:  # no lengths of the portions are found
             continue
         flights += 1
-        bounded_flight(system, h, lambda time, network=network: drawn.told(network, time))
+        bounded_flight(system, h, scene.told)
     assert flights > 30
 
 

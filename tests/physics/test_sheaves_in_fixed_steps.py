@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from over_sheaves import LIGHT, STIFF, Atwood, G, corner, reeved, rope
-from random_sheaves import random_ropes, started, told
+from random_sheaves import random_ropes
 from solvers import METHODS, bounded_flight, fixed
 from tetherfmu import Line, Point, Solver, StepRefused, Tether, TetherSystem
 
@@ -89,11 +89,11 @@ def test_where_a_sheave_begins_to_run_a_step_is_one_of_backward_euler():
 # --- random ropes
 
 
-def flown(network, solver, step, count):
+def flown(scene, solver, step, count):
     """Payouts of all sheaves [m] after so many steps [s], and the system."""
-    system = started(network, solver)
+    system = scene.started(solver)
     for k in range(count):
-        outputs = system.step(step, **told(network, step * k))
+        outputs = system.step(step, **scene.told(step * k))
     return np.concatenate([each.payout for each in outputs.portions.values()]), system
 
 
@@ -105,9 +105,9 @@ def test_random_ropes_agree_with_adaptive_steps(method):
     """
     errors = []
     for seed in range(24):
-        network = random_ropes(np.random.default_rng((10, seed)), is_wild=False)
-        exact, _ = flown(network, Solver(relative_tolerance=1e-7), 0.01, 50)
-        errors.append([np.abs(flown(network, fixed(h, method), 0.01, 50)[0] - exact).max() for h in (0.005, 0.0025)])
+        scene = random_ropes(np.random.default_rng((10, seed)), is_wild=False)
+        exact, _ = flown(scene, Solver(relative_tolerance=1e-7), 0.01, 50)
+        errors.append([np.abs(flown(scene, fixed(h, method), 0.01, 50)[0] - exact).max() for h in (0.005, 0.0025)])
     coarse, fine = np.median(errors, axis=0)
     assert coarse < (2e-4 if method == "second_order" else 0.015)
     assert fine < (1.2e-4 if method == "second_order" else 0.6 * coarse)
@@ -120,14 +120,14 @@ def test_wild_ropes_are_bounded(method, seeds):
     flights = 0
     for seed in seeds:
         rng = np.random.default_rng((9, seed))
-        network, h = random_ropes(rng, is_wild=True), float(rng.choice((0.002, 0.01, 0.05)))
+        scene, h = random_ropes(rng, is_wild=True), float(rng.choice((0.002, 0.01, 0.05)))
         try:
-            system = started(network, fixed(h, method))
+            system = scene.started(fixed(h, method))
         except StepRefused:  # no lengths of the portions are found
             continue
         flights += 1
-        outputs = bounded_flight(system, h, lambda time, network=network: told(network, time))
-        for line in network[1]:
+        outputs = bounded_flight(system, h, scene.told)
+        for line in scene.lines:
             if line.through:
                 assert outputs.portions[line.name].length.min() > 0.0099 * line.tether.segments
     assert flights > 40

@@ -15,7 +15,7 @@ import pytest
 from hoists import flown, hoist, solved
 from of_systems import assert_continues
 from over_sheaves import LIGHT, G, rope
-from random_shared_drums import random_winches, told
+from random_sheaves import random_winches
 from solvers import ADAPTIVE, METHODS, fixed, with_each_solver
 from tetherfmu import Environment, Ground, Line, Point, Solver, StepRefused, TetherSystem, Winch
 
@@ -200,16 +200,17 @@ def test_a_stop_makes_no_energy(is_outer, solver):
 
 def random_stops(seed):
     """As `random_winches`, all ropes on drums with stops close to their lengths."""
-    points, lines, environment, winches = random_winches(np.random.default_rng((21, seed)))
+    scene = random_winches(np.random.default_rng((21, seed)))
     rng, found = np.random.default_rng((22, seed)), []
-    for line in lines:
+    for line in scene.lines:
         if line.through:
             length = line.tether.initial_length
             short, long, mass = rng.uniform(0.97, 0.999), rng.uniform(1.001, 1.03), float(rng.choice((0.0, 5.0)))
             stops = {"shortest_length": length * short, "longest_length": length * long}
             line = replace(line, winch=Winch(winch_control="force", winch_mass=mass, winch_damping=30.0, **stops))
         found.append(line)
-    return points, found, environment, winches
+    scene.lines = found
+    return scene
 
 
 @pytest.mark.parametrize("solver", [ADAPTIVE, *(fixed(0.005, method) for method in METHODS)])
@@ -217,21 +218,15 @@ def test_random_ropes_stay_between_their_stops(solver):
     """Beside winches of several lines: no longer and no shorter, at rest at a stop where it is pressed against it."""
     reached = 0
     for seed in range(16):
-        network = random_stops(seed)
-        points, lines, environment, winches = network
-        system = TetherSystem(points, lines, environment, solver, winches=winches)
-        system.initialize((6.0, 2.0, 0.0))
-        ropes = [line for line in lines if line.through]
+        scene = random_stops(seed)
+        system, ropes = scene.started(solver), [line for line in scene.lines if line.through]
+
         for k in range(40):
-            outputs = system.step(0.01, **told(network, 0.01 * k))
+            outputs = system.step(0.01, **scene.told(0.01 * k))
             for line in ropes:
                 own, winch = outputs.lines[line.name], line.winch
                 assert winch.shortest_length * (1.0 - 1e-6) <= own.tether_length <= winch.longest_length * (1.0 + 1e-6)
-                at_stop = own.tether_length in (pytest.approx(each, rel=1e-9) for each in stops_of(winch))
+                stops = winch.shortest_length, winch.longest_length
+                at_stop = own.tether_length in (pytest.approx(each, rel=1e-9) for each in stops)
                 reached += at_stop and own.winch_speed == 0.0
     assert reached > 50
-
-
-def stops_of(winch):
-    """Both stops of a winch [m]."""
-    return winch.shortest_length, winch.longest_length
