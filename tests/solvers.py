@@ -1,11 +1,13 @@
-"""Solvers of both kinds, tests that run with each of them, and the work that fixed steps may take."""
+"""Solvers of both kinds and all models, tests that run with each of them, and the work that fixed steps may take."""
 
 import numpy as np
 import pytest
 
-from tetherfmu import Solver
+from tetherfmu import Solver, TetherCatenary, TetherDynamic, TetherQuasiSteady, TetherStraight
 
 ADAPTIVE = Solver()
+MODELS = (TetherDynamic, TetherQuasiSteady, TetherCatenary, TetherStraight)
+every_model = pytest.mark.parametrize("model", MODELS, ids=lambda model: model.variant)
 METHODS = ("second_order", "backward_euler")
 
 

@@ -11,6 +11,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from solvers import MODELS
 from tetherfmu import (
     Environment,
     Line,
@@ -18,15 +19,11 @@ from tetherfmu import (
     Solver,
     StepRefused,
     Tether,
-    TetherCatenary,
     TetherDynamic,
     TetherDynamicFree,
-    TetherQuasiSteady,
-    TetherStraight,
     TetherSystem,
 )
 
-VARIANTS = [TetherDynamic, TetherQuasiSteady, TetherCatenary, TetherStraight]
 KITE = (30.0, 0.0, 40.0)
 SLACK = Tether(segments=5, initial_length=52.0)
 UNEQUAL = np.resize((0.02, 0.05, 0.001, 0.03, 0.02), 40)  # communication steps [s]
@@ -39,7 +36,7 @@ def started(variant=TetherDynamic, tether=SLACK, **solver):
 
 
 @pytest.mark.parametrize("fixed_step", [0.0, 0.01])
-@pytest.mark.parametrize("variant", VARIANTS)
+@pytest.mark.parametrize("variant", MODELS)
 def test_a_speed_that_grows_linearly_is_followed_exactly(variant, fixed_step):
     model = started(variant, fixed_step=fixed_step)
     times = np.cumsum([0.0, 0.02, 0.05, 0.001, 0.03, 0.001, 0.001, 0.02])

@@ -6,7 +6,8 @@ A kite pulls an arc of 1 s in wind; then the same scene is transformed. Forces a
 import numpy as np
 import pytest
 
-from tetherfmu import Environment, Solver, Tether, TetherCatenary, TetherDynamic, TetherQuasiSteady, TetherStraight
+from solvers import MODELS
+from tetherfmu import Environment, Solver, Tether, TetherDynamic
 
 STEP, COUNT = 0.02, 50
 SAME, UNIFORM = np.eye(3), Environment()
@@ -88,7 +89,7 @@ def test_reversed_ends():
 # --- an observer who moves uniformly
 
 FORCED = {"winch_control": "force", "winch_mass": 2.0}
-ANY = [(model, {}) for model in (TetherDynamic, TetherQuasiSteady, TetherCatenary, TetherStraight)]
+ANY = [(model, {}) for model in MODELS]
 ANY += [(TetherDynamic, {"fixed_step": 0.005}), (TetherDynamic, FORCED), (TetherDynamic, {"fixed_step": 0.005, **FORCED})]
 
 

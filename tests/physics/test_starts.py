@@ -7,6 +7,7 @@ in balance pulls with its force and does not turn; ends at rest have one equilib
 import numpy as np
 import pytest
 
+from solvers import MODELS
 from tetherfmu import (
     Ground,
     Line,
@@ -21,9 +22,7 @@ from tetherfmu import (
     TetherSystem,
     Winch,
 )
-from tetherfmu.python import models
 
-DRIVEN = ("TetherStraight", "TetherCatenary", "TetherQuasiSteady", "TetherDynamic")
 STEP = 0.02
 NO_WIND = np.zeros(3)
 
@@ -103,13 +102,13 @@ def test_at_rest_where_no_moving_shape_is_found():
 # --- winches
 
 
-@pytest.mark.parametrize("variant", DRIVEN)
+@pytest.mark.parametrize("variant", MODELS)
 @pytest.mark.parametrize("given", [600.0, 480.0])
 @pytest.mark.parametrize(
     "drum", [{}, {"winch_mass": 20.0, "winch_damping": 50.0, "winch_friction": 30.0}], ids=["light", "drum"]
 )
 def test_winch_starts_in_balance(variant, given, drum):
-    model = getattr(models, variant)(winch_control="force", winch_start="equilibrium", initial_length=given, **drum)
+    model = variant(winch_control="force", winch_start="equilibrium", initial_length=given, **drum)
     inputs = {"winch_force": 3000.0, "wind_velocity": (8.0, 0.0, 0.0)}
     out = model.initialize(**inputs)
     length = out.tether_length
@@ -135,9 +134,9 @@ def test_a_stop_holds_the_winch():
     assert model.initialize(winch_force=100.0).tether_length == pytest.approx(499.0, rel=1e-12)
 
 
-@pytest.mark.parametrize("variant", DRIVEN[1:])
+@pytest.mark.parametrize("variant", MODELS[:-1])
 def test_no_balance(variant):
-    model = getattr(models, variant)(winch_control="force", winch_start="equilibrium")
+    model = variant(winch_control="force", winch_start="equilibrium")
     with pytest.raises(StepRefused, match=r"no unstretched length was found .* 500 m apart, pulls with winch_force, 1\.0 N"):
         model.initialize(winch_force=1.0)
 
@@ -153,16 +152,16 @@ def test_kite_and_winch_cannot_both_be_sought():
         TetherSystem(points, [line]).initialize(winch_forces={"rope": 100.0})
 
 
-@pytest.mark.parametrize("variant", DRIVEN)
+@pytest.mark.parametrize("variant", MODELS)
 def test_winch_out_of_balance_is_told(variant):
-    model = getattr(models, variant)(winch_control="force", initial_length=498.0)
+    model = variant(winch_control="force", initial_length=498.0)
     start = model.initialize()
     model.step(STEP, winch_force=1.19 * start.ground_tension)
     assert not any("off from winch_force" in each for each in model.implausible)
     model.initialize()
     with pytest.warns(PlausibilityWarning, match="N at the start, more than 20 % off from winch_force"):
         model.step(STEP, winch_force=1.3 * start.ground_tension)
-    heavy = getattr(models, variant)(winch_control="force", initial_length=498.0, winch_mass=20.0)
+    heavy = variant(winch_control="force", initial_length=498.0, winch_mass=20.0)
     heavy.initialize()
     heavy.step(STEP, winch_force=1.3 * start.ground_tension)
     assert not heavy.implausible
@@ -171,9 +170,9 @@ def test_winch_out_of_balance_is_told(variant):
 # --- where the first step begins
 
 
-@pytest.mark.parametrize("variant", DRIVEN)
+@pytest.mark.parametrize("variant", MODELS)
 def test_first_step_from_elsewhere_is_told(variant):
-    model = getattr(models, variant)()
+    model = variant()
     model.initialize()
     with pytest.warns(
         PlausibilityWarning, match="the first step begins 10 m from where the initialization put the kite end"

@@ -6,6 +6,7 @@ from scipy.optimize import brentq
 
 from mechanics import pluck
 from networks import Network
+from solvers import MODELS
 from tetherfmu import (
     EnergyAudit,
     Environment,
@@ -13,7 +14,6 @@ from tetherfmu import (
     Point,
     StepRefused,
     Tether,
-    TetherCatenary,
     TetherDynamic,
     TetherDynamicFree,
     TetherQuasiSteady,
@@ -21,10 +21,9 @@ from tetherfmu import (
     Winch,
 )
 
-DRIVEN = (TetherDynamic, TetherQuasiSteady, TetherCatenary, TetherStraight)
-IN_EQUILIBRIUM = DRIVEN[1:]
+IN_EQUILIBRIUM = MODELS[1:]
 FIXED = {"fixed_step": 0.01}
-AND_FIXED = [*((model, {}) for model in DRIVEN), (TetherDynamic, FIXED)]
+AND_FIXED = [*((model, {}) for model in MODELS), (TetherDynamic, FIXED)]
 NOTHING = {"gravity": 0.0, "air_density": 0.0}  # acts on the tether
 G = 9.81  # [m/s2]
 

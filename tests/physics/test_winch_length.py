@@ -7,6 +7,7 @@ stairs give a monotone motion; smooth motion is extrapolated to second order. St
 import numpy as np
 import pytest
 
+from solvers import MODELS
 from tetherfmu import (
     StepRefused,
     TetherCatenary,
@@ -17,8 +18,7 @@ from tetherfmu import (
     inputs_along,
 )
 
-DRIVEN = (TetherDynamic, TetherQuasiSteady, TetherCatenary, TetherStraight)
-EVERY = (*DRIVEN, TetherDynamicFree)
+EVERY = (*MODELS, TetherDynamicFree)
 ROUNDING = 1e-11  # [m] of 500 m
 both = pytest.mark.parametrize("continuation", ["linear", "held"])
 MEAN, SWING, RATE = 505.0, 2.0, 0.5  # [m], [m], [rad/s]

@@ -11,10 +11,9 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from tetherfmu import MovingEnd, Tether, TetherCatenary, TetherDynamic, TetherQuasiSteady, TetherStraight, inputs_along
+from solvers import every_model
+from tetherfmu import MovingEnd, Tether, TetherDynamic, inputs_along
 
-EVERY = (TetherStraight, TetherCatenary, TetherQuasiSteady, TetherDynamic)
-every_model = pytest.mark.parametrize("model", EVERY, ids=lambda model: model.variant)
 every_end = pytest.mark.parametrize("end", ["kite", "ground"])
 STARTS = {"kite": np.array([30.0, 0.0, 40.0]), "ground": np.array([-30.0, 0.0, -40.0])}
 LIES = np.array([7.0, -80.0, 3.0])  # velocities that nobody reads [m/s]

@@ -13,10 +13,10 @@ import numpy as np
 import pytest
 
 from scenes import CIRCLE_TETHER, circle
-from tetherfmu import Solver, Tether, TetherCatenary, TetherDynamic, TetherQuasiSteady, TetherStraight
+from solvers import every_model
+from tetherfmu import Solver, Tether, TetherDynamic
 
 RATE = 0.5
-EVERY = (TetherStraight, TetherCatenary, TetherQuasiSteady, TetherDynamic)
 SMOOTH = Solver(relative_tolerance=1e-8, initial_shape=2)
 
 
@@ -86,7 +86,7 @@ def on_circle(model, step, velocities, end):
     return tether, [tether.step(step, *circle(k * step, RATE)[:given]) for k in range(round(end / step))]
 
 
-@pytest.mark.parametrize("model", EVERY, ids=lambda model: model.variant)
+@every_model
 @pytest.mark.parametrize(("velocities", "of_position", "of_velocity"), [("given", 5 / 12, 1.0), ("derived", 1.0, 11 / 6)])
 @pytest.mark.parametrize("step", [0.02, 0.01])
 def test_the_end_on_the_circle(step, velocities, of_position, of_velocity, model):

@@ -11,10 +11,9 @@ import numpy as np
 import pytest
 
 from scenes import circle
-from tetherfmu import Tether, TetherCatenary, TetherDynamic, TetherQuasiSteady, TetherStraight
+from solvers import MODELS, every_model
+from tetherfmu import Tether, TetherDynamic
 
-EVERY = (TetherStraight, TetherCatenary, TetherQuasiSteady, TetherDynamic)
-every_model = pytest.mark.parametrize("model", EVERY, ids=lambda model: model.variant)
 PATTERNS = ((20, 1), (20, 1, 1, 1), (20, 20, 20, 1), (5, 20, 1), (20, 2, 7, 1))  # [ms]
 RATE, END, SETTLED = 0.5, 8000, 4000  # 43 m/s; [ms]
 
@@ -41,7 +40,7 @@ def forces(model, pattern, **options):
 @pytest.fixture(scope="module")
 def exact():
     """The same with steps of 1 ms, by model; its error is 1/400 of that with 20 ms or less."""
-    return {model: forces(model, (1,)) for model in EVERY}
+    return {model: forces(model, (1,)) for model in MODELS}
 
 
 def error(found, exact):

@@ -12,15 +12,14 @@ import numpy as np
 import pytest
 
 from bounds import most_work
+from solvers import MODELS
 from tetherfmu import Environment, Solver, StepRefused, Tether, TetherDynamic
 from tetherfmu.kernels.line import backward_euler, step_control
 from tetherfmu.kernels.motion import adaptive_steps, fixed_steps
 from tetherfmu.kernels.rest.compressed_chain import NUDGE
-from tetherfmu.python import models
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import limits, status
 
-MODELS = [models.TetherDynamic, models.TetherQuasiSteady, models.TetherCatenary, models.TetherStraight]
 SOLVERS = [Solver(), Solver(fixed_step=0.01)]
 KITE = (3.0, 0.0, 4.0)
 HARD = Tether(segments=300, initial_length=600.0, axial_stiffness=1e7, axial_damping=0.0)

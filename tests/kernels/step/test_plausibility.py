@@ -12,15 +12,14 @@ import numpy as np
 import pytest
 
 from scenes import circle
-from tetherfmu import PlausibilityWarning, TetherCatenary, TetherDynamic, TetherQuasiSteady, TetherStraight
+from solvers import MODELS, every_model
+from tetherfmu import PlausibilityWarning, TetherDynamic, TetherQuasiSteady, TetherStraight
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime import plausibility
 
 STEP = 0.02
 KITE = np.array([300.0, 0.0, 400.0])
 ALONG = KITE / 500.0
-EVERY = (TetherStraight, TetherCatenary, TetherQuasiSteady, TetherDynamic)
-every_model = pytest.mark.parametrize("model", EVERY, ids=lambda model: model.variant)
 every_end = pytest.mark.parametrize("end", ["kite", "ground"])
 pytestmark = pytest.mark.filterwarnings("ignore::tetherfmu.PlausibilityWarning")  # tests read what is noted instead
 
@@ -311,7 +310,7 @@ def test_a_winch_that_does_not(model, force, length, winch):
     )
 
 
-@pytest.mark.parametrize("model", EVERY[1:], ids=lambda model: model.variant)
+@pytest.mark.parametrize("model", MODELS[:-1], ids=lambda model: model.variant)
 def test_a_tether_that_hangs_is_not_slack(model):
     """20 m more than the distance of the ends: its weight pulls at the winch with 17 N, 17 % of the force, or 9 %."""
     assert pulled(model, 100.0, 520.0, winch_mass=50.0)[0] == {}

@@ -12,9 +12,8 @@ import pytest
 
 from audited import run
 from mechanics import line_density
-from tetherfmu import Solver, Tether, TetherCatenary, TetherDynamic, TetherQuasiSteady, TetherStraight
-
-VARIANTS = [TetherDynamic, TetherQuasiSteady, TetherCatenary, TetherStraight]
+from solvers import MODELS
+from tetherfmu import Solver, Tether, TetherDynamic, TetherQuasiSteady
 
 
 def session(variant, n, length, speed, step):
@@ -74,7 +73,7 @@ def test_no_energy_is_left_over():
     assert abs(left[1]) < 0.1
 
 
-@pytest.mark.parametrize("variant", VARIANTS[1:])
+@pytest.mark.parametrize("variant", MODELS[1:])
 def test_others_in_and_out(variant):
     model, _, shortest, inputs, count = session(variant, 5, 5.0, 1.0, 0.02)
     start = model.outputs()
