@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from solvers import MODELS
-from tetherfmu import Environment, Solver, Tether, TetherDynamic
+from tetherfmu import Environment, Solver, Tether, TetherDynamic, tether_of
 
 STEP, COUNT = 0.02, 50
 SAME, UNIFORM = np.eye(3), Environment()
@@ -84,6 +84,21 @@ def test_reversed_ends():
     np.testing.assert_allclose(reversed_force[::-1], force, rtol=0, atol=FORCE)
     np.testing.assert_allclose(reversed_x[::-1], x, rtol=0, atol=POSITION)
     assert reversed_out.ground_tension == pytest.approx(out.kite_tension, abs=FORCE)
+
+
+def test_several_falls_are_one_tether_of_their_sum():
+    """n falls side by side: n times stiffness, damping, mass and drag; each end force is n times that of one fall."""
+    falls, wire = 4, tether_of("steel", 0.012, initial_length=80.0)
+    names = ("axial_stiffness", "axial_damping", "density", "drag_coefficient")
+    together = {name: falls * getattr(wire, name) for name in names}
+    forces = []
+    for more in ({}, together):
+        tether = TetherDynamic(wire, **more)
+        tether.initialize((30.0, 0.0, 20.05), ground_position=(30.0, 0.0, 100.0), wind_velocity=(0.0, 15.0, 0.0))
+        outputs = [tether.step(STEP, (30.0 + 1.0 * STEP * k, 0.0, 20.05), (1.0, 0.0, 0.0)) for k in range(100)]
+        forces.append(np.array([each.kite_force for each in outputs]))
+    # the steps are chosen by relative errors of positions, which are the same: rounding, grown by the stiffness
+    np.testing.assert_allclose(forces[1], falls * forces[0], rtol=0.0, atol=1e-6 * np.abs(forces[1]).max())
 
 
 # --- an observer who moves uniformly

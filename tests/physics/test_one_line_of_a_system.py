@@ -68,6 +68,8 @@ def assert_equal(system, single, within=0.0):
     )
     for name in names:
         np.testing.assert_allclose(getattr(found.lines["line"], name), getattr(wanted, name), rtol=within, atol=within)
+    energy, account = system.energy(), single.energy()
+    assert (energy.total, energy.power) == pytest.approx((account.total, account.power), rel=max(within, 1e-12))
     assert system.counters == single.counters
     assert found.solver_iteration_limit == wanted.solver_iteration_limit
     said = "; ".join(system.implausible).replace("the line line: ", "").replace("its end at kite", "the kite end")

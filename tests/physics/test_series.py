@@ -1,6 +1,5 @@
 """Tethers in series and point masses at nodes.
 
-knot of mass 0:         two tethers joined are one tether
 series of springs:      (chord - L1 - L2) = T (L1/EA1 + L2/EA2)
 mass m on light legs:   T1 e1 + T2 e2 = m g e_z; legs of 3 m and 4 m over a span of 5 m stand at a right angle,
                         so T1 = 4/5 m g and T2 = 3/5 m g
@@ -10,18 +9,6 @@ import numpy as np
 import pytest
 
 from tetherfmu import Environment, Tether, TetherDynamic
-
-
-def test_two_tethers_joined_by_a_massless_knot_are_one():
-    parts = [Tether(segments=4, initial_length=20.0), Tether(segments=6, initial_length=30.0)]
-    pair = TetherDynamic(Tether(segments=10, initial_length=50.0)), TetherDynamic(parts, point_masses={4: 0.0})
-    for tether in pair:
-        tether.initialize(kite_position=(20.0, 0.0, -30.0))
-    for k in range(200):
-        ends = {"kite_position": (20.0 + 0.2 * k, 0.0, -30.0 + 0.2 * k), "kite_velocity": (10.0, 0.0, 10.0)}
-        for tether in pair:
-            tether.step(0.02, **ends)
-    np.testing.assert_allclose(pair[1].positions, pair[0].positions, rtol=0, atol=1e-9)
 
 
 def test_elongation_in_series():

@@ -6,7 +6,7 @@ Integrated by the trapezoidal rule, whose error falls with the square of the com
 import numpy as np
 import pytest
 
-from tetherfmu import Environment, Ground, Line, Point, Solver, Tether, TetherDynamicFree, TetherSystem, Winch
+from tetherfmu import Environment, Ground, Line, Point, Solver, Tether, TetherSystem, Winch
 
 EXACT = Solver(relative_tolerance=1e-8)
 ARM = Tether(segments=3, initial_length=50.2, axial_stiffness=2e4, axial_damping=40.0)
@@ -50,19 +50,3 @@ def test_energy_comes_from_what_is_accounted_for(winch):
     coarse, fine = residual(0.004, winch), residual(0.002, winch)
     assert fine < 2e-4
     assert fine < 0.35 * coarse  # a quarter, and what the tolerance leaves
-
-
-def test_a_system_of_one_line_has_the_account_of_the_tether():
-    alone = TetherDynamicFree(MAIN, Environment(), EXACT, kite_mass=5.0)
-    alone.initialize((60.0, 0.0, 80.0), wind_velocity=(8.0, 1.0, 0.0))
-    points = [Point("ground", (0.0, 0.0, 0.0)), Point("kite", (60.0, 0.0, 80.0), mass=5.0)]
-    system = TetherSystem(points, [Line("main", "ground", "kite", MAIN)], Environment(), EXACT)
-    system.initialize((8.0, 1.0, 0.0))
-    load = (30.0, -20.0, 90.0)
-    for _ in range(10):
-        alone.step(0.02, kite_load=load)
-        system.step(0.02, loads={"kite": load})
-    one, other = alone.energy(), system.energy()
-    assert other.total == pytest.approx(one.total, rel=1e-9)
-    assert other.power == pytest.approx(one.power, rel=1e-6)
-    assert other.loads["kite"] == pytest.approx(one.kite_power, rel=1e-9)
