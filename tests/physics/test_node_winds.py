@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from kernels.chain_problem import ChainProblem
-from mechanics import air_velocities, drags, wind_factor
+from mechanics import air_velocities, drags
 from tetherfmu import (
     Environment,
     Line,
@@ -41,53 +41,6 @@ def gusts(n, seed=1):
 def at_rest(model, wind):
     """Outputs at the start between the ends at rest."""
     return model.initialize(KITE, ground_position=GROUND, wind_velocity=wind)
-
-
-def flown(model, wind):
-    """All states and energies of a kite that speeds up while the tether reels out."""
-    model.initialize(KITE, (0.0, 12.0, 0.0), GROUND, reel_out_speed=1.0, wind_velocity=wind)
-    rows = []
-    for k in range(50):
-        time = 0.02 * k
-        position = KITE + np.array([0.0, 12.0 * time + 5.0 * time**2, 0.0])
-        model.step(0.02, position, (0.0, 12.0 + 10.0 * time, 0.0), GROUND, reel_out_speed=1.0, wind_velocity=wind)
-        now = model.energy()
-        rows.append(np.concatenate([model.positions.ravel(), model.velocities.ravel(), [now.wind_power, now.drag_loss]]))
-    return np.array(rows)
-
-
-@pytest.mark.parametrize("scale_height", [0.0, 8550.0])
-@pytest.mark.parametrize(
-    ("kind", "solver"),
-    [
-        (TetherDynamic, Solver(initial_shape=2)),
-        (TetherDynamic, Solver(initial_shape=2, fixed_step=0.005)),
-        (TetherQuasiSteady, Solver()),
-    ],
-    ids=["adaptive", "fixed_step", "quasi_steady"],
-)
-def test_the_same_wind_at_all_nodes_is_the_uniform_wind(kind, solver, scale_height):
-    n, air = 9, Environment(air_density_scale_height=scale_height)
-    expected = flown(kind(tether_of(n), air, solver), WIND)
-    model = kind(tether_of(n), air, solver)
-    rounding = 1e-12  # of each number and of the largest one
-    atol = rounding * np.abs(expected).max()
-    np.testing.assert_allclose(flown(model, np.tile(WIND, (n + 1, 1))), expected, rtol=rounding, atol=atol)
-    np.testing.assert_array_equal(flown(model, WIND), expected)
-
-
-@WITH_NODES
-def test_a_profile_sampled_at_the_nodes_is_the_profile_to_second_order(kind):
-    """The mean of f at two nodes differs from f between them by f'' (dz)^2/8, so the forces by 1/n^2."""
-    air = Environment(wind_profile=2, wind_exponent=0.3)
-    difference = []
-    for n in (10, 20, 40, 80):
-        model = kind(tether_of(n), air)
-        expected = at_rest(model, WIND)
-        winds = wind_factor(model.positions[:, 2], air)[:, None] * np.array(WIND)
-        difference.append(np.linalg.norm(at_rest(model, winds).kite_force - expected.kite_force))
-    # 1 N at n = 10 down to 1e-2 N; the equilibrium is found to 1e-8 N
-    np.testing.assert_allclose(-np.diff(np.log2(difference)), 2.0, atol=0.1)
 
 
 @pytest.mark.parametrize("solver", [Solver(), Solver(fixed_step=0.01)], ids=["adaptive", "fixed_step"])

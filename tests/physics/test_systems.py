@@ -1,14 +1,16 @@
 """Systems of tethers: lines between points in one step.
 
-trees and loops:   the equations of `networks.py`, solved by DOP853
-one line:          `test_one_line_of_a_system.py`;   momentum and energy: `test_random_systems.py`
+trees, loops, drums:   the equations of `networks.py`, solved by DOP853
+one line:              `test_one_line_of_a_system.py`;   momentum and energy: `test_random_systems.py`
 """
 
 import numpy as np
 import pytest
 
 from networks import Network
-from tetherfmu import Environment, Line, Point, Solver, StepRefused, Tether, TetherSystem
+from of_systems import assert_continues
+from tetherfmu import Environment, Line, Point, Solver, StepRefused, Tether, TetherSystem, Winch
+from tetherfmu.runtime.layout import TETHER_LENGTH, WINCH_SPEED
 
 STEP = 0.02
 WIND = np.array((8.0, 1.0, 0.0))
@@ -26,10 +28,11 @@ Y_POINTS = [
 ]
 
 
-def y_lines(**speeds):
+def y_lines(winches=None, **speeds):
     """Main line from the winch to the knot, and two arms, one of which begins at its kite."""
+    winches = winches or {}
     ends = {"main": ("winch", "knot", MAIN), "a": ("knot", "left", ARM), "b": ("right", "knot", ARM)}
-    return [Line(name, *each, reel_out_speed=speeds.get(name, 0.0)) for name, each in ends.items()]
+    return [Line(name, *each, speeds.get(name, 0.0), winches.get(name, Winch())) for name, each in ends.items()]
 
 
 def straight_motions(points):
@@ -41,7 +44,7 @@ def straight_motions(points):
     return {point.name: motion(point) for point in points if point.is_driven}
 
 
-def drive(system, motions, times):
+def drive(motions, times):
     """Motions of the driven points at the start of each step, as keyword arguments of `fly`."""
     ways = {name: [motion(time) for time in times] for name, motion in motions.items()}
     return {
@@ -51,14 +54,16 @@ def drive(system, motions, times):
 
 
 def flown(network, steps, **given):
-    """Node positions after each step of the system of a network, and those of its equations."""
+    """Nodes after each step of the system of a network, lengths and speeds of its drums, and those of its equations."""
     system = TetherSystem(network.points, network.lines, network.environment, TIGHT)
     system.initialize(network.wind, loads=network.loads)
     times = STEP * np.arange(steps + 1)
-    wanted = network.solve(system, times[1:])
-    flight = system.fly(steps, STEP, **drive(system, network.motions, times[:-1]), **given)
+    wanted = network.integrate(network.state(system.positions, system.velocities), times)
+    nodes = np.array([network.unpacked(time, y)[0] for time, y in zip(times[1:], wanted, strict=True)])
+    flight = system.fly(steps, STEP, **drive(network.motions, times[:-1]), **given)
     found = np.array([network.gathered({name: each[k] for name, each in flight.positions.items()}) for k in range(steps)])
-    return found, wanted[:, 0]
+    drums = [flight.outputs[each.name][:, at] for at in (TETHER_LENGTH, WINCH_SPEED) for each in network.on_drums]
+    return found, nodes, np.reshape(drums, (-1, steps)).T, wanted[:, 6 * len(network.free) :]
 
 
 TRIANGLE = [
@@ -69,53 +74,53 @@ TRIANGLE = [
 SIDE = Tether(segments=4, initial_length=39.5, **SOFT)
 SIDES = [Line(*each, SIDE) for each in (("a", "top", "left"), ("b", "left", "right"), ("c", "right", "top"))]
 LOADS = {"left": np.array((-300.0, 0.0, -400.0)), "right": np.array((300.0, 30.0, -400.0))}
-NETWORKS = {  # points, lines, loads, and the error [m]: 1e-8 of a segment of 13 m in each step
-    "tree": (Y_POINTS, y_lines(main=0.3, b=0.2), {}, 1e-6),
+DRUMS = {  # with mass at the ground and on the knot, without at a kite
+    "main": Winch(winch_control="force", winch_mass=8.0, winch_damping=20.0),
+    "a": Winch(winch_control="force", winch_mass=5.0),
+    "b": Winch(winch_control="force", winch_damping=150.0),
+}
+FORCES = {"main": 600.0, "a": 300.0, "b": 250.0}
+NETWORKS = {  # points, lines, loads, winch forces, and the error [m]: 1e-8 of a segment of 13 m in each step
+    "tree": (Y_POINTS, y_lines(main=0.3, b=0.2), {}, {}, 1e-6),
     # with the rate of the mass left out of the load's share it is 3e-7
-    "point whose mass grows fast": (Y_POINTS, y_lines(main=2.0, b=1.0), {"knot": np.array((300.0, 0.0, 0.0))}, 3e-8),
-    "triangle": (TRIANGLE, SIDES, LOADS, 1e-6),
+    "point whose mass grows fast": (Y_POINTS, y_lines(main=2.0, b=1.0), {"knot": np.array((300.0, 0.0, 0.0))}, {}, 3e-8),
+    "triangle": (TRIANGLE, SIDES, LOADS, {}, 1e-6),
+    # a point whose mass grows by the forces of one line only is wrong by 2e-7
+    "drums": (Y_POINTS, y_lines(DRUMS), {"knot": np.array((10.0, 20.0, -30.0))}, FORCES, 1e-7),
 }
 
 
 @pytest.mark.parametrize("name", NETWORKS)
 def test_networks_move_as_their_equations_say(name):
-    points, lines, loads, within = NETWORKS[name]
-    network = Network(points, lines, AIR, WIND, straight_motions(points), loads)
-    found, wanted = flown(network, 30, loads=loads)
+    points, lines, loads, forces, within = NETWORKS[name]
+    constant = {name: (lambda _, force=force: force) for name, force in forces.items()}
+    network = Network(points, lines, AIR, WIND, straight_motions(points), loads, constant)
+    more = {"winch_forces": forces} if forces else {}
+    found, wanted, drums, wanted_drums = flown(network, 12 if forces else 30, loads=loads, **more)
     np.testing.assert_allclose(found, wanted, rtol=0, atol=within)
     assert np.ptp(wanted[:, network.free], axis=0).max() > 0.1  # it moves
+    np.testing.assert_allclose(drums, wanted_drums, rtol=0, atol=1e-6)
+    assert np.all(np.abs(drums[-1]) > 0.1)  # they turn
 
 
-def test_many_steps_in_one_call_equal_single_steps():
-    motions = straight_motions(Y_POINTS)
-    systems = [TetherSystem(Y_POINTS, y_lines(main=0.1)) for _ in range(2)]
-    for system in systems:
-        system.initialize(WIND)
-    given = drive(systems[0], motions, STEP * np.arange(20))
-    flight = systems[0].fly(20, STEP, **given, every=5)
-    for k in range(20):
-        rows = {what: {name: each[k] for name, each in of.items()} for what, of in given.items()}
-        outputs = systems[1].step(STEP, **rows)
-    assert np.array_equal(systems[0].get_state(), systems[1].get_state())
-    assert flight.positions["main"].shape == (4, 6, 3)
-    assert np.array_equal(flight.points["knot"].force[-1], outputs.points["knot"].force)
-
-
-def test_a_state_is_continued_to_the_bit():
-    load = {"knot": (5.0, 0.0, 0.0)}
-    system = TetherSystem(Y_POINTS, y_lines())
+def test_a_flight_and_a_state_go_on_to_the_bit():
+    load, motions = {"knot": (5.0, 0.0, 0.0)}, straight_motions(Y_POINTS)
+    system, other = (TetherSystem(Y_POINTS, y_lines(main=0.1)) for _ in range(2))
     system.initialize(WIND)
-    still = dict.fromkeys(("left", "right"), np.zeros(3))
-    system.fly(10, STEP, velocities=still, every=0)
-    state = system.get_state()
-    system.fly(10, STEP, loads=load, every=0)
-    end = system.get_state()
-    other = TetherSystem(Y_POINTS, y_lines())
-    other.set_state(state)
-    other.fly(10, STEP, loads=load, every=0)
-    assert np.array_equal(other.get_state(), end)
+    other.set_state(system.get_state())
+
+    def inputs(k):
+        driven = {name: motion(STEP * k) for name, motion in motions.items()}
+        ways = ({name: each[i] for name, each in driven.items()} for i in range(2))
+        return dict(zip(("positions", "velocities"), ways, strict=True)) | {"loads": load}
+
+    outputs = assert_continues(system, inputs, 0, 20)
+    flight = other.fly(20, STEP, **drive(motions, STEP * np.arange(20)), loads=load, every=5)
+    assert np.array_equal(system.get_state(), other.get_state())
+    assert flight.positions["main"].shape == (4, 6, 3)
+    assert np.array_equal(flight.points["knot"].force[-1], outputs[-1].points["knot"].force)
     with pytest.raises(ValueError, match="another system"):
-        TetherSystem([Y_POINTS[0], Point("knot", mass=3.0), *Y_POINTS[2:]], y_lines()).set_state(state)
+        TetherSystem([Y_POINTS[0], Point("knot", mass=3.0), *Y_POINTS[2:]], y_lines()).set_state(system.get_state())
 
 
 BAD_STEPS = {
@@ -126,21 +131,31 @@ BAD_STEPS = {
     "reeling": ({"reel_out_speeds": {"a": -5e3}}, "the line a: the reel_out_speed -5000.0 m/s"),
     "name": ({"positions": {"knot": (0.0, 0.0, 0.0)}}, "no position of a driven point with the name 'knot'"),
     "shape": ({"loads": {"knot": (0.0, 0.0)}}, r"knot\.load has the shape \(2,\)"),
+    "length": ({"winch_lengths": {"main": -5.0}}, "the line main: .*winch_length", "length"),
+    "force": ({"winch_forces": {"main": np.nan}}, r"main\.winch_force is nan", "force"),
+    "push": ({"winch_forces": {"main": -100.0}}, "the line main: .*winch_force", "force"),
+    "winch": ({"winch_lengths": {"rope": 5.0}}, "no winch_length of a line or a winch with the name 'rope'", "length"),
     "overflow": ({"loads": {"knot": (1e200, 0.0, 0.0)}}, "must be finite and at most|overflow|budget|tolerance"),
 }
 
 
 @pytest.mark.parametrize("case", BAD_STEPS)
 def test_a_refused_step_changes_nothing(case):
-    given, words = BAD_STEPS[case]
-    system = TetherSystem(Y_POINTS, y_lines())
-    system.initialize(WIND)
+    given, words, *control = BAD_STEPS[case]
+    system = TetherSystem(Y_POINTS, y_lines({"main": Winch(*control)}))
+    system.initialize(WIND, winch_forces={"main": 500.0} if "force" in control else None)
     system.step(STEP)
     before = system.get_state()
     with pytest.raises(ValueError, match=words):
         system.step(**{"step": STEP, **given})
     assert np.array_equal(system.get_state(), before)
     system.step(STEP)
+
+
+def test_a_refused_start_names_its_line():
+    system = TetherSystem(Y_POINTS, y_lines({"main": Winch(winch_control="force", longest_length=50.0)}))
+    with pytest.raises(StepRefused, match=r"the line main: .*longest_length"):
+        system.initialize(WIND)
 
 
 def test_a_refused_flight_ends_before_the_step():

@@ -1,7 +1,7 @@
 """Systems with a `fixed_step`, of which some winches are told a force.
 
 held ends, slack and taut:        kinetic + elastic energy + that of weight never exceeds that of the start
-a smooth flight of two winches:   order 2 or 1 to the adaptive solution (which `test_system_winches.py` compares with DOP853)
+a smooth flight of two winches:   order 2 or 1 to the adaptive solution (which `test_systems.py` compares with DOP853)
 random networks, without air:     each step of backward Euler solves the equations of nodes and drums (`random_drums.py`)
 
 One line: `test_one_line_of_a_system.py`.

@@ -103,12 +103,13 @@ def test_winds_at_the_nodes_are_interpolated(points):
     np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-12)  # rounding of some 20 m/s and of the arcs
 
 
+@pytest.mark.parametrize("fixed_step", [0.0, 0.005])
 @pytest.mark.parametrize("kind", CHAINS)
-def test_flight_with_points_is_that_with_the_winds_at_the_nodes(kind):
-    n, winds = 10, gusts(6)
+def test_flight_with_points_is_that_with_the_winds_at_the_nodes(kind, fixed_step):
+    n, winds, more = 10, gusts(6), {"fixed_step": fixed_step} if kind is TetherDynamic else {}
     nodes = np.stack([np.interp(np.linspace(0.0, 5.0, n + 1), np.arange(6), each) for each in winds.T], axis=1)
-    expected = flown(kind(initial_length=LENGTH, segments=n), {"wind_velocity": nodes})
-    found = flown(kind(initial_length=LENGTH, segments=n, wind_points=6), {"wind_at": winds})
+    expected = flown(kind(initial_length=LENGTH, segments=n, **more), {"wind_velocity": nodes})
+    found = flown(kind(initial_length=LENGTH, segments=n, wind_points=6, **more), {"wind_at": winds})
     # rounding of the node winds, 1e-15, as the solvers pass it on: observed 4e-11 of the largest number
     np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-9 * np.abs(expected).max())
 
