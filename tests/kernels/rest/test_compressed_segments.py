@@ -108,10 +108,10 @@ def test_faint_wind_in_balance_and_stable(n, slack, up, wind, aside):
 
 
 def test_none_is_refused_in_faint_wind():
-    """Step 7 of docs/models/numerics.md, "Initial shape"; steps 1 to 6 refuse 314 of them."""
+    """Every fifth of 2160. Step 7 of docs/models/numerics.md, "Initial shape"; steps 1 to 6 refuse 314 of all."""
     cases = (10, 15, 20, 30, 50), (0.02, 0.1, 0.3, 0.5, 0.7, 0.9), (1, -1)
     cases += (0.1, 0.2, 0.5, 1.0, 2.0, 4.0), (1e-6, 1e-3, 0.1, 1.0, 5.0, 20.0)
-    for case in product(*cases):
+    for case in list(product(*cases))[::5]:
         in_faint_wind(*case)
 
 
