@@ -11,6 +11,8 @@ gravity    Upright in hardly any, a rounding error of a position pulls at a segm
 wind       faint and from the side, on a tether almost straight above or below its station: hardly anything keeps its fold
            from turning about its chord
 together   both ends almost in one place, in a wind, level or not
+strut      a straight chain whose matrix of stiffness across it has a negative eigenvalue: segment s is a spring
+           t_s = T_s/l_s there, so it is tridiagonal, t_s + t_(s+1) and -t_s
 """
 
 from itertools import product
@@ -19,8 +21,10 @@ import numpy as np
 import pytest
 
 from balance import growth, residual, rounding, segments, slope_of_segments
+from kernels.packed import packed
 from tetherfmu import Environment, StepRefused, Tether, TetherQuasiSteady
-from tetherfmu.kernels.rest import newton
+from tetherfmu.kernels.equations.properties import chain_at
+from tetherfmu.kernels.rest import compressed_chain, newton
 
 STARTS, AIR = 40, Environment()
 
@@ -164,3 +168,56 @@ def test_a_tether_that_the_wind_never_lets_rest_is_refused(seed):
 @pytest.mark.parametrize(("tension", "lowest"), [(1.0, -0.2), (-1.0, -5.0), (0.0, 0.0)])
 def test_tensions_change_their_sign_at_a_part_of_their_size(tension, lowest):
     assert newton.lowest_tension.py_func(newton.EITHER_SIGN, tension) == lowest
+
+
+# --- struts
+
+TETHER = Tether(segments=6, initial_length=60.0)
+
+
+@pytest.fixture(scope="module")
+def chain():
+    return chain_at(6, packed(TETHER), 60.0, 0.0, (0.0, 0.0, 0.0))
+
+
+def straight_chain(seed, pressed):
+    """Random nodes on a line, with `pressed` segments shorter than unstretched; lowest eigenvalue over the largest |t|."""
+    random = np.random.default_rng(seed)
+    stretch = 10.0 ** random.uniform(-6.0, -2.0, 6)
+    stretch[random.permutation(6)[:pressed]] *= -(10.0 ** random.uniform(0.0, 2.0))
+    way = random.choice([-1.0, 1.0], 6)  # interleaved as it likes
+    direction = random.normal(size=3)
+    direction /= np.linalg.norm(direction)
+    positions = np.concatenate(([0.0], np.cumsum(way * 10.0 * (1.0 + stretch))))[:, None] * direction + random.normal(size=3)
+    stiffness = TETHER.axial_stiffness * np.where(stretch > 0.0, 1.0, TETHER.slack_stiffness_ratio)
+    across = stiffness * stretch / (10.0 * (1.0 + stretch))
+    matrix = np.diag(across[:-1] + across[1:]) - np.diag(across[1:-1], 1) - np.diag(across[1:-1], -1)
+    return positions, np.linalg.eigvalsh(matrix)[0] / np.abs(across).max()
+
+
+@pytest.mark.parametrize("pressed", [0, 1, 2, 6])
+def test_unstable_is_what_has_a_negative_eigenvalue(chain, pressed):
+    verdicts = []
+    for seed in range(200):
+        positions, lowest = straight_chain(seed, pressed)
+        if abs(lowest) > 1e-5:  # neither neutral nor rounding
+            verdicts.append(lowest < 0.0)
+            assert compressed_chain.is_unstable(chain, positions.ravel(), 1e-6) == verdicts[-1]
+    assert len(verdicts) > 100
+    assert pressed != 1 or 10 < sum(verdicts) < len(verdicts) - 10  # both kinds
+
+
+def test_bent_chain_is_none(chain):
+    positions, _ = straight_chain(1, 6)
+    positions[3] += (0.1, 0.2, 0.3)
+    assert not compressed_chain.is_unstable(chain, positions.ravel(), compressed_chain.PARALLEL)
+
+
+@pytest.mark.parametrize(
+    "direction", [(0.0, 0.0, 1.0), (0.0, 0.0, -3.0), (0.0, 2.0, 0.0), (5.0, 0.0, 0.0), (1.0, 1.0, -1.0)]
+)
+def test_sideways_is_across(direction):
+    side = np.array(compressed_chain.sideways(direction))
+    assert np.linalg.norm(side) == pytest.approx(1.0, rel=1e-15)
+    assert side @ direction == pytest.approx(0.0, abs=1e-15)
+    assert side[1 if direction[0] == 5.0 else 0] > 0.5
