@@ -35,37 +35,29 @@ def derived(model, end, path, times):
 
 @every_model
 @every_end
-@pytest.mark.parametrize(("times", "exact"), [(EVEN, 2), (UNEVEN, 4)], ids=["even", "uneven"])
-def test_constant_velocity_is_exact_once_two_rates_are_known(model, end, times, exact):
-    """In the first step the end rests; a single difference may be a jump, so the second step only comes to its position.
+@pytest.mark.parametrize(
+    ("times", "acceleration", "exact"),
+    [(EVEN, 0.0, 2), (UNEVEN, 0.0, 4), (EVEN, 1.0, 3), (UNEVEN, 1.0, 5)],
+    ids=["even", "uneven", "even, accelerated", "uneven, accelerated"],
+)
+def test_exact_once_two_rates_or_three_are_known(model, end, times, acceleration, exact):
+    """At constant velocity two, at constant acceleration three; each belongs to at least three quarters of its time.
 
-    Steps of 20, 50, 30 and 20 ms: the fourth still corrects over 30 ms what the third could not know.
+    In the first step the end rests; a single difference may be a jump, so the second step only comes to its position.
+    Steps of 20, 50, 30 and 20 ms: the fourth still corrects over 30 ms what the third could not know, and the curve of the
+    end of a dynamic tether still corrects the jolt of the start until a step is no shorter than the last.
     """
-    speed = np.array([3.0, -1.0, 2.0])
-    rows = derived(model, end, lambda time: STARTS[end] + speed * time, times)
-    np.testing.assert_array_equal(rows[0], [STARTS[end], np.zeros(3)])
-    np.testing.assert_allclose(rows[1, 0], STARTS[end] + times[1] * speed, rtol=0, atol=1e-12)
-    expected = STARTS[end] + np.outer(times[1:], speed)
-    # rounding of positions, 1e-14 m, over two steps of at least 10 ms
-    np.testing.assert_allclose(rows[exact:, 0], expected[exact:], rtol=0, atol=1e-12)
-    np.testing.assert_allclose(rows[exact:, 1], np.tile(speed, (len(rows) - exact, 1)), rtol=0, atol=1e-11)
-
-
-@every_model
-@every_end
-@pytest.mark.parametrize(("times", "exact"), [(EVEN, 3), (UNEVEN, 5)], ids=["even", "uneven"])
-def test_constant_acceleration_is_exact_once_three_rates_are_known(model, end, times, exact):
-    """With steps of 10 to 50 ms; each rate belongs to at least three quarters of the time over which it is used.
-
-    The curve of the end of a dynamic tether still corrects the jolt of the start: until a step is no shorter than the last.
-    """
-    speed, acceleration = np.array([[3.0, -1.0, 2.0], [-4.0, 5.0, 1.0]])
-    rows = derived(model, end, lambda time: STARTS[end] + speed * time + 0.5 * acceleration * time**2, times)
+    speed, gain = np.array([[3.0, -1.0, 2.0], [-4.0, 5.0, 1.0]]) * [[1.0], [acceleration]]
+    rows = derived(model, end, lambda time: STARTS[end] + speed * time + 0.5 * gain * time**2, times)
     then = times[1:, None]
-    exact = slice(exact + 2 * (times is UNEVEN and model is TetherDynamic), None)
-    expected = STARTS[end] + speed * then + 0.5 * acceleration * then**2
-    np.testing.assert_allclose(rows[exact, 0], expected[exact], rtol=0, atol=1e-11)
-    np.testing.assert_allclose(rows[exact, 1], (speed + acceleration * then)[exact], rtol=0, atol=1e-9)
+    positions, velocities = STARTS[end] + speed * then + 0.5 * gain * then**2, speed + gain * then
+    np.testing.assert_array_equal(rows[0], [STARTS[end], np.zeros(3)])
+    np.testing.assert_allclose(rows[1, 0], positions[0], rtol=0, atol=1e-12)
+    exact += 2 * (times is UNEVEN and model is TetherDynamic and acceleration > 0.0)
+    # rounding of positions, 1e-14 m, over two steps of at least 10 ms, and over their square
+    within = (1e-11, 1e-9) if acceleration else (1e-12, 1e-11)
+    np.testing.assert_allclose(rows[exact:, 0], positions[exact:], rtol=0, atol=within[0])
+    np.testing.assert_allclose(rows[exact:, 1], velocities[exact:], rtol=0, atol=within[1])
 
 
 @every_model
