@@ -11,7 +11,6 @@ CIRCLE_TETHER = Tether(initial_length=525.0)
 CIRCLE_RATE = 0.05
 # relative tolerance, allowed error of a position [m]; steps over taut/slack kinks; observed 16, 0.69, 0.012 micrometres
 SCENE_08_ERRORS = [(1e-4, 50e-6), (1e-6, 2e-6), (1e-8, 0.1e-6)]
-SCENE_08 = {"segments": 10, "initial_length": 70.0, "damping_law": 2, "slack_stiffness_ratio": 0.01 / 1.01}
 REVOLUTION = 2.0 * np.pi / CIRCLE_RATE
 
 
