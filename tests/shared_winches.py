@@ -2,12 +2,9 @@
 
 import numpy as np
 
+from over_sheaves import HEAVY, LIGHT
 from solvers import ADAPTIVE
 from tetherfmu import Line, Point, SharedWinch, Tether, TetherSystem, Winch
-
-G = 9.81  # [m/s2]
-HEAVY = {"diameter": 0.01, "mass_per_length": 1.0, "axial_stiffness": 1e7, "axial_damping": 1e4}
-LIGHT = {"diameter": 0.01, "mass_per_length": 0.2, "axial_stiffness": 1e5, "axial_damping": 100.0}
 
 
 def rope(length, segments=6, **of_rope):

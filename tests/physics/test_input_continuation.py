@@ -12,17 +12,7 @@ import numpy as np
 import pytest
 
 from solvers import MODELS
-from tetherfmu import (
-    Environment,
-    Line,
-    Point,
-    Solver,
-    StepRefused,
-    Tether,
-    TetherDynamic,
-    TetherDynamicFree,
-    TetherSystem,
-)
+from tetherfmu import Environment, Line, Point, Solver, StepRefused, Tether, TetherDynamic, TetherDynamicFree, TetherSystem
 
 KITE = (30.0, 0.0, 40.0)
 SLACK = Tether(segments=5, initial_length=52.0)

@@ -9,15 +9,7 @@ from math import pi, sqrt
 import numpy as np
 import pytest
 
-from tetherfmu import (
-    Environment,
-    Solver,
-    Tether,
-    TetherCatenary,
-    TetherDynamicFree,
-    TetherQuasiSteady,
-    TetherStraight,
-)
+from tetherfmu import Environment, Solver, Tether, TetherCatenary, TetherDynamicFree, TetherQuasiSteady, TetherStraight
 
 MASS, FALL, LENGTH, EA, GRAVITY = 20.0, 1.0, 100.0, 614600.0, 9.81
 LIGHT = {"density": 1.0, "diameter": 1e-3, "axial_stiffness": EA, "axial_damping": 0.0, "slack_stiffness_ratio": 0.0}

@@ -18,20 +18,9 @@ import numpy as np
 import pytest
 
 from of_systems import assert_continues, unexplained
+from over_sheaves import LIGHT, G
 from random_sheaves import random_winches
-from shared_winches import (
-    LIGHT,
-    ONE,
-    SERIES,
-    G,
-    between,
-    block_on_falls,
-    moved,
-    own_or_shared,
-    rope,
-    steered,
-    told,
-)
+from shared_winches import ONE, SERIES, between, block_on_falls, moved, own_or_shared, rope, steered, told
 from solvers import ADAPTIVE, METHODS, bounded_flight, fixed, with_each_solver
 from tetherfmu import Line, Point, SharedWinch, Solver, StepRefused, TetherSystem, Winch
 

@@ -12,8 +12,8 @@ import pytest
 from scipy.optimize import brentq, fsolve
 
 import over_sheaves
-from over_sheaves import LIGHT
-from shared_winches import G, rope
+from over_sheaves import LIGHT, G
+from shared_winches import rope
 from tetherfmu import Environment, Ground, Line, Point, SharedWinch, StepRefused, Tether, TetherDynamic, TetherSystem, Winch
 
 EA = 2e4  # [N]

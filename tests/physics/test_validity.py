@@ -4,13 +4,22 @@ In wind, nodes of the quasi-steady tether turn rigidly with the kite, those of t
 drag and weight change their directions along the turn: a difference of first and second order in the rate.
 """
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
-from manual import table
 from scenes import CIRCLE_TETHER, circle, fly_circle
 from tetherfmu import Solver, Tether, TetherCatenary, TetherDynamic, TetherQuasiSteady
 from tetherfmu.runtime import layout as at
+
+DATA = Path(__file__).parents[2] / "docs" / "data"
+
+
+def table(name):
+    """Rows of numbers of a CSV file of the manual, (rows, columns)."""
+    return np.loadtxt(DATA / f"{name}.csv", delimiter=",", skiprows=1)
+
 
 VALIDITY = table("validity")
 
