@@ -13,7 +13,9 @@ import pytest
 from xdist.scheduler import LoadScopeScheduling
 
 HERE = Path(__file__).resolve().parent
+EXAMPLES = HERE.parent / "examples"
 sys.path[:0] = [str(HERE), str(HERE.parent / "docs" / "make")]
+sys.path += [str(HERE / "benchmarks"), str(EXAMPLES), str(EXAMPLES / "tutorial")]
 gc.disable()  # until all tests are collected
 # FMUs that commands and examples keep for the user are kept for a run, not in the home of whoever runs it
 KEPT = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
@@ -187,6 +189,16 @@ def example_folder(built_once):
         extract_all(folder)
 
     return built_once("example_fmus", build)
+
+
+@pytest.fixture(scope="session")
+def dist(fmu_folder, example_folder, tmp_path_factory):
+    """Folder of this name with the FMUs of both kinds, where examples look for them from the folder above."""
+    place = tmp_path_factory.mktemp("both") / "dist"
+    place.mkdir()
+    for each in (*fmu_folder.glob("*.fmu"), *example_folder.glob("*.fmu")):
+        (place / each.name).symlink_to(each)
+    return place
 
 
 @pytest.fixture(scope="session")

@@ -3,7 +3,7 @@
     gained(...) = max over the communication steps of E - E_start - W (L_start - L) - rope that leaves the winch
 
 with the work of the winch force W, and mu u^3/2 per second in rope that leaves a winch at u. Each is divided by a work: of
-the heavier load over 10 m, of the winch over 10 m, of the free fall of 1 s.
+the winch over 10 m, of the free fall of 1 s.
 """
 
 from itertools import product
@@ -14,7 +14,6 @@ from tetherfmu import Line, Point, Tether, TetherDynamicFree, TetherSystem, Winc
 
 G, FALL, STEP = 9.81, 4.9, 0.01  # m/s2; of 1 s from rest [m]; communication step [s]
 STIFF = {"axial_stiffness": 6.9e5, "axial_damping": 473.0, "slack_stiffness_ratio": 0.0, "diameter": 0.004}
-SHEAVES = [*product(((1.0, 2.0), (20.0, 30.0), (50.0, 100.0)), (1, 2, 4, 10), (0.009, 0.1))]  # masses, segments, density
 DRUMS = [*product((1.0, 20.0, 50.0), (1, 4), (0.009, 0.1), (0.0, 10.0))]  # mass, segments, density, mass of the drum
 FREE = [*product((0.002, 0.003, 0.004, 0.008), (4, 10, 20), (10.0, 50.0), (5.0, 30.0))]  # diameter, segments, length, mass
 
@@ -36,14 +35,6 @@ def over_a_sheave(block, weight, rope, steps, solver):
         system.step(STEP)
         gained = max(gained, system.energy().total - start)
     return gained
-
-
-def at_a_sheave(masses, segments, density, solver):
-    """The heavier load pulls the lighter one, 10 m below, up to the sheave, and further; see the head of this file."""
-    light, heavy = masses
-    rope = {"segments": segments, "mass_per_length": density, "drag_coefficient": 0.0}
-    block, weight = ((0.001, 0.0, -10.0), light), ((-0.001, 0.0, -4.0), heavy)
-    return over_a_sheave(block, weight, rope, 500, solver) / ((heavy - light) * G * 10.0)
 
 
 def on_a_drum(mass, segments, density, solver, **winch):

@@ -8,35 +8,29 @@ ground that is found in each part of the first step that is abandoned, adaptive 
 the result. Some 10 s of processor time.
 """
 
-import argparse
-import sys
 import warnings
-from pathlib import Path
 
 import numpy as np
+from as_script import options
 
+from stability.flight import model_of, winch_input
+from stability.points import CALLS, kite, point
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.limits import COARSE_WORK
 from tetherfmu.runtime.plausibility import UNRESOLVED, kinds
-
-sys.path[:0] = [str(Path(__file__).resolve().parents[2] / "docs" / "make")]
-
-from stability.flight import model_of, winch_input  # noqa: E402
-from stability.points import CALLS, kite, point  # noqa: E402
 
 
 def inputs(p, start, time):
     """All inputs of a point at a time [s]; start : tension at the ground at the start [N]."""
     position, velocity = kite(p, time)
     wind = p.wind * np.array((np.cos(p.wind_azimuth), np.sin(p.wind_azimuth), 0.0))
-    given = {"kite_position": position, "kite_velocity": velocity, "wind_velocity": wind}
-    return given | {"reel_out_speed": p.reel_out_speed} | winch_input(p, start, time)
+    return {"kite_position": position, "kite_velocity": velocity, "wind_velocity": wind} | winch_input(p, start, time)
 
 
 def first_abandoned(p):
     """State before the first step that is abandoned, its time [s], and the tension at the ground at the start [N]."""
     model = model_of(p, 1)
-    start = float(model.initialize(**inputs(p, 0.0, 0.0)).ground_tension)
+    start = float(model.initialize(**inputs(p, 0.0, 0.0), reel_out_speed=p.reel_out_speed).ground_tension)
     for k in range(CALLS):
         state = model.get_state()
         model.step(p.step, **inputs(p, start, k * p.step))
@@ -48,7 +42,7 @@ def first_abandoned(p):
 def flown(p, state, time, start, parts):
     """Length [m], positions [m] after a step in parts, and the tension at the ground after each [N]."""
     model = model_of(p, 1)
-    model.initialize(**inputs(p, 0.0, 0.0))
+    model.initialize(**inputs(p, 0.0, 0.0), reel_out_speed=p.reel_out_speed)
     model.set_state(state)
     step = p.step / parts
     tensions = [float(model.step(step, **inputs(p, start, time + j * step)).ground_tension) for j in range(parts)]
@@ -74,13 +68,10 @@ def compare(number, parts):
 
 def main():
     """Compare all points."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--points", type=int, nargs="+", default=[121, 425, 463, 714])
-    parser.add_argument("--parts", type=int, default=100)
-    options = parser.parse_args()
+    given = options(__doc__, points=[121, 425, 463, 714], parts=100)
     warnings.simplefilter("ignore")
-    for number in options.points:
-        compare(number, options.parts)
+    for number in given.points:
+        compare(number, given.parts)
 
 
 if __name__ == "__main__":

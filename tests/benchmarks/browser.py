@@ -7,23 +7,18 @@ The circle of `examples/scenes` with 20 segments and steps of 20 ms, in wind: ea
 the page draws in a second. Needs Chromium with its driver.
 """
 
-import sys
 import tempfile
 import time
-from pathlib import Path
 from time import perf_counter
 
 import numpy as np
+from as_script import EXAMPLES
 
-sys.path[:0] = [str(Path(__file__).resolve().parents[1])]
-
-import chromium  # noqa: E402
-from tetherfmu.__main__ import main as tetherfmu  # noqa: E402
-from tetherfmu.files import scene_files as files  # noqa: E402
-from tetherfmu.libraries.examples import EXAMPLES  # noqa: E402
-from tetherfmu.python.models import TetherModel  # noqa: E402
-from tetherfmu.runtime.parameters import Solver  # noqa: E402
-from tetherfmu.runtime.variants import VARIANTS  # noqa: E402
+import chromium
+from tetherfmu.__main__ import main as tetherfmu
+from tetherfmu.files import scene_files as files
+from tetherfmu.runtime.variants import VARIANTS
+from tetherfmu.study.measuring.start import tether_at_start
 
 STEPS, STEP, ROUNDS, WIDTH = 1000, 0.02, 40, 1400
 IN_THE_PAGE = """
@@ -44,11 +39,7 @@ return [performance.now() - began, tether.vector("kite_force")];
 
 def native(variant, scene, rows):
     """Time of a step [us] and the last force on the kite [N] of the native library."""
-    model = next(each for each in TetherModel.__subclasses__() if each.variant == variant)
-    tether = model(scene.tether, scene.environment, Solver(initial_shape="quasi_steady"), ground=scene.ground)
-    first = scene.flight.motion(np.zeros(1))
-    wind = scene.wind(np.zeros(1))[0]
-    tether.initialize(kite_position=first.kite[0], kite_velocity=first.kite_velocity[0], wind_velocity=wind)
+    tether = tether_at_start(scene, variant=variant)
     began = perf_counter()
     tether.fly(rows, STEP, every=0)
     return 1e6 * (perf_counter() - began) / len(rows), tether.outputs().kite_force

@@ -1,6 +1,6 @@
 """FMUs compiled by their importer: built from their C sources by FMPy, they give the numbers of the native ones.
 
-    python tests/benchmarks/c_sources.py [NAME or FILE ...] [--fmi 2,3] [--levels 0,2,3]
+    python tests/benchmarks/c_sources.py [--names NAME or FILE ...] [--fmi 2 3] [--levels 0 2 3]
 
 All tethers, two systems and both versions of FMI: compiled by cmake from the files of the FMU alone, in an empty folder
 without any environment, by FMPy with all warnings, and by gcc with several options; validated; flown with their evidence
@@ -8,20 +8,17 @@ sets beside the native library. The memory that an instance takes, with room for
 gcc. FILE : of a system of tethers.
 """
 
-import argparse
 import os
 import shutil
 import subprocess
-import sys
 import tempfile
 from pathlib import Path
 
 import numpy as np
+from as_script import EXAMPLES, options
 from fmpy import extract
 from fmpy.build import build_platform_binary
 from fmpy.validation import validate_fmu
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from native import as_importers_do as importer
 from tetherfmu.export import systems
@@ -29,8 +26,7 @@ from tetherfmu.export.archive import SLAVES
 from tetherfmu.export.native import fmus as native
 from tetherfmu.runtime.kernel_library import SUFFIXES
 
-FILES = Path(__file__).resolve().parents[2] / "examples" / "systems"
-SYSTEMS = tuple(str(FILES / f"{name}.toml") for name in ("y_bridle", "two_kites"))
+SYSTEMS = [str(EXAMPLES / "systems" / f"{name}.toml") for name in ("y_bridle", "two_kites")]
 
 
 def built(name, folder, fmi):
@@ -76,7 +72,7 @@ def memory(path, folder, options=()):
 def main(names, versions, levels):
     """Print a table; versions : of FMI.  levels : of optimization by gcc, which is the same for both."""
     print("FMU, FMI, compiled by, numbers of the evidence run that differ from the native FMU's, problems of validation")
-    for name in names or (*SLAVES, *SYSTEMS):
+    for name in names:
         for fmi in versions:
             with tempfile.TemporaryDirectory() as temporary:
                 folder = Path(temporary) / f"fmi{fmi}"
@@ -96,9 +92,5 @@ def main(names, versions, levels):
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("names", nargs="*")
-    parser.add_argument("--fmi", default="2,3")
-    parser.add_argument("--levels", default="0,2,3")
-    wanted = parser.parse_args()
-    main(wanted.names, [int(each) for each in wanted.fmi.split(",")], [each for each in wanted.levels.split(",") if each])
+    wanted = options(__doc__, names=[*SLAVES, *SYSTEMS], fmi=[2, 3], levels=[0, 2, 3])
+    main(wanted.names, wanted.fmi, wanted.levels)

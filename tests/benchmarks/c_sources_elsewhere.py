@@ -1,7 +1,7 @@
 """The C sources of TetherDynamic on other processors, and what the slowest of many fixed steps costs.
 
-    python tests/benchmarks/c_sources_elsewhere.py processors
-    chrt -f 50 taskset -c 1 python tests/benchmarks/c_sources_elsewhere.py steps [--steps 1000000] [--segments 5,10,20,40]
+    python tests/benchmarks/c_sources_elsewhere.py
+    chrt -f 50 taskset -c 1 python tests/benchmarks/c_sources_elsewhere.py --of steps [--steps 1000000] [--segments 5 10]
 
 processors : compiles for several processors with all warnings as errors, by the compiler inside `ziglang` with its small C
 library, runs each program (needs qemu-user), compares the forces of a circle with those of this processor, and looks for
@@ -13,10 +13,8 @@ else uses (`taskset` keeps it on one, `chrt` first in the queue for it): eight m
 `--into docs/data/c_sources_steps.csv` the table goes to the manual.
 """
 
-import argparse
 import os
 import subprocess
-import sys
 import tempfile
 from datetime import UTC, datetime
 from pathlib import Path
@@ -24,9 +22,8 @@ from platform import system
 
 import numpy as np
 import pandas as pd
+from as_script import EXAMPLES, options
 from fmpy import read_model_description
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from native import as_importers_do as importer
 from scenes import REVOLUTION, circle
@@ -46,7 +43,7 @@ PLACES = {
     "FORCES_AT": "ground_force[1]",
     "ITERATIONS_AT": "solver_iterations",
 }
-BRIDLE = Path(__file__).resolve().parents[2] / "examples" / "systems" / "y_bridle.toml"
+BRIDLE = EXAMPLES / "systems" / "y_bridle.toml"
 SNAPPED = (483.0, 23.0, 4.0)  # mean distance of the kite [m], amplitude [m] and period [s]: the tether is 505 m long
 PROCESSORS = {  # target of the compiler, its options, and what runs the program
     "x86_64": ("x86_64-linux-musl", (), ()),
@@ -130,19 +127,14 @@ def described(count):
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("what", choices=("processors", "steps"))
-    parser.add_argument("--steps", type=int, default=1_000_000)
-    parser.add_argument("--segments", default="5,10,20,40")
-    parser.add_argument("--into", type=Path, metavar="FILE", help="CSV file for the table of steps")
-    wanted = parser.parse_args()
+    wanted = options(__doc__, of=("processors", "steps"), steps=1_000_000, segments=[5, 10, 20, 40], into="")
     with tempfile.TemporaryDirectory() as temporary:
         made = prepared(Path(temporary))
-        if wanted.what == "processors":
+        if wanted.of == "processors":
             processors(*made)
             systems_without_warnings(Path(temporary))
         else:
-            table = steps(*made, wanted.steps, [int(each) for each in wanted.segments.split(",")])
+            table = steps(*made, wanted.steps, wanted.segments)
             print(described(wanted.steps), markdown(table), sep="\n")
             if wanted.into:
                 table.to_csv(wanted.into, index=False)

@@ -11,7 +11,6 @@ damping that falls with each success brings it to its minimum, from parabolas be
 what the deck was made into is used.
 """
 
-import csv
 import sys
 import tempfile
 import tomllib
@@ -19,6 +18,7 @@ import warnings
 from pathlib import Path
 
 import numpy as np
+from as_script import print_csv
 from scipy.sparse import coo_matrix, diags
 from scipy.sparse.linalg import spsolve
 
@@ -140,8 +140,7 @@ def main():
     """Write the table."""
     warnings.simplefilter("ignore")
     root = Path(sys.argv[1])
-    out = csv.writer(sys.stdout, lineterminator="\n")
-    out.writerow(("path", "lines", "force %", "place %", "not read, or not compared"))
+    print_csv("path", "lines", "force %", "place %", "not read, or not compared")
     for path in sorted(each for each in root.rglob("*") if each.suffix in (".txt", ".dat") and each.is_file()):
         if not moordyn.HAS_IT.search(path.read_text(encoding="utf-8", errors="replace")):
             continue
@@ -149,7 +148,7 @@ def main():
         try:
             text = reading.imported(path)[1]
         except ValueError as problem:
-            out.writerow((name, "", "", "", problem))
+            print_csv(name, "", "", "", problem)
             continue
         with tempfile.TemporaryDirectory() as folder:
             made = Path(folder) / "made.toml"
@@ -159,8 +158,7 @@ def main():
                 found = [f"{each:.4f}" for each in differences(table, made)]
             except RuntimeError as problem:
                 found = ["", "", problem]
-        out.writerow((name, len(table["lines"]), *found, "")[:5])
-        sys.stdout.flush()
+        print_csv(*(name, len(table["lines"]), *found, "")[:5])
 
 
 if __name__ == "__main__":

@@ -9,7 +9,6 @@ inputs, the step, six outputs), medians of the processor's time. Last how many d
 whose reel-out speed jumps in every step: there are up to 200 internal steps in one.
 """
 
-import sys
 import tempfile
 from pathlib import Path
 from statistics import median
@@ -17,10 +16,9 @@ from time import process_time
 
 import numpy as np
 import pandas as pd
+from as_script import TESTS  # noqa: F401 (the tests are found)
 from fmpy import extract
 from fmpy.fmi1 import FMICallException
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from native.flights import flown
 from runtime.host import Host

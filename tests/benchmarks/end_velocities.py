@@ -1,6 +1,6 @@
 """How good are velocities of the ends that are derived from positions, beside those that the importer gives?
 
-    python tests/benchmarks/end_velocities.py [--step 0.02] [--noise 0.001] [--tether dynamic]
+    python tests/benchmarks/end_velocities.py [--step 0.02] [--noise 0.001] [--tether dynamic] [--modes given derived]
 
 Printed, to be copied into docs/data/end_velocities.csv of docs/models/theory.md, "Driven ends": error of the force on the
 kite, rms over rms of the force, against the same tether at a twentieth of the communication step with exact positions and
@@ -10,21 +10,16 @@ Wind 8 m/s, 20 segments; the first 30 s of 60 s are left out. The noise is norma
 position of the kite in each communication step; given velocities have none.
 """
 
-import argparse
-import sys
 import warnings
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
+from as_script import options
 
+from benchmark.scenes import circle_scene, figure_of_eight_scene
 from tetherfmu.files.flights import Circle
 from tetherfmu.runtime import layout as at
 from tetherfmu.study.measuring.start import MODELS
-
-sys.path[:0] = [str(Path(__file__).resolve().parents[2] / "docs" / "make")]
-
-from benchmark.scenes import circle_scene, figure_of_eight_scene  # noqa: E402
 
 FINER, DURATION, SETTLED, SEGMENTS = 20, 60.0, 30.0, 20
 MODES = {"given": "given", "left at 0": "given", "derived": "derived"}
@@ -45,9 +40,8 @@ def force(scene, step, variant, mode="given", noise=0.0, every=1):
     inputs[:, kite] += noise * np.random.default_rng(1).normal(size=(len(inputs), 3))
     if mode != "given":
         inputs[:, velocity] = 0.0
-    options = {"end_velocities": MODES.get(mode, mode), "initial_shape": "quasi_steady"}
-    model = MODELS[variant](scene.tether, scene.environment, **options)
-    start = (first[kite], first[velocity]) if options["end_velocities"] == "given" else (first[kite],)
+    model = MODELS[variant](scene.tether, scene.environment, end_velocities=MODES[mode], initial_shape="quasi_steady")
+    start = (first[kite], first[velocity]) if MODES[mode] == "given" else (first[kite],)
     model.initialize(*start, wind_velocity=first[at.WIND_VELOCITY : at.WIND_VELOCITY + 3])
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
@@ -62,18 +56,13 @@ def error(scene, step, variant, mode, noise, reference):
 
 
 def main():
-    parser = argparse.ArgumentParser(description="Error of derived velocities.")
-    parser.add_argument("--step", type=float, default=0.02, help="communication step [s]")
-    parser.add_argument("--noise", type=float, default=0.001, help="of each position [m]")
-    parser.add_argument("--tether", choices=list(MODELS), default="dynamic")
-    parser.add_argument("--modes", nargs="+", default=list(MODES))
-    options = parser.parse_args()
-    print(f"error of kite_force, communication step {1e3 * options.step:g} ms, noise {1e3 * options.noise:g} mm")
+    given = options(__doc__, step=0.02, noise=0.001, tether="dynamic", modes=[*MODES])
+    print(f"error of kite_force, communication step {1e3 * given.step:g} ms, noise {1e3 * given.noise:g} mm")
     for name, scene in scenes().items():
-        reference = force(scene, options.step / FINER, options.tether, every=FINER)
-        size = np.sqrt(np.mean(np.sum(reference[round(SETTLED / options.step) :] ** 2, axis=1)))
-        for noise in (0.0, options.noise):
-            found = {mode: error(scene, options.step, options.tether, mode, noise, reference) for mode in options.modes}
+        reference = force(scene, given.step / FINER, given.tether, every=FINER)
+        size = np.sqrt(np.mean(np.sum(reference[round(SETTLED / given.step) :] ** 2, axis=1)))
+        for noise in (0.0, given.noise):
+            found = {mode: error(scene, given.step, given.tether, mode, noise, reference) for mode in given.modes}
             texts = ", ".join(f"{mode} {100.0 * each:.3g} %" for mode, each in found.items())
             print(f"{name} ({size:.4g} N rms), noise {1e3 * noise:g} mm: {texts}")
 

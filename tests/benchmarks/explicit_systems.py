@@ -10,20 +10,15 @@ also writes its series to tests/reference/explicit_*.csv. Equations: tests/netwo
     bridle    a kite at 25 m/s around the station, three lines of 4 m from its wing to a knot of 0.3 kg
 """
 
-import argparse
 import sys
-from pathlib import Path
 
 import numpy as np
+from as_script import REFERENCE, options, print_csv
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-
-from benchmarks.csv_rows import print_csv
 from networks import Network
 from tetherfmu import Environment, Line, Point, Tether, TetherSystem
 from tetherfmu.study.measuring.tables import circumstances
 
-REFERENCE = Path(__file__).resolve().parents[1] / "reference"
 SHORT, STEP, EVERY = 4e-5, 0.02, 0.1  # step of the explicit method, communication step, time between rows [s]
 WIND = np.array((8.0, 1.0, 0.0))
 DURATION = {"slack_y": 10.0, "bridle": 5.0}
@@ -136,10 +131,7 @@ def errors(found, right):
 
 def main():
     """Print the table."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--write", action="store_true", help="write the reference files")
-    parser.add_argument("--check", action="store_true", help="the explicit method with steps twice as long, too")
-    given = parser.parse_args()
+    given = options(__doc__, write=False, check=False)
     print(circumstances(), file=sys.stderr)
     print_csv(*HEAD)
     for name, duration in DURATION.items():

@@ -6,15 +6,13 @@ Each line is computed by the functions of the test of that name in tests/physics
 hours without damping and 1e7 communication steps (some minutes).
 """
 
-import argparse
 import sys
-from pathlib import Path
 from time import perf_counter
 
 import numpy as np
+from as_script import TESTS, options, print_csv
 
-TESTS = Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(TESTS), str(TESTS / "physics"), str(TESTS / "physics" / "extremes")]
+sys.path[:0] = [str(TESTS / "physics"), str(TESTS / "physics" / "extremes")]
 
 
 def snap():
@@ -34,12 +32,8 @@ def stop():
 
     for mass in (100.0, 500.0):
         peak, _, residual = peak_at_the_stop(mass, 473.0)
-        yield (
-            f"{mass:.0f} kg fall 5 m into a tether of 50 m",
-            "M g + sqrt((M g)^2 + 2 M g h k)",
-            f"{100 * (peak - 1):.1f} %",
-            residual,
-        )
+        scenario, oracle = f"{mass:.0f} kg fall 5 m into a tether of 50 m", "M g + sqrt((M g)^2 + 2 M g h k)"
+        yield scenario, oracle, f"{100 * (peak - 1):.1f} %", residual
 
 
 def released():
@@ -49,12 +43,8 @@ def released():
     _, _, kinetic, residual = recoil(100, 0.0)
     yield "released end, n = 100: energy at L/c", "all kinetic", f"{100 * (kinetic - 1):.2f} %", np.abs(residual).max()
     found, way, _, residual = recoil(100, 473.0)
-    yield (
-        "released end with damping: way at L/c",
-        "Kelvin-Voigt rod",
-        f"{100 * (found / way - 1):.4f} %",
-        np.abs(residual).max(),
-    )
+    deviation = f"{100 * (found / way - 1):.4f} %"
+    yield "released end with damping: way at L/c", "Kelvin-Voigt rod", deviation, np.abs(residual).max()
     fall, part, _, residual = let_go(100, 5.0)
     worst = np.abs(part[(fall > 0.3) & (fall < 0.85)] - 1.0).max()
     yield "whip of a folded chain, n = 100: speed of its tip", "Calkin and March 1989", f"{100 * worst:.1f} %", residual
@@ -140,23 +130,15 @@ def long_runs():
     difference, model = drift(10_000)
     length = abs(model.outputs().tether_length - 525.0)
     minutes = (perf_counter() - start) / 60.0
-    yield (
-        f"{10_000 * STEPS_PER_REVOLUTION:.0e} steps ({minutes:.1f} min): last revolution",
-        "third",
-        f"{difference:.1e}",
-        None,
-    )
+    steps = f"{10_000 * STEPS_PER_REVOLUTION:.0e} steps ({minutes:.1f} min)"
+    yield f"{steps}: last revolution", "third", f"{difference:.1e}", None
     yield "the same: unstretched length after reeling to and fro", "525 m", f"{length:.0e} m", None
 
 
-def main(arguments=None):
+def main():
     """Print the table."""
-    from benchmarks.csv_rows import print_csv
-
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--long", action="store_true", help="also an hour of noise, hours without damping and 1e7 steps")
     groups = [snap, stop, released, resonance, spinning, sessions, noise]
-    if parser.parse_args(arguments).long:
+    if options(__doc__, long=False).long:
         groups += [undamped, long_runs]
     print_csv("scenario", "oracle", "error", "energy residual")
     for group in groups:

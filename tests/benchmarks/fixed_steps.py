@@ -15,12 +15,12 @@ With `--winch force` the winch of each scene is told a force that swings by 30 %
 has no mass in half of the scenes, else 5 to 500 kg; friction in half; and at 2 to 10 m/s its damper makes up for that force.
 """
 
-import argparse
 from itertools import chain, cycle, islice
 from time import process_time
 
 import numpy as np
 import pandas as pd
+from as_script import options
 from matplotlib.figure import Figure
 from tolerance import KINDS, REFERENCE, SEGMENTS, STEP, UNWARNED, catch_warnings, difference
 
@@ -79,20 +79,20 @@ def largest(forces):
     return np.linalg.norm(forces.reshape(-1, 3), axis=1).max()
 
 
-def measured(kind, number, options, of_solvers):
+def measured(kind, number, given, of_solvers):
     """Rows of one scene, one for each of `solvers`; none if the scene is refused."""
-    random = np.random.default_rng((options.seed, number))
+    random = np.random.default_rng((given.seed, number))
     scene, n = KINDS[kind](random), int(random.choice(SEGMENTS))
     rows = []
     try:
-        scene = by_force(scene, n, random) if options.winch == "force" else scene
-        right, _, _ = flown(scene, n, options.duration, relative_tolerance=REFERENCE)
+        scene = by_force(scene, n, random) if given.winch == "force" else scene
+        right, _, _ = flown(scene, n, given.duration, relative_tolerance=REFERENCE)
     except StepRefused:
         return []
     for (method, step), solver in of_solvers.items():
         each = {"scene": number, "kind": kind, "segments": n, "method": method, "step or tolerance": step}
         try:
-            forces, seconds, counters = flown(scene, n, options.duration, **solver)
+            forces, seconds, counters = flown(scene, n, given.duration, **solver)
             each |= {"error": difference(forces, right), "largest": abs(largest(forces) / largest(right) - 1.0)}
             each |= {"seconds": seconds, **{name: counters[name] for name in ("steps", "rejections", "iterations")}}
         except StepRefused:
@@ -156,27 +156,20 @@ def draw(table, path):
 
 def main():
     """Fly the scenes, print the tables and draw the figure."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--scenes", type=int, default=300)
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--fixed-steps", type=float, nargs="+", default=[5.0, 1.0], help="[ms]")
-    parser.add_argument("--tolerances", type=float, nargs="+", default=[1e-4], help="of the adaptive solver")
-    parser.add_argument("--duration", type=float, default=20.0, help="of a scene [s]")
-    parser.add_argument("--winch", choices=("speed", "force"), default="speed", help="what it is told")
-    parser.add_argument("--figure", metavar="FILE", help="where to draw error over time")
-    options = parser.parse_args()
-    kinds, all_solvers = islice(cycle(KINDS), options.scenes), solvers(options.fixed_steps, options.tolerances)
-    rows = (measured(kind, k, options, all_solvers) for k, kind in enumerate(kinds))
+    steps = {"fixed_steps": [5.0, 1.0], "tolerances": [1e-4]}  # [ms], of the adaptive solver
+    given = options(__doc__, scenes=300, seed=1, duration=20.0, winch=("speed", "force"), figure="", **steps)
+    kinds, all_solvers = islice(cycle(KINDS), given.scenes), solvers(given.fixed_steps, given.tolerances)
+    rows = (measured(kind, k, given, all_solvers) for k, kind in enumerate(kinds))
     found = pd.DataFrame(list(chain.from_iterable(rows)), columns=COLUMNS)
-    print(f"{circumstances()}\n\n{found.scene.nunique()} of {options.scenes} scenes, the others refused\n")
+    print(f"{circumstances()}\n\n{found.scene.nunique()} of {given.scenes} scenes, the others refused\n")
     print(markdown(summary(found)))
     found["within"] = 100.0 * (found.error < 0.01)
     table = found.pivot_table(index="kind", columns=["method", "step or tolerance"], values="within", sort=False)
     table.columns = [" ".join(each) for each in table.columns]
     print(f"\nScenes of a kind within 1 % [%]\n\n{markdown(table.reset_index())}")
     print(f"\nBy segments: median of the error [%], time of a step [us]\n\n{markdown(by_segments(found))}")
-    if options.figure:
-        draw(summary(found), options.figure)
+    if given.figure:
+        draw(summary(found), given.figure)
 
 
 COLUMNS = [

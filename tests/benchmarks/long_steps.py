@@ -9,16 +9,15 @@ step".
 """
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
+from as_script import print_csv
 
 from tetherfmu.files.scene_files import load
 from tetherfmu.runtime.parameters import Ground
 from tetherfmu.study.measuring.start import tether_at_start
 
-FOLDER = Path(__file__).parents[2] / "examples" / "scenes"
-SCENES = [replace(load(FOLDER / f"{name}.toml"), ground=Ground(ground_height=-100.0)) for name in ("reel", "landing")]
+SCENES = [replace(load(name), ground=Ground(ground_height=-100.0)) for name in ("reel", "landing")]
 STEPS = (0.1, 0.05, 0.02, 0.01)  # [s]
 FINE = 0.001  # [s]
 
@@ -33,13 +32,13 @@ def force(scene, step, held):
 
 def main():
     """Print the table."""
-    print("scene,reel_out_speed,step_ms,error_percent")
+    print_csv("scene", "reel_out_speed", "step_ms", "error_percent")
     for scene in SCENES:
         fine = force(scene, FINE, held=False)
         for name, held in (("held", True), ("linear", False)):
             for step in STEPS:
                 error = np.sqrt(np.mean((force(scene, step, held) - fine) ** 2) / np.mean(fine**2))
-                print(f"{scene.name},{name},{1e3 * step:g},{100 * error:.2g}")
+                print_csv(scene.name, name, f"{1e3 * step:g}", f"{100 * error:.2g}")
 
 
 if __name__ == "__main__":

@@ -7,16 +7,13 @@ water. The added mass, 3.8 of the displaced water across the chain, acts in all 
 number is fitted. The axial damping is a choice: it was not measured.
 """
 
-import csv
-import sys
 import warnings
-from pathlib import Path
 
 import numpy as np
+from as_script import REFERENCE, print_csv
 
 from tetherfmu import PlausibilityWarning, TetherCatenary, TetherDynamic, TetherQuasiSteady, inputs_along
 
-MEASURED = Path(__file__).resolve().parents[1] / "reference" / "bergdahl_chain.csv"
 LINE_DENSITY, DIAMETER, WEIGHT = 0.0818, 2.2e-3, 0.6993  # dry [kg/m], nominal [m], under water [N/m]
 STEEL, WATER, ADDED = 7800.0, 1000.0, 3.8  # [kg/m3], [kg/m3], coefficient
 STEP, CYCLES, COUNTED = 0.01, 8, 4  # s; the radius grows in the first three of the cycles, the last ones count
@@ -66,7 +63,7 @@ def largest_force(kind, period, radius, added=ADDED, **more):
 def errors(name):
     """Computed less measured forces of all conditions [N]; name : of one of `TETHERS`."""
     kind, more = TETHERS[name]
-    periods, radii, forces = np.loadtxt(MEASURED, delimiter=",", skiprows=1, unpack=True)
+    periods, radii, forces = np.loadtxt(REFERENCE / "bergdahl_chain.csv", delimiter=",", skiprows=1, unpack=True)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", PlausibilityWarning)  # of air as dense as water
         return np.array([largest_force(kind, *each, **more) for each in zip(periods, radii, strict=True)]) - forces
@@ -74,11 +71,10 @@ def errors(name):
 
 def main():
     """Print a row for each tether."""
-    rows = csv.writer(sys.stdout, lineterminator="\n")
-    rows.writerow(("tether", "root mean square [N]", "mean [N]", "largest [N]"))
+    print_csv("tether", "root mean square [N]", "mean [N]", "largest [N]")
     for name in TETHERS:
         found = errors(name)
-        rows.writerow((name, *(f"{each:.3g}" for each in (np.sqrt(np.mean(found**2)), found.mean(), np.abs(found).max()))))
+        print_csv(name, *(f"{each:.3g}" for each in (np.sqrt(np.mean(found**2)), found.mean(), np.abs(found).max())))
 
 
 if __name__ == "__main__":

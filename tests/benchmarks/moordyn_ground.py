@@ -1,13 +1,14 @@
 """A tether on a flat ground in MoorDyn and in `TetherDynamic`: three scenes side by side, and what a drop costs.
 
     pip install "moordyn>=2.7"
-    python tests/benchmarks/moordyn_ground.py [--write | --cost | --law]
+    python tests/benchmarks/moordyn_ground.py [--write | --cost | --law] [--step 2e-5] [--repeats 5]
 
-Prints the differences from MoorDyn, as CSV; `--write` also writes tests/reference/moordyn_*.csv. `--cost` times the
-drop instead. `--law` compares the stored series with the chain of tests/grounds.py with MoorDyn's law; it needs no MoorDyn.
+Prints the differences from MoorDyn with steps (dtM [s]) inside, as CSV; `--write` also writes tests/reference/moordyn_*.csv.
+`--cost` times the drop instead. `--law` compares the stored series with the chain of tests/grounds.py with MoorDyn's law; it
+needs no MoorDyn.
 
 60 m of tether (4 mm of Dyneema), 20 segments, friction 0.5, no drag; slack segments have damping but no stiffness, as in
-MoorDyn. Its water has the density of air and its surface is far above; a stronger gravity makes up for the buoyancy. Scenes:
+MoorDyn, whose air is that of `in_moordyn.py`. Scenes:
 
     fall   straight between two ends 6 m above the ground, which approach by 5 m each in 2 s: it falls and comes to rest
     lift   lying straight; one end is lifted by 20 m in 4 s and then moves away in 4 s, the other stays
@@ -24,76 +25,27 @@ and pulls at what leaves, and with it the friction of nodes that bounce; below 0
 is seen from MoorDyn itself, with cBot or FricDamp half as large. Tensions are those of the segments at the ends a and b.
 """
 
-import argparse
-import os
 import sys
-import tempfile
-from contextlib import contextmanager
 from functools import partial
 from itertools import pairwise
-from pathlib import Path
-from time import perf_counter
+from time import process_time
 
 import numpy as np
+from as_script import REFERENCE, options, print_csv
+from in_moordyn import AIR, EVERY, FINE, NO_SPRING, MoorDyn, print_errors, raced, ramp, sizes, write
 from scipy.integrate import solve_ivp
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-
-from benchmarks.csv_rows import print_csv
 from grounds import Chain, G
-from tetherfmu import Environment, Ground, Solver, Tether, TetherDynamic
+from tetherfmu import Ground, Solver, Tether, TetherDynamic
 from tetherfmu.study.measuring.tables import circumstances
 
-REFERENCE = Path(__file__).parents[1] / "reference"
 DEPTH = 100.0  # of MoorDyn's water [m]
 FRICTION, SINK, CREEP = 0.5, 0.002, 2e-4  # -, m, m/s
-NO_SPRING = 1e-12  # of a slack segment, which keeps its damper, as in MoorDyn
 TETHER = Tether(initial_length=60.0, slack_stiffness_ratio=NO_SPRING, drag_coefficient=0.0)
-AIR = Environment()
-FINE, EVERY = 0.001, 0.1  # communication step and time between rows of a file [s]
 FOLLOWED = (5, 10, 15)  # nodes
 COLUMNS = ("time", "tension_a", "tension_b", "lying", *(f"{axis}{node}" for node in FOLLOWED for axis in "xz"))
 MEASURES = ("tension N", "largest N", "lying m", "largest m", "nodes m", "largest m", "tension at the end N")
 HEAD = ("scene", "from MoorDyn differs", *MEASURES)
-FILE = """--- MoorDyn input
-ground
---- LINE TYPES
-Name Diam MassDen EA BA EI Cd Ca CdAx CaAx
-(-) (m) (kg/m) (N) (N-s) (N-m^2) (-) (-) (-) (-)
-tether {d} {mass} {stiffness} {damping} 0 {drag} 0 0 0
---- POINTS
-ID Type X Y Z Mass Volume CdA Ca
-(-) (-) (m) (m) (m) (kg) (m^3) (m^2) (-)
-1 {first} {a} 0 0 0 0
-2 Coupled {b} 0 0 0 0
---- LINES
-ID LineType AttachA AttachB UnstrLen NumSegs Outputs
-(-) (-) (-) (-) (m) (-) (-)
-1 tether 1 2 {length} {segments} -
---- OPTIONS
-{step} dtM
-{scheme} tScheme
-{gravity} g
-{density} WtrDnsty
-{depth} WtrDpth
-{kbot} kBot
-{cbot} cBot
-{friction} FrictionCoefficient
-{fricdamp} FricDamp
-1 StatDynFricScale
-0.02 dtIC
-200 TmaxIC
-1e-6 threshIC
-0 writeLog
-1 disableOutput
---- END
-"""
-
-
-def ramp(time):
-    """From 0 to 1 while the time goes from 0 to 1, without jumps of speed or acceleration."""
-    part = np.clip(time, 0.0, 1.0)
-    return part**3 * (10.0 - 15.0 * part + 6.0 * part**2)
 
 
 def falling(time):
@@ -124,11 +76,11 @@ def row(time, x, tensions):
     return [time, tensions[0], tensions[-1], under.sum() * TETHER.initial_length / TETHER.segments, *followed]
 
 
-def ours(name, step=0.02, tolerance=1e-8, **options):
+def ours(name, step=0.02, tolerance=1e-8, **more):
     """Rows of a scene flown by `TetherDynamic`, every `EVERY` seconds, and the model at the end."""
     path, duration = SCENES[name]
     ground = Ground("flat", ground_friction=FRICTION, ground_sink=SINK)
-    solver = Solver(initial_shape=1 if name == "fall" else 3, relative_tolerance=tolerance, **options)
+    solver = Solver(initial_shape=1 if name == "fall" else 3, relative_tolerance=tolerance, **more)
     model = TetherDynamic(TETHER, AIR, solver, ground=ground, free_ends=(name == "drag", False))
     a, b = path(0.0)
     model.initialize(b, ground_position=a)
@@ -141,118 +93,54 @@ def ours(name, step=0.02, tolerance=1e-8, **options):
     return np.array(rows), model
 
 
-@contextmanager
-def silence():
-    """Send what a library prints to nowhere."""
-    kept = os.dup(1), os.dup(2)
-    with open(os.devnull, "wb") as nowhere:
-        for each in (1, 2):
-            os.dup2(nowhere.fileno(), each)
-    try:
-        yield
-    finally:
-        for each, former in zip((1, 2), kept, strict=True):
-            os.dup2(former, each)
-            os.close(former)
+def row_of(time, lines):
+    """A row of a file from nodes and their velocities."""
+    ((x, v),) = lines
+    r, rest = np.diff(x, axis=0), TETHER.initial_length / TETHER.segments
+    length = np.linalg.norm(r, axis=1)
+    rate = np.sum(r * np.diff(v, axis=0), axis=1) / length / rest
+    return row(time, x, TETHER.axial_stiffness * np.maximum(length / rest - 1.0, 0.0) + TETHER.axial_damping * rate)
 
 
-class MoorDyn:
-    """A scene in MoorDyn."""
+def theirs(name, step, scheme="RK4", every=FINE, creep=CREEP, damper=1.0):
+    """Rows of a scene flown by MoorDyn in steps `step` [s] of `scheme`, and the processor time of the steps [s].
 
-    def __init__(self, name, step, scheme="RK4", creep=CREEP, damper=1.0):
-        """Steps `step` [s] of `scheme`; creep : speed [m/s] from which on an inner node has all its friction."""
-        import moordyn
-
-        self.library, self.name, self.free = moordyn, name, name == "drag"
-        self.path, self.duration = SCENES[name]
-        weight = TETHER.mass_per_length * AIR.gravity
-        density = TETHER.mass_per_length / (0.25 * np.pi * TETHER.diameter**2)
-        a, b = self.path(0.0) - (0.0, 0.0, DEPTH)
-        facts = {
-            "d": TETHER.diameter,
-            "mass": TETHER.mass_per_length,
-            "length": TETHER.initial_length,
-            "stiffness": TETHER.axial_stiffness,
-            "damping": TETHER.axial_damping,
-            "drag": TETHER.drag_coefficient,
-            "segments": TETHER.segments,
-            "first": "Free" if self.free else "Coupled",
-            "a": " ".join(map(str, a)),
-            "b": " ".join(map(str, b)),
-            "step": step,
-            "scheme": scheme,
-            "depth": DEPTH,
-            "density": AIR.air_density,
-            "gravity": AIR.gravity * density / (density - AIR.air_density),
-            "kbot": weight / SINK / TETHER.diameter,
-            "cbot": damper * 2.0 * weight / np.sqrt(AIR.gravity * SINK) / TETHER.diameter,
-            "friction": FRICTION,
-            "fricdamp": weight * TETHER.initial_length / TETHER.segments / creep,
-        }
-        with silence(), tempfile.TemporaryDirectory() as folder:
-            file = Path(folder) / "line.txt"
-            file.write_text(FILE.format(**facts))
-            self.system = moordyn.Create(str(file))
-            moordyn.Init(self.system, *self.ends(0.0, FINE))
-            self.line = moordyn.GetLine(self.system, 1)
-
-    def ends(self, time, step):
-        """Positions of the driven ends [m], and their mean velocities [m/s] over a step."""
-        first = 1 if self.free else 0
-        now, then = self.path(time)[first:], self.path(time + step)[first:]
-        return (now - (0.0, 0.0, DEPTH)).ravel().tolist(), ((then - now) / step).ravel().tolist()
-
-    def row(self, time):
-        """Row of a file."""
-        nodes = range(TETHER.segments + 1)
-        x = np.array([self.library.GetLineNodePos(self.line, i) for i in nodes])
-        x[:, 2] += DEPTH
-        v = np.array([self.library.GetLineNodeVel(self.line, i) for i in nodes])
-        r, rest = np.diff(x, axis=0), TETHER.initial_length / TETHER.segments
-        length = np.linalg.norm(r, axis=1)
-        rate = np.sum(r * np.diff(v, axis=0), axis=1) / length / rest
-        tensions = TETHER.axial_stiffness * np.maximum(length / rest - 1.0, 0.0) + TETHER.axial_damping * rate
-        return row(time, x, tensions)
-
-    def fly(self, step=FINE):
-        """Rows every `EVERY` seconds."""
-        rows, every = [self.row(0.0)], round(EVERY / step)
-        with silence():
-            for k in range(round(self.duration / step)):
-                self.library.Step(self.system, *self.ends(k * step, step), k * step, step)
-                if (k + 1) % every == 0:
-                    rows.append(self.row((k + 1) * step))
-        self.library.Close(self.system)
-        return np.array(rows)
-
-
-def write(name, rows):
-    """Write a reference file."""
-    np.savetxt(REFERENCE / f"moordyn_{name}.csv", rows, fmt="%.8g", delimiter=",", header=",".join(COLUMNS), comments="")
+    every : communication step [s].  creep : speed [m/s] from which on an inner node has all its friction.
+    """
+    path, duration = SCENES[name]
+    weight, first = TETHER.mass_per_length * AIR.gravity, int(name == "drag")  # end a is free there
+    ground = {
+        "kBot": weight / SINK / TETHER.diameter,
+        "cBot": damper * 2.0 * weight / np.sqrt(AIR.gravity * SINK) / TETHER.diameter,
+        "FrictionCoefficient": FRICTION,
+        "FricDamp": weight * TETHER.initial_length / TETHER.segments / creep,
+        "StatDynFricScale": 1,
+        "threshIC": 1e-6,
+    }
+    points = [(kind, 0.0, place) for kind, place in zip(("Free" if first else "Coupled", "Coupled"), path(0.0), strict=True)]
+    lines = [(1, 2, TETHER.initial_length, TETHER.segments)]
+    system = MoorDyn(TETHER, points, lines, lambda time: path(time)[first:], DEPTH, step, scheme, **ground)
+    return system.fly(row_of, duration, every)
 
 
 def differences(name, what, found, right):
     """Line of the table: root mean square and largest difference of tensions, lying length and nodes."""
     gap = found - right
-    cells = []
-    for columns in ((1, 2), (3,), range(4, len(COLUMNS))):
-        part = gap[:, list(columns)]
-        cells += [f"{np.sqrt(np.mean(part**2)):.2g}", f"{np.abs(part).max():.2g}"]
-    print_csv(name, what, *cells, f"{np.abs(gap[-1, 1:3]).max():.2g}")
+    print_errors(name, what, errors=[*sizes(gap[:, 1:3], gap[:, 3], gap[:, 4:]), np.abs(gap[-1, 1:3]).max()])
 
 
 def compare(step, keep):
     """Table of differences from MoorDyn with the largest step that is converged; `keep` writes its series."""
     print_csv(*HEAD)
     for name in SCENES:
-        right = MoorDyn(name, step).fly()
+        right, _ = theirs(name, step)
         if keep:
-            write(name, right)
+            write(name, COLUMNS, right)
         differences(name, "TetherDynamic", ours(name, FINE)[0], right)
         differences(name, "TetherDynamic, steps of 20 ms, default tolerance", ours(name, 0.02, 0.0)[0], right)
-        differences(name, "MoorDyn, dtM twice as long", MoorDyn(name, 2.0 * step).fly(), right)
-        differences(name, "MoorDyn, cBot half as large", MoorDyn(name, 2.0 * step, damper=0.5).fly(), right)
-        differences(name, "MoorDyn, FricDamp half as large", MoorDyn(name, 2.0 * step, creep=2.0 * CREEP).fly(), right)
+        differences(name, "MoorDyn, dtM twice as long", theirs(name, 2.0 * step)[0], right)
+        differences(name, "MoorDyn, cBot half as large", theirs(name, 2.0 * step, damper=0.5)[0], right)
+        differences(name, "MoorDyn, FricDamp half as large", theirs(name, 2.0 * step, creep=2.0 * CREEP)[0], right)
 
 
 class ByItsLaw(Chain):
@@ -295,10 +183,7 @@ class ByItsLaw(Chain):
     def row(self, time, state):
         """Row of a file."""
         x, v = self.driven(time, state)
-        r, rest = np.diff(x, axis=0), self.length / self.n
-        length = np.linalg.norm(r, axis=1)
-        rate = np.sum(r * np.diff(v, axis=0), axis=1) / length / rest
-        return row(time, x, self.stiffness * np.maximum(length / rest - 1.0, 0.0) + self.material * rate)
+        return row_of(time, [(x, v)])
 
 
 def by_its_law(name):
@@ -323,11 +208,11 @@ def explain():
         differences(name, "the chain with its law", by_its_law(name), right)
 
 
-def timed(fly):
-    """Rows of a flight and its time [s]."""
-    start = perf_counter()
-    rows = fly()
-    return rows, perf_counter() - start
+def timed(name, step, tolerance):
+    """As `theirs`, of `TetherDynamic`, with its start."""
+    start = process_time()
+    rows, _ = ours(name, step, tolerance)
+    return rows, process_time() - start
 
 
 def cost(repeats):
@@ -336,39 +221,25 @@ def cost(repeats):
     The time of `TetherDynamic` has its start in it, that of MoorDyn not.
     """
     step, name = 0.02, "fall"
-    ways = {f"TetherDynamic, tolerance {each:g}": partial(ours, name, step, each) for each in (1e-2, 1e-3, 1e-4, 1e-5)}
+    ways = {f"TetherDynamic, tolerance {each:g}": partial(timed, name, step, each) for each in (1e-2, 1e-3, 1e-4, 1e-5)}
     ways |= {
-        f"MoorDyn {scheme}, dtM {1e6 * each:.3g} us": partial(MoorDyn, name, each, scheme)
+        f"MoorDyn {scheme}, dtM {1e6 * each:.3g} us": partial(theirs, name, each, scheme, step)
         for scheme, each in (("RK2", 8e-5), ("RK2", 0.02 / 300), ("RK2", 4e-5), ("RK4", 1e-4), ("RK4", 5e-5))
     }
-    right = {True: ours(name, step)[0], False: MoorDyn(name, 1e-5).fly(step)}
-    times, rows = {way: np.inf for way in ways}, {}
-    for _ in range(repeats):
-        for way, make in ways.items():
-            if way.startswith("MoorDyn"):
-                system = make()
-                rows[way], time = timed(lambda system=system: system.fly(step))
-            else:
-                (rows[way], _), time = timed(make)
-            times[way] = min(times[way], time)
+    right = {True: ours(name, step)[0], False: theirs(name, 1e-5, every=step)[0]}
+    rows, times = raced(ways, repeats)
     default = times["TetherDynamic, tolerance 0.0001"]
     print_csv("solver", "error of tensions N", "of nodes mm", "ms per simulated second", "ratio")
     for way, time in times.items():
         gap = rows[way] - right[way.startswith("Tether")]
-        tension, nodes = (np.sqrt(np.mean(part**2)) for part in (gap[:, 1:3], gap[:, 4:]))
+        tension, _, nodes, _ = sizes(gap[:, 1:3], gap[:, 4:])
         per_second = 1e3 * time / SCENES[name][1]
         print_csv(way, f"{tension:.2g}", f"{1e3 * nodes:.2g}", f"{per_second:.3g}", f"{time / default:.3g}")
 
 
 def main():
     """Print the tables."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--write", action="store_true", help="write the reference files")
-    parser.add_argument("--cost", action="store_true", help="time the drop, too")
-    parser.add_argument("--law", action="store_true", help="compare with its law in other equations")
-    parser.add_argument("--step", type=float, default=2e-5, help="dtM [s]")
-    parser.add_argument("--repeats", type=int, default=5)
-    given = parser.parse_args()
+    given = options(__doc__, write=False, cost=False, law=False, step=2e-5, repeats=5)
     print(circumstances(), file=sys.stderr)
     if given.law:
         explain()

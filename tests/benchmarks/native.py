@@ -15,9 +15,8 @@ from statistics import median
 from time import process_time
 
 import numpy as np
+from as_script import TESTS  # noqa: F401 (the tests are found)
 from fmpy import extract, read_model_description
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from native import programs
 from runtime.host import Host
@@ -70,19 +69,9 @@ def in_fmpy(path, motion):
 def building(folder, platforms):
     """Time of all processors [s] to build all native FMUs with an empty cache of Zig."""
     environment = {**os.environ, "ZIG_GLOBAL_CACHE_DIR": str(folder / "zig"), "ZIG_LOCAL_CACHE_DIR": str(folder / "zig")}
-    command = [
-        sys.executable,
-        "-m",
-        "tetherfmu",
-        "build",
-        "--native",
-        "--platforms",
-        platforms,
-        "--out",
-        str(folder / "out"),
-    ]
+    build = ["build", "--native", "--platforms", platforms, "--out", str(folder / "out")]
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    subprocess.run(command, env=environment, capture_output=True, check=True)
+    subprocess.run([sys.executable, "-m", "tetherfmu", *build], env=environment, capture_output=True, check=True)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 

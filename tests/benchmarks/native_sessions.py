@@ -1,8 +1,8 @@
 """Many random sessions of calls on the shell of native FMUs under sanitizers, see `tests/native/driver.c`.
 
-    python tests/benchmarks/native_sessions.py [SESSIONS]
+    python tests/benchmarks/native_sessions.py [--sessions 100000]
 
-SESSIONS (default 100000) in all, over each variant for FMI 2 and 3. Needs gcc and 64-bit Linux.
+So many in all, over each variant for FMI 2 and 3. Needs gcc and 64-bit Linux.
 """
 
 import subprocess
@@ -10,7 +10,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from as_script import options
 
 from native import programs
 from tetherfmu.runtime.variants import EVERY_VARIANT
@@ -31,4 +31,4 @@ def main(sessions):
 
 
 if __name__ == "__main__":
-    sys.exit(main(int(sys.argv[1]) if len(sys.argv) > 1 else 100_000))
+    sys.exit(main(options(__doc__, sessions=100_000).sessions))

@@ -12,15 +12,12 @@ accuracy    with air and damping, 0.5 s with steps of 5 and of 1 ms of order 2: 
             solver at 1e-6, root mean square, of the largest force
 """
 
-import argparse
-import sys
 import warnings
 from collections import Counter
-from pathlib import Path
 
 import numpy as np
+from as_script import options, quantiles
 
-sys.path.insert(0, str(Path(__file__).parents[1]))
 from random_drums import left, random_drums, started, step
 from solvers import fixed
 from tetherfmu import Solver, StepRefused
@@ -74,27 +71,24 @@ def is_finite(system):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--count", type=int, default=2000)
-    parser.add_argument("--seed", type=int, default=1)
-    options = parser.parse_args()
+    given = options(__doc__, count=2000, seed=1)
     warnings.simplefilter("ignore")
     for study in (equations, second_order, accuracy):
         refused, wrong, found = Counter(), [], []
-        for k in range(options.count):
+        for k in range(given.count):
             try:
-                is_right, numbers = study(np.random.default_rng((options.seed, k)))
+                is_right, numbers = study(np.random.default_rng((given.seed, k)))
                 found.append(numbers)
                 wrong += [] if is_right else [k]
             except StepRefused as problem:
                 refused[str(problem)[:90]] += 1
-        print(f"{study.__name__}: {options.count} systems, {sum(refused.values())} refused, {len(wrong)} wrong {wrong}")
+        print(f"{study.__name__}: {given.count} systems, {sum(refused.values())} refused, {len(wrong)} wrong {wrong}")
         for problem, count in refused.most_common():
             print(f"  {count} x {problem}")
         columns = np.array(found).T if study is accuracy else [np.concatenate(found)]
         for column in columns:
-            numbers = "".join(f"{each:11.3g}" for each in np.quantile(column, (0.5, 0.9, 0.99, 1.0)))
-            print(f"  median, 90 %, 99 %, largest {numbers}; within 0.01: {np.mean(np.less(column, 0.01)):.3f}", flush=True)
+            within = f"within 0.01: {np.mean(np.less(column, 0.01)):.3f}"
+            print(f"  median, 90 %, 99 %, largest {quantiles(column)}; {within}", flush=True)
 
 
 if __name__ == "__main__":

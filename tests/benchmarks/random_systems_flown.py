@@ -11,15 +11,12 @@ With --ground flat ground is under all, every second system has no load, every t
 at rest first, as by `random_systems_started.py`: many lie there. Each then flies 10 steps. Refused starts are counted apart.
 """
 
-import argparse
-import sys
 import warnings
 from collections import Counter
-from pathlib import Path
 
 import numpy as np
+from as_script import options, quantiles
 
-sys.path.insert(0, str(Path(__file__).parents[1]))
 from random_systems import DEFAULT, fly, random_network, started
 from tetherfmu import Ground, Solver, StepRefused, TetherSystem
 
@@ -49,17 +46,13 @@ def differences(network, systems, steps):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--count", type=int, default=2000)
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--ground", action="store_true")
-    options = parser.parse_args()
+    given = options(__doc__, count=2000, seed=1, ground=False)
     warnings.simplefilter("ignore")
-    start, steps = (found_on_ground, STEPS_ON_GROUND) if options.ground else (started, STEPS)
+    start, steps = (found_on_ground, STEPS_ON_GROUND) if given.ground else (started, STEPS)
     unfound, refused, found = 0, Counter(), {}
-    for k in range(options.count):
-        network = random_network(np.random.default_rng((options.seed, k)))
-        if options.ground:
+    for k in range(given.count):
+        network = random_network(np.random.default_rng((given.seed, k)))
+        if given.ground:
             network.loads = network.loads if k % 2 else {}
             network.wind = network.wind if k % 3 else np.zeros(3)
         try:
@@ -74,13 +67,12 @@ def main():
     numbers, found = np.array(list(found)), np.array(list(found.values()))
     wrong = numbers[~np.isfinite(found).all(axis=1) | (found[:, 1] > WRONG)]
     counts = f"{unfound} starts and {sum(refused.values())} flights refused, {len(wrong)} wrong {wrong}"
-    print(f"{options.count} systems: {counts}")
+    print(f"{given.count} systems: {counts}")
     for problem, count in refused.most_common():
         print(f"  {count} x {problem}")
     print("difference of              median       90 %       99 %    largest")
     for name, column, unit in (("positions", 0, 1e3), ("forces", 1, 1e2)):
-        numbers = "".join(f"{unit * each:11.4f}" for each in np.quantile(found[:, column], (0.5, 0.9, 0.99, 1.0)))
-        print(f"{name:10s} {'[mm]' if column == 0 else '[%]':10s}{numbers}")
+        print(f"{name:10s} {'[mm]' if column == 0 else '[%]':10s}{quantiles(unit * found[:, column], '11.4f')}")
 
 
 if __name__ == "__main__":

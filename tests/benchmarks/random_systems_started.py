@@ -9,16 +9,13 @@ weight and what the ground does to a free point that add up to more than 1e-9 of
 presses with m g (depth/ground_sink) on the point with its half segments, and holds it by friction.
 """
 
-import argparse
-import sys
 import warnings
 from collections import Counter
-from pathlib import Path
 from time import perf_counter
 
 import numpy as np
+from as_script import options, quantiles
 
-sys.path.insert(0, str(Path(__file__).parents[1]))
 from random_systems import random_network
 from tetherfmu import Ground, StepRefused, TetherSystem
 
@@ -54,16 +51,12 @@ def _left(network, ground, outputs, point, loads):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--count", type=int, default=2000)
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--ground", action="store_true")
-    options = parser.parse_args()
-    ground = Ground(ground_contact="flat" if options.ground else "none")
+    given = options(__doc__, count=2000, seed=1, ground=False)
+    ground = Ground(ground_contact="flat" if given.ground else "none")
     warnings.simplefilter("ignore")
     refused, found, seconds = Counter(), {}, []
-    for k in range(options.count):
-        network = random_network(np.random.default_rng((options.seed, k)))
+    for k in range(given.count):
+        network = random_network(np.random.default_rng((given.seed, k)))
         began = perf_counter()
         try:
             found[k] = residual(network, k, ground)
@@ -72,8 +65,8 @@ def main():
             print(f"{k} refused: {problem}", flush=True)
         seconds.append(perf_counter() - began)
     wrong = [k for k, each in found.items() if not each <= BALANCED]
-    print(f"{options.count} systems: {sum(refused.values())} refused, {len(wrong)} wrong {wrong}")
-    numbers = "".join(f"{each:11.2g}" for each in np.quantile(list(found.values()), (0.5, 0.9, 0.99, 1.0)))
+    print(f"{given.count} systems: {sum(refused.values())} refused, {len(wrong)} wrong {wrong}")
+    numbers = quantiles([*found.values()], "11.2g")
     print(f"residual: median, 90 %, 99 %, largest {numbers}; seconds {np.mean(seconds):.3g}, at most {max(seconds):.3g}")
 
 

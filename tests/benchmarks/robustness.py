@@ -7,12 +7,12 @@ the upper half space, 10 to 800 m away and at least 5 m above the ground, 20 seg
 initialize. Warm: the next 20 ms. Times include the call from Python. Slack: shapes in which a segment is slack.
 """
 
-import argparse
 from collections import namedtuple
 from itertools import pairwise
 from time import perf_counter
 
 import numpy as np
+from as_script import options
 
 from tetherfmu import StepRefused, TetherQuasiSteady
 from tetherfmu.runtime.parameters import Tether
@@ -103,11 +103,8 @@ def table(results):
 
 
 def main():
-    parser = argparse.ArgumentParser(description="Robustness of the quasi-steady tether.")
-    parser.add_argument("--count", type=int, default=2000)
-    parser.add_argument("--seed", type=int, default=1)
-    options = parser.parse_args()
-    cases = random_cases(options.count, options.seed)
+    given = options(__doc__, count=2000, seed=1)
+    cases = random_cases(given.count, given.seed)
     solve(cases[0])  # compiles
     results = [solve(case) for case in cases]
     print(table(results))

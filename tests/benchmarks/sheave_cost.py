@@ -1,14 +1,12 @@
 """What a sheave costs: lines over a sheave beside the same lines that end there, whose winches reel as fast; as a table.
 
-    python tests/benchmarks/sheave_cost.py [--fixed-step H]
+    python tests/benchmarks/sheave_cost.py [--fixed-step H] [--rounds 7]
 
 The scenes of examples/systems, 2 s in communication steps of 20 ms; the hoist hauls in its rope. The columns: processor time
 with a sheave over that without of an internal step, of a communication step of the kernels, and of one of the native FMU in
-FMPy with all inputs and the tensions. Smallest of several flights that take turns.
+FMPy with all inputs and the tensions. Smallest of several flights that take turns. Fixed step [s]; 0: adaptive.
 """
 
-import argparse
-import sys
 import tempfile
 import tomllib
 from json import dumps
@@ -17,9 +15,8 @@ from time import process_time
 
 import numpy as np
 import pandas as pd
+from as_script import EXAMPLES, options
 from fmpy import extract
-
-sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from runtime.host import Host, reals_of
 from tetherfmu import TetherSystem
@@ -28,20 +25,11 @@ from tetherfmu.python import compiled_flight
 from tetherfmu.python import system as tether_system
 from tetherfmu.study.measuring.tables import circumstances, markdown
 
-EXAMPLES = Path(__file__).parents[2] / "examples" / "systems"
 STEP, STEPS, SPEED = 0.02, 100, 0.4  # [s], communication steps, at which the hoist hauls in [m/s]
 SCENES = {"two_fall_hoist": -SPEED, "atwood": 0.0, "clothes_line": 0.0}  # speed of the winch
 COUNTED = "steps", "rejections"
-OF_SHEAVES = (
-    "from",
-    "to",
-    "through",
-    "initial_length",
-    "initial_portions",
-    "sheave_mass",
-    "sheave_friction",
-    "sheave_efficiency",
-)
+OF_SHEAVES = ("from", "to", "through", "initial_length", "initial_portions")
+OF_SHEAVES += ("sheave_mass", "sheave_friction", "sheave_efficiency")
 
 
 def without_sheaves(data, lengths):
@@ -105,7 +93,7 @@ class Case:
 
 def measured(name, fixed_step, folder, rounds):
     """A row of the table."""
-    data = tomllib.loads((EXAMPLES / f"{name}.toml").read_text("utf-8")) | {"solver": {"fixed_step": fixed_step}}
+    data = tomllib.loads((EXAMPLES / "systems" / f"{name}.toml").read_text("utf-8")) | {"solver": {"fixed_step": fixed_step}}
     (line,) = data["lines"]
     speeds = {line: SCENES[name] * np.minimum(1.0, np.arange(STEPS) / 50.0)}
     over = Case(data, folder / f"{name}.toml", speeds)
@@ -126,13 +114,10 @@ def measured(name, fixed_step, folder, rounds):
 
 def main():
     """Print the table."""
-    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    parser.add_argument("--rounds", type=int, default=7, help="flights of each, of which the fastest counts")
-    parser.add_argument("--fixed-step", type=float, default=0.0, help="s; 0: adaptive")
-    options = parser.parse_args()
+    given = options(__doc__, rounds=7, fixed_step=0.0)
     compiled_flight.perf_counter = tether_system.perf_counter = process_time  # other work on the machine does not count
     with tempfile.TemporaryDirectory() as folder:
-        rows = [measured(name, options.fixed_step, Path(folder), options.rounds) for name in SCENES]
+        rows = [measured(name, given.fixed_step, Path(folder), given.rounds) for name in SCENES]
     print(f"{markdown(pd.DataFrame(rows))}\n\n{circumstances()}")
 
 

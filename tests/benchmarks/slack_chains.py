@@ -8,10 +8,10 @@ and 1e-8 against that at 1e-10: largest error of a position, and of `kite_tensio
 a flight, over its largest value.
 """
 
-import argparse
 import warnings
 
 import numpy as np
+from as_script import options
 
 from tetherfmu import Tether, TetherDynamic
 from tetherfmu.export import evidence
@@ -37,10 +37,8 @@ def flight(kind, segments, tolerance, moved=0.0):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--segments", type=int, nargs="+", default=[20, 60, 120, 300])
     warnings.simplefilter("ignore")
-    for segments in parser.parse_args().segments:
+    for segments in options(__doc__, segments=[20, 60, 120, 300]).segments:
         for kind in evidence.GIVEN:
             x, tension = flight(kind, segments, FINEST)
             elsewhere, _ = flight(kind, segments, FINEST, MOVED)

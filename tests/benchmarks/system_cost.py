@@ -1,6 +1,6 @@
 """What systems of tethers cost: time over that of single tethers with the same segments, printed as a table.
 
-    python tests/benchmarks/system_cost.py [--fixed-step H] [--force]
+    python tests/benchmarks/system_cost.py [--fixed-step H] [--force] [--rounds 7] [--only TEXT]
 
 Each system flies 4 s in communication steps of 20 ms at the tolerance 1e-4 while its driven points move; then each of its
 lines flies alone, as a dynamic tether whose two ends are driven along the way of its points. The columns: processor time of
@@ -8,16 +8,16 @@ the system over that of its single tethers, the same for an internal step (the s
 a single tether its own), and the time of an internal step for each line. Smallest of several flights that take turns.
 
 With --fixed-step all take such steps [s] of order 2; with --force the winch of each line, with a mass, is told the tension
-that it has at the start.
+that it has at the start. With --only those systems whose name has this text.
 """
 
-import argparse
 from dataclasses import replace
 from itertools import pairwise
 from time import process_time
 
 import numpy as np
 import pandas as pd
+from as_script import options
 
 from tetherfmu import Line, Point, Solver, Tether, TetherDynamic, TetherSystem, Winch
 from tetherfmu.python import compiled_flight
@@ -159,16 +159,11 @@ def measured(kind, segments, rounds, solver, by_force):
 
 def main():
     """Print the table, or the rows that are wanted."""
-    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    parser.add_argument("--rounds", type=int, default=7, help="flights of each, of which the fastest counts")
-    parser.add_argument("--only", default="", help="systems whose name contains this")
-    parser.add_argument("--fixed-step", type=float, default=0.0, help="s; 0: adaptive")
-    parser.add_argument("--force", action="store_true", help="winches that are told a force")
-    options = parser.parse_args()
-    solver = Solver(relative_tolerance=1e-4, fixed_step=options.fixed_step)
+    given = options(__doc__, rounds=7, only="", fixed_step=0.0, force=False)
+    solver = Solver(relative_tolerance=1e-4, fixed_step=given.fixed_step)
     compiled_flight.perf_counter = tether_system.perf_counter = process_time  # other work on the machine does not count
-    wanted = [(kind, n) for kind, n in ROWS if options.only in f"{kind}, n = {n}"]
-    rows = [measured(kind, n, options.rounds, solver, options.force) for kind, n in wanted]
+    wanted = [(kind, n) for kind, n in ROWS if given.only in f"{kind}, n = {n}"]
+    rows = [measured(kind, n, given.rounds, solver, given.force) for kind, n in wanted]
     print(f"{markdown(pd.DataFrame(rows))}\n\n{circumstances()}")
 
 

@@ -9,23 +9,18 @@ not push (`slack_stiffness_ratio` 0; this reference then against 1e-10), of the 
 1e-9, against twice as many segments and half the step. 300 scenes take some minutes of one core.
 """
 
-import argparse
-import sys
 from itertools import cycle, islice
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
+from as_script import options
 
+from advice.random_scenes import random_scenes
 from tetherfmu import MovingEnd, TetherDynamic, TetherDynamicFree, inputs_along, tether_of
 from tetherfmu.records.problems import StepRefused
 from tetherfmu.runtime.inputs import by_name
 from tetherfmu.study.measuring.runs import UNWARNED, catch_warnings
 from tetherfmu.study.measuring.tables import circumstances, markdown
-
-sys.path[:0] = [str(Path(__file__).resolve().parents[2] / "docs" / "make")]
-
-from advice.random_scenes import random_scenes  # noqa: E402
 
 STEP, DURATION = 0.02, 10.0  # [s]
 TOLERANCES, REFERENCE, DEFAULT = (1e-3, 1e-4, 1e-5), 1e-9, 1e-4
@@ -197,13 +192,10 @@ def table(names, count, seed):
 
 def main():
     """Fly the scenes and print the tables."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--scenes", type=int, default=300)
-    parser.add_argument("--seed", type=int, default=1)
-    options = parser.parse_args()
+    given = options(__doc__, scenes=300, seed=1)
     print(circumstances())
-    for names, count in ((KINDS, options.scenes), (("bounce",), options.scenes // 6)):
-        found = table(names, count, options.seed)
+    for names, count in ((KINDS, given.scenes), (("bounce",), given.scenes // 6)):
+        found = table(names, count, given.seed)
         print(f"\n{', '.join(names)}: {len(found)} of {count} scenes, the others refused; errors [%]\n")
         print(f"{markdown(summary(found))}\n")
         once = 100.0 * found["one step in each"].mean()

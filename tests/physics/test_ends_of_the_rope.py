@@ -9,8 +9,6 @@ slack    the same without slack stiffness: the rope, which springs back, overrun
 drum     a winch pulls a load up to its stop, or, too weak for a heavy rope, lets it run out. The energy beyond the work of
          the winch is at most that of the rope that leaves it, up to 1e-3 of the work on 10 m
 heavy    rope of mu kg/m that runs out of a winch without mass: (m + mu L) L'' = (m + mu L) g - W
-
-`tests/benchmarks/ends_of_the_rope.py` flies all scenes of `ends_of_ropes.py`.
 """
 
 import numpy as np

@@ -126,7 +126,6 @@ def random_drum(seed):
 
 @pytest.mark.parametrize("seed", range(4))
 def test_no_random_drum_makes_waves(seed):
-    """500 of them: `tests/benchmarks/light_drums.py`."""
     ranges, energies = light_drum(**random_drum(seed))
     assert ranges[4:].max() < 1.5 * ranges[:4].max()
     assert (np.diff(energies) < 0.0).all()
