@@ -22,7 +22,8 @@ TIMEOUT = 900.0  # seconds, for what hangs
 
 def environment():
     """That of Python with the rooms of the examples, which opens no window."""
-    return {**os.environ, "PYTHONPATH": os.pathsep.join([str(EXAMPLES), *sys.path]), "MPLBACKEND": "Agg"}
+    places = dict.fromkeys([str(EXAMPLES), *sys.path])
+    return {**os.environ, "PYTHONPATH": os.pathsep.join(places), "MPLBACKEND": "Agg"}
 
 
 def new_python(*arguments, cwd=None):
@@ -66,6 +67,13 @@ def run_code(code, *arguments, cwd=None):
         status = answer(json.dumps(request))
         said = (path.read_text(encoding="utf-8") for path in (printed, errors))
         return subprocess.CompletedProcess(["-c", *request["arguments"]], status, *said)
+
+
+def run_without(package, module, *arguments, cwd=None):
+    """The finished process of `main` of a module with these arguments, where a package is not installed."""
+    parts = f"[each for each in sys.modules if each.startswith('{package}.')]"  # what is imported already
+    hidden = f"import sys; sys.modules.update(dict.fromkeys([{package!r}, *{parts}]))"
+    return run_code(f"{hidden}; import {module}; sys.exit({module}.main(sys.argv[1:]))", *arguments, cwd=cwd)
 
 
 def answer(request):

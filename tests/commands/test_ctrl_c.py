@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 
+from study.scenes_of_tests import written
 from tetherfmu.libraries import ready
 from tetherfmu.libraries.ahead_of_time import CODE
 from tetherfmu.runtime.kernel_library import file_name, this_platform
@@ -23,6 +24,8 @@ TIMEOUT = 900.0  # seconds, for what hangs
 EACH_WAY = pytest.mark.parametrize("send", [os.kill, getattr(os, "killpg", None)], ids=["process", "group"])
 LISTENING = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)\n"  # also in the background
 COMMAND = f"{LISTENING}import sys; from tetherfmu.__main__ import main; sys.exit(main(sys.argv[1:]))"
+EXAMPLE = f"{LISTENING}import runpy; runpy.run_module({{!r}}, run_name='__main__')"
+KEEPING = "import tempfile; tempfile.tempdir = {!r}\n"  # where FMUs are extracted
 STABILITY = COMMAND.replace("tetherfmu.__main__", "make_stability")
 COLD_BUILD = f"""{LISTENING}
 import sys
@@ -106,7 +109,7 @@ def test_while_an_fmu_flies(tmp_path, fmu_folder):
     """Again and again: the signal comes anywhere in a step, most of which is inside the FMU."""
     temporary = tmp_path / "temporary"
     temporary.mkdir()
-    code = f"import tempfile; tempfile.tempdir = {str(temporary)!r}\n{COMMAND}"
+    code = KEEPING.format(str(temporary)) + COMMAND
     flight = ("fly", "--fmu", fmu_folder / "TetherDynamic.fmu", "--duration", 10_000)
     extracted = lambda _: any(temporary.rglob("*.so"))  # noqa: E731
     for delay in (0.1, 0.31, 0.32):
@@ -114,28 +117,19 @@ def test_while_an_fmu_flies(tmp_path, fmu_folder):
         assert not list(temporary.iterdir())
 
 
-def test_while_an_example_runs(tmp_path, fmu_folder):
-    (tmp_path / "dist").symlink_to(fmu_folder)
-    script = EXAMPLES / "at_rest" / "forces_over_wind_and_slack.py"
-    runs_it = f"sys.path.insert(0, {str(EXAMPLES)!r}); runpy.run_path({str(script)!r}, run_name='__main__')"
-    code = f"{LISTENING}import runpy, sys; {runs_it}"
+def test_while_an_example_runs(dist):
     loaded = lambda leader: "TetherDynamic" in Path(f"/proc/{leader}/maps").read_text()  # noqa: E731
-    assert stopped(os.kill, code, begun=loaded, cwd=tmp_path) == ["stopped"]
+    code = EXAMPLE.format("at_rest.forces_over_wind_and_slack")
+    assert stopped(os.kill, code, begun=loaded, cwd=dist.parent) == ["stopped"]
 
 
-def test_while_a_system_of_fmus_flies(tmp_path, fmu_folder, example_folder):
+def test_while_a_system_of_fmus_flies(tmp_path, dist):
     """Four FMUs in one process; their folders are gone afterwards."""
-    (tmp_path / "dist").mkdir()
-    for each in (*fmu_folder.glob("*.fmu"), *example_folder.glob("*.fmu")):
-        (tmp_path / "dist" / each.name).symlink_to(each)
     temporary = tmp_path / "temporary"
     temporary.mkdir()
-    script = EXAMPLES / "power_system" / "pumping_cycle.py"
-    runs_it = f"sys.path.insert(0, {str(EXAMPLES)!r}); runpy.run_path({str(script)!r}, run_name='__main__')"
-    keeps = f"import tempfile; tempfile.tempdir = {str(temporary)!r}\n"
+    code = KEEPING.format(str(temporary)) + EXAMPLE.format("power_system.pumping_cycle")
     loaded = lambda _: len(list(temporary.rglob("*.so"))) > 4  # noqa: E731 (the tether has its kernels, too)
-    code = f"{LISTENING}{keeps}import runpy, sys; sys.argv[1:] = ['--cycles', '1000']; {runs_it}"
-    assert stopped(os.kill, code, begun=loaded, wait=0.5, cwd=tmp_path) == ["stopped"]
+    assert stopped(os.kill, code, "--cycles", 1000, begun=loaded, wait=0.5, cwd=dist.parent) == ["stopped"]
     assert not list(temporary.iterdir())
 
 
@@ -150,11 +144,13 @@ def test_while_an_evidence_set_runs(tmp_path, fmu_folder, send):
     assert stopped(send, COMMAND, "check", fmu_folder / "TetherDynamic.fmu", begun=begun, cwd=tmp_path) == ["stopped"]
 
 
-def test_the_stability_map_keeps_finished_points(tmp_path):
-    results = tmp_path / "points.jsonl"
-    begun = lambda _: results.exists() and results.read_bytes().count(b"\n") > 1  # noqa: E731
-    options = ("--quick", "--out", tmp_path, "--results", results, "--processes", 2)
-    said = stopped(os.killpg, STABILITY, *options, begun=begun, cwd=tmp_path)
+@pytest.mark.parametrize("command", ["stability map", "trade-off"])
+def test_finished_points_are_kept(tmp_path, command):
+    points = tmp_path / "points.jsonl"
+    stability = (STABILITY, "--quick", "--results", points, "--processes", 2)
+    call = stability if command == "stability map" else (COMMAND, "tradeoff", written(tmp_path))
+    begun = lambda _: points.exists() and points.read_bytes().count(b"\n") > 1  # noqa: E731
+    said = stopped(os.killpg, *call, "--out", tmp_path, begun=begun, cwd=tmp_path)
     assert said == ["stopped; the finished points are kept, and the same command continues from them"]
 
 

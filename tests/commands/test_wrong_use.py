@@ -1,9 +1,6 @@
 """Wrong use of a command or an example: one line on stderr that names what is wrong and what is allowed, and its status."""
 
 import importlib
-import os
-import subprocess
-import sys
 import zipfile
 from pathlib import Path
 
@@ -11,6 +8,7 @@ import numpy as np
 import pytest
 
 from foreign import foreign
+from running import run_python, run_without
 from tetherfmu import __version__
 from tetherfmu.__main__ import main as tetherfmu
 from tetherfmu.console.ending import DISTRIBUTIONS, remedy
@@ -18,9 +16,6 @@ from tetherfmu.console.subcommands import SUBCOMMANDS
 from tetherfmu.files.toml_files import WrongUse
 from tetherfmu.study.measuring.fmus import fmus_in
 from tetherfmu.study.measuring.store import KEPT, keeping
-
-EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
-sys.path.append(str(EXAMPLES))
 
 SCENES = {  # name of the file: (part of a sound scene, what stands there instead)
     "elevation.toml": ('"circle"', '"parked"\nelevation = 20'),
@@ -324,16 +319,11 @@ def test_wrong_use_is_told_in_one_line(place, monkeypatch, capsys, line):
     ],
 )
 def test_a_missing_package_is_named_with_its_extra(place, fmu_folder, tmp_path, line, package, extra):
-    """In a process of its own, since what is imported stays."""
     (tmp_path / "dist").symlink_to(fmu_folder, target_is_directory=True)
     (tmp_path / "sound.toml").write_text(SOUND)
     name, *arguments = words(line)
-    module = "tetherfmu.__main__" if name in SUBCOMMANDS else name
-    call = f"sys.exit({module}.main({[name, *arguments] if name in SUBCOMMANDS else arguments}))"
-    code = f"import sys\nsys.modules[{package!r}] = None\nimport {module}\n{call}"
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(EXAMPLES), *sys.path])}
-    command = [sys.executable, "-c", code]
-    done = subprocess.run(command, env=environment, cwd=tmp_path, capture_output=True, text=True, check=False)
+    typed = ("tetherfmu.__main__", name) if name in SUBCOMMANDS else (name,)
+    done = run_without(package, *typed, *arguments, cwd=tmp_path)
     assert done.returncode == 2
     assert done.stderr == f'{DISTRIBUTIONS.get(package, package)} is not installed: pip install "tetherfmu[{extra}]"\n'
 
@@ -344,11 +334,8 @@ def test_remedy_of_a_package_without_extra():
 
 def test_what_an_fmu_refuses_is_told_without_a_traceback(fmu_folder, tmp_path):
     """The run has failed: the FMU says why, the command that it ends."""
-    code = "import sys; from tetherfmu.__main__ import main; sys.exit(main(sys.argv[1:]))"
-    options = ["fly", "--fmu", fmu_folder / "TetherDynamic.fmu", "--wind", "1e9", "0", "0", "--duration", "1"]
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
-    command = [sys.executable, "-c", code, *map(str, options)]
-    done = subprocess.run(command, env=environment, cwd=tmp_path, capture_output=True, text=True, check=False)
+    options = ["--fmu", fmu_folder / "TetherDynamic.fmu", "--wind", "1e9", "0", "0", "--duration", "1"]
+    done = run_python("-m", "tetherfmu", "fly", *options, cwd=tmp_path)
     assert done.returncode == 1
     assert "Traceback" not in done.stderr
     assert "wind_velocity" in done.stderr + done.stdout
@@ -361,12 +348,6 @@ def test_a_free_kite_cannot_be_flown_on_a_circle(fmu_folder, capsys, tmp_path):
     assert f"{fmu} has a free kite end" in capsys.readouterr().err
     assert run("fly", "--tether", "dynamic-free", "--out", str(tmp_path)) == 2
     assert "no tether is called dynamic-free; did you mean dynamic?\n" in capsys.readouterr().err
-
-
-@pytest.mark.parametrize("name", list(SUBCOMMANDS))
-def test_help_shows_the_command_as_it_is_typed(name, capsys):
-    assert run(name, "--help") == 0
-    assert capsys.readouterr().out.startswith(f"usage: tetherfmu {name} ")
 
 
 def test_a_disk_that_is_full_is_told(monkeypatch, capsys, tmp_path):

@@ -13,19 +13,20 @@ import yaml
 from PIL import Image
 
 import make_fmu_table
+import manual
 import tetherfmu
+from manual import ROOT, blocks, shown
 from named_functions import MODULES, NAME, PAGES
 from real_signatures import parameters_of
 from running import EXAMPLES, run_code, run_python
 from tetherfmu.runtime.variants import EVERY_VARIANT, VARIANTS, class_name
 
-ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "fmu_sources" / "tetherfmu"
 
 
 def page(name):
-    """Text of a page of the manual."""
-    (path,) = (ROOT / "docs").glob(f"*/{name}.md")
+    """Text of a page of the manual, whatever folder it is in."""
+    (path,) = manual.DOCS.glob(f"*/{name}.md")
     return path.read_text(encoding="utf-8")
 
 
@@ -123,17 +124,12 @@ def test_address_of_the_project_stands_once():
 
 
 def test_python_in_the_readme_prints_what_stands_below_it(tmp_path):
-    code, shown = re.search(r"```python\n(.*?)```\n\n```text\n(.*?)```", README, re.DOTALL).groups()
-    assert ran(code, tmp_path) == shown
+    code, printed = shown(README)
+    assert ran(code, tmp_path) == printed
 
 
 def test_readme_has_the_two_commands_of_the_ci():
-    assert len(re.findall(r"^```sh$", README, re.MULTILINE)) == 2
-
-
-def blocks(text):
-    """Blocks of a page that someone may run or write to a file, in order: pairs (language, text)."""
-    return re.findall(r"^```(python|bash|toml|csv)\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
+    assert len(manual.codes(README, "sh")) == 2
 
 
 def printed_by(done):
@@ -169,7 +165,7 @@ def test_blocks_run_one_after_the_other(fmu_folder, tmp_path, text, prints):
             (tmp_path / "winch.csv").write_text(code, encoding="utf-8")
         elif language == "bash":
             printed += [ran_here(line, tmp_path) for line in code.splitlines()]
-        else:
+        elif language == "python":
             printed.append(ran(code, tmp_path))
     assert len([each for each in printed if each.strip()]) >= prints
     assert (tmp_path / "result.csv").exists() is ("write_csv" in text)
@@ -177,14 +173,14 @@ def test_blocks_run_one_after_the_other(fmu_folder, tmp_path, text, prints):
 
 def test_the_tether_on_the_page_of_the_ground_breaks(fmu_folder, tmp_path):
     """When the catenary, which cannot break, has the tension of the `breaking_force` at its kite end."""
-    code, shown = re.search(r"```python\n(.*?)```\n\n```text\n(.*?)```", page("ground"), re.DOTALL).groups()
+    code, printed = shown(page("ground"))
     shutil.copytree(fmu_folder, tmp_path / "dist")
-    assert ran(code, tmp_path).splitlines()[-1] == shown.strip()
+    assert ran(code, tmp_path).splitlines()[-1] == printed.strip()
     catenary = tetherfmu.TetherCatenary()
     catenary.initialize(reel_out_speed=-0.5)
     flown = catenary.fly(tetherfmu.inputs_along(750, 0.02, kite=(300.0, 0.0, 400.0), reel_out_speed=-0.5), 0.02)
     reached = np.interp(1000.0, flown.of("kite_tension"), flown.time)
-    assert float(re.search(r"([\d.]+) s", shown)[1]) == pytest.approx(reached, abs=0.05)  # s: 25 mm, 31 N of waves
+    assert float(re.search(r"([\d.]+) s", printed)[1]) == pytest.approx(reached, abs=0.05)  # s: 25 mm, 31 N of waves
 
 
 def test_size_of_a_saved_state(fmu_folder, tmp_path):
@@ -204,8 +200,7 @@ print(len(fmu.serializeFMUstate(fmu.getFMUstate())))
 
 def test_blocks_of_the_python_api(tmp_path):
     """A force, a system, a time and a tension from a log, a tension in turbulence."""
-    printed = [ran(code, tmp_path) for language, code in blocks(page("api")) if language == "python"]
-    _, system, log, turbulence = printed
+    _, system, log, turbulence = (ran(code, tmp_path) for code in manual.codes(page("api"), "python"))
     hoisted, passed, let_go = map(float, system.splitlines()[0].split())
     assert (hoisted, let_go) == pytest.approx((-0.4, 1.0))  # 2 s at 0.2 m/s; the beginning of step 50
     assert 0.0 < passed < 1.0  # the load swings away from the sheave on one line, 200 kg against 100
@@ -216,7 +211,7 @@ def test_blocks_of_the_python_api(tmp_path):
 def test_blocks_for_users_of_tethers_jl(tmp_path):
     """Settings become a scene, a line file a system, and both are used."""
     (tmp_path / "examples").symlink_to(ROOT / "examples", target_is_directory=True)
-    ((_, commands),) = blocks(page("from_tethers_jl"))
+    (commands,) = manual.codes(page("from_tethers_jl"), "bash")
     for line in commands.splitlines():
         ran_here(line, tmp_path)
     assert all((tmp_path / name).exists() for name in ("settings.toml", "moored.toml"))
@@ -226,8 +221,10 @@ def test_blocks_of_cranes_and_drones(tmp_path):
     """At rest the tip carries load and wire; both versions of FMI give the same pull."""
     printed = []
     for language, code in blocks(page("cranes_and_drones")):
-        is_for_shell = language == "bash"
-        printed += [ran_here(line, tmp_path) for line in code.splitlines()] if is_for_shell else [ran(code, tmp_path)]
+        if language == "bash":
+            printed += [ran_here(line, tmp_path) for line in code.splitlines()]
+        elif language == "python":
+            printed.append(ran(code, tmp_path))
     wire, text = tetherfmu.tether_of("steel", 0.012), "".join(printed)
     hanging = (500.0 + wire.mass_per_length * 80.0) * 9.81
     found = re.search(r"tension at rest: (\d+) N, largest tension: (\d+) N", text).groups()
@@ -255,9 +252,9 @@ def test_parameters_of_the_crane_are_those_of_its_wire(name):
 
 
 def test_each_picture_of_the_gallery_has_the_command_that_draws_it():
-    shown = re.findall(r"^!\[[^\]]+\]\(\.\./figures/(\w+)\.svg\)\n\n```text\n(.*)\n```$", page("gallery"), re.MULTILINE)
-    assert len(shown) == 13
-    for name, command in shown:
+    drawn = re.findall(r"^!\[[^\]]+\]\(\.\./figures/(\w+)\.svg\)\n\n```text\n(.*)\n```$", page("gallery"), re.MULTILINE)
+    assert len(drawn) == 13
+    for name, command in drawn:
         script = ROOT / command.split()[1]
         assert command.startswith("tetherfmu fly") or f"{name}" in script.read_text(encoding="utf-8"), command
 
@@ -273,7 +270,7 @@ def test_each_map_of_stability_has_its_command():
 
 def test_pages_have_the_same_command():
     """The home page includes that of the README."""
-    first, start = (re.findall(r"^```sh\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)[0] for text in (README, page("start")))
+    first, start = (manual.codes(text, "sh")[0] for text in (README, page("start")))
     assert first == start
     assert max(map(len, first.splitlines())) <= 70  # as wide as a page of code
     assert "first flight" in (ROOT / "docs" / "index.md").read_text(encoding="utf-8")
@@ -289,9 +286,8 @@ def test_first_flight_prints_what_the_readme_shows(fmu_folder, tmp_path):
     """All but its speed; the circle is the flight that pulls with some 50 N."""
     shutil.copytree(fmu_folder, tmp_path / "dist")
     eight, circle = re.findall(r"^\.venv/bin/(tetherfmu fly .*)$", README, re.MULTILINE)
-    shown = re.search(r"```text\n(TetherDynamic: .*; )\d+ times real time\n```", README)[1]
-    printed = ran_here(eight, tmp_path)
-    assert printed.startswith(shown)
+    printed = re.search(r"```text\n(TetherDynamic: .*; )\d+ times real time\n```", README)[1]
+    assert ran_here(eight, tmp_path).startswith(printed)
     assert (tmp_path / "plots" / "eight" / "forces.png").exists()
     pulls = re.findall(r"(\d+\.\d) N, \|kite\| (\d+\.\d) N", ran_here(circle.replace("all", "dynamic"), tmp_path))
     assert [40.0 < float(each) < 60.0 for each in pulls[0]] == [True, True]
@@ -300,7 +296,7 @@ def test_first_flight_prints_what_the_readme_shows(fmu_folder, tmp_path):
 
 def test_citations_are_those_of_the_file():
     cited = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
-    (readme,), (start,) = (re.findall(r"^```bibtex\n(.*?)^```$", text, re.M | re.S) for text in (README, page("start")))
+    (readme,), (start,) = (manual.codes(text, "bibtex") for text in (README, page("start")))
     assert readme == start
     fields = {name: re.sub(r"[{}]", "", value) for name, value in re.findall(r"(\w+) += \{(.*)\},", readme)}
     assert fields["author"] == cited["authors"][0]["name"]

@@ -17,11 +17,10 @@ from tetherfmu.__main__ import main as tetherfmu
 from tetherfmu.commands import build
 from tetherfmu.files import scene_files as files
 from tetherfmu.libraries.examples import EXAMPLES, example
-from tetherfmu.python.models import TetherModel
-from tetherfmu.runtime.parameters import Solver
 from tetherfmu.runtime.variants import VARIANTS
+from tetherfmu.study.measuring.start import tether_at_start
 
-DESK, STEP = 1400, 0.02  # width of the window [px], communication step of the page [s]
+DESK, STEP = 1000, 0.02  # width of the window [px], communication step of the page [s]
 SCENES = ("circle", "figure_of_eight", "reel", "landing", "launch", "parked", "towing", "logged")
 pytestmark = chromium.needed
 
@@ -67,24 +66,10 @@ def flown(browser, steps):
 
 def in_python(variant, scene, steps):
     """The same forces of a Python model in a scene."""
-    model = next(each for each in all_models() if each.variant == variant)
-    tether = model(scene.tether, scene.environment, Solver(initial_shape="quasi_steady"), ground=scene.ground)
-    rows, motion = scene.inputs(STEP), scene.flight.motion(np.zeros(1))
-    tether.initialize(
-        kite_position=motion.kite[0],
-        kite_velocity=motion.kite_velocity[0],
-        ground_position=motion.ground[0],
-        ground_velocity=motion.ground_velocity[0],
-        wind_velocity=scene.wind(np.zeros(1))[0],
-        reel_out_speed=motion.reel_out_speed[0],
-    )
-    tether.fly(rows[:steps], STEP, every=0)
+    tether = tether_at_start(scene, variant=variant, first=scene.inputs(STEP)[0])
+    tether.fly(scene.inputs(STEP)[:steps], STEP, every=0)
     end = tether.outputs()
     return np.array([end.kite_force, end.ground_force])
-
-
-def all_models():
-    return [model for model in TetherModel.__subclasses__() if model.variant in VARIANTS]
 
 
 def test_it_flies_without_an_error_and_without_another_host(address, browser):
@@ -236,11 +221,8 @@ def test_the_wing_is_that_of_the_examples(address, browser):
 
 @pytest.mark.parametrize("name", [*SCENES, "hanging_load"])
 def test_what_is_taken_home_can_be_built(address, browser, name):
-    opened(
-        browser,
-        address,
-        f"scene={name}&p.diameter=0.006&p.axial_damping=500&w.gust=0.3&p.ground_contact=2&p.ground_height=-90",
-    )
+    changes = "p.diameter=0.006&p.axial_damping=500&w.gust=0.3&p.ground_contact=2&p.ground_height=-90"
+    opened(browser, address, f"scene={name}&{changes}")
     command, text, parameters = browser.execute_script(
         "return ['command', 'toml', 'parameters'].map(id => document.getElementById(id).textContent)"
     )

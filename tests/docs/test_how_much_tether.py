@@ -3,7 +3,6 @@
 import csv
 import re
 from collections import namedtuple
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -14,17 +13,17 @@ from matplotlib.text import Text
 import make_scene_files
 from advice.figures import draw_scenes, questions
 from advice.page import BY_REFERENCE, BY_SCENE, TEMPLATES, choice, limits
+from manual import DATA, DOCS, page
 from tetherfmu.console.colours import COLOUR
 from tetherfmu.runtime.variants import VARIANTS
 from tetherfmu.study.measuring.tables import templates_of
 
-DOCS = Path(__file__).resolve().parents[2] / "docs"
-QUALITY = (DOCS / "use" / "quality_of_advice.md").read_text(encoding="utf-8")
+QUALITY = page("use/quality_of_advice")
 OF_QUALITY = templates_of(TEMPLATES).get_template("quality.md.j2")
 
 
 def test_the_choice_is_what_its_template_says():
-    assert (DOCS / "use" / "how_much_tether.md").read_text(encoding="utf-8") == choice()
+    assert page("use/how_much_tether") == choice()
 
 
 @pytest.mark.parametrize("part", ["errors", "tolerance", "thresholds"])
@@ -43,7 +42,7 @@ def test_sections_come_in_the_order_of_the_template():
 
 def written_table(name):
     """Text of a table in `docs/data`."""
-    return (DOCS / "data" / f"{name}.csv").read_text(encoding="utf-8")
+    return (DATA / f"{name}.csv").read_text(encoding="utf-8")
 
 
 def test_tables_beside_the_pages_are_those_of_the_sources():

@@ -24,7 +24,6 @@ from tetherfmu.runtime.variants import EVERY_VARIANT
 from tetherfmu.wiring.variables import variables
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path.append(str(ROOT / "examples"))
 PHONE, NARROW, DESK = chromium.PHONE["width"], 1008, 1400  # widths of the window [px]
 TEXTS = [path.relative_to(ROOT / "docs") for path in (ROOT / "docs").rglob("*.md")]
 PAGES = sorted(path.with_suffix(".html").as_posix() for path in TEXTS if path.parts[0] != "publishing")  # no pages
@@ -224,7 +223,7 @@ def test_the_sidebar_shows_some_twenty_pages_and_the_open_one(site, chromium_of_
         "const here = menu.querySelector('.current-page > a');"
         "return [[...menu.querySelectorAll('.sidebar-tree a')].filter(inside).length, here === null || inside(here)]"
     )
-    with chromium.without(browser, "*tex-svg-full.js*"):  # formulas take most of the time
+    with chromium.without(browser, "*tex-svg-full.js*", "*/_images/*"):  # formulas and pictures take most of the time
         for page in ("index.html", *PAGES):
             opened(browser, f"{site}/manual/{page}")
             chromium.wait_until(browser, f"(() => {{{shown}}})()[1]")  # until fonts and the script that scrolls are there

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from manual import codes, page
 from running import run_python
 from tetherfmu.files.system_files import KEYS_OF_A_POINT
 from tetherfmu.runtime import layout as at
@@ -14,16 +15,13 @@ from tetherfmu.runtime.parameters import Solver, Winch
 from tetherfmu.runtime.quantities import quantities
 from tetherfmu.study.measuring.system_flights import load
 
-DOCS = Path(__file__).parents[2] / "docs"
-PAGE, KEYS = ((DOCS / folder / "systems.md").read_text(encoding="utf-8") for folder in ("use", "reference"))
+PAGE, KEYS = page("use/systems"), page("reference/systems")
 
 
 def test_the_examples_of_the_page_run(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    (first, *_), (crane, winches, drum, letting_go, atwood) = (
-        re.findall(rf"```{kind}\n(.*?)```", PAGE, re.DOTALL) for kind in ("toml", "python")
-    )
-    Path("crane.toml").write_text(first, encoding="utf-8")
+    crane, winches, drum, letting_go, atwood = codes(PAGE, "python")
+    Path("crane.toml").write_text(codes(PAGE, "toml")[0], encoding="utf-8")
     names = {}
     exec(crane, names)
     assert np.isclose(names["outputs"].lines["rope"].tether_length, 21.0)  # 2 s at 0.5 m/s
@@ -48,9 +46,8 @@ def test_the_examples_of_the_page_run(tmp_path, monkeypatch):
 
 def test_what_moves_on_the_page_moves(tmp_path):
     """The crane with the rows of the page: what the winch pays out is the area below them, and the tag line lets go."""
-    crane, *_ = re.findall(r"```toml\n(.*?)```", PAGE, re.DOTALL)
-    rows = re.search(r"## What moves.*?```toml\n(.*?)```", PAGE, re.DOTALL)[1]
-    (tmp_path / "crane.toml").write_text(crane + rows, encoding="utf-8")
+    rows, *_ = codes(PAGE.partition("## What moves")[2], "toml")
+    (tmp_path / "crane.toml").write_text(codes(PAGE, "toml")[0] + rows, encoding="utf-8")
     flight = load(tmp_path / "crane.toml")
     assert flight.duration == 13.0
     segments = flight.segments_of_lines(1.0)

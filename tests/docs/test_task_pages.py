@@ -5,40 +5,27 @@ import shlex
 import shutil
 import subprocess
 import sys
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
 
+from manual import ROOT, codes, page
 from native.programs import available
 from tetherfmu import TetherDynamicFree
 from tetherfmu.__main__ import main as tetherfmu
 
-PROJECT = Path(__file__).resolve().parents[2]
-DOCS = PROJECT / "docs"
-
 G = 9.81
-
-
-def page(name):
-    return (DOCS / "use" / f"task_{name}.md").read_text(encoding="utf-8")
-
-
-def blocks(text):
-    """Pairs of language and code."""
-    return re.findall(r"```(\w+)\n(.*?)```", text, re.DOTALL)
 
 
 def block(text, language, part=""):
     """The first block of a language that contains a text."""
-    return next(code for kind, code in blocks(text) if kind == language and part in code)
+    return next(code for code in codes(text, language) if part in code)
 
 
 def commands(text):
     """Arguments of the commands `tetherfmu` of a page."""
-    listed = "\n".join(code for kind, code in blocks(text) if kind == "bash").splitlines()
-    return [shlex.split(line)[1:] for line in listed if line.startswith("tetherfmu")]
+    return [shlex.split(line)[1:] for line in "".join(codes(text, "bash")).splitlines() if line.startswith("tetherfmu")]
 
 
 @pytest.fixture
@@ -50,7 +37,7 @@ def here(tmp_path, monkeypatch):
 def test_mean_power_of_a_pumping_eight(here, fmu_folder, capfd):
     """P T = sum of (F v + c v^2) h: the tether turns a drum against its force and its damping; inertia gives all back."""
     (here / "dist").symlink_to(fmu_folder, target_is_directory=True)
-    text = page("pumping")
+    text = page("use/task_pumping")
     (here / "pumping.toml").write_text(block(text, "toml"), encoding="utf-8")
     fly, compare, sweep = commands(text)
     assert tetherfmu(fly) == 0
@@ -87,18 +74,15 @@ def drone_as_the_end_of_its_tether(step, duration):
 @pytest.mark.skipif(not available(), reason="needs gcc on 64-bit Linux")
 def test_a_tethered_drone_in_c(here):
     """As the drone as the end of its tether; what is printed is on the page."""
-    text = page("drone_in_c")
-    (here / "examples").symlink_to(PROJECT / "examples", target_is_directory=True)
+    text = page("use/task_drone_in_c")
+    (here / "examples").symlink_to(ROOT / "examples", target_is_directory=True)
     tetherfmu(commands(text)[0])
-    for line in "\n".join(code for kind, code in blocks(text) if kind == "bash").splitlines():
+    for line in "".join(codes(text, "bash")).splitlines():
         if line.startswith("python"):
             subprocess.run([sys.executable, *shlex.split(line)[1:]], check=True)
-    script = block(text, "bash", "cc ").replace(
-        "cc examples", f"{shutil.which('gcc')} -Wall -Wextra -Wconversion -Wshadow -Werror examples"
-    )
-    done = subprocess.run(
-        ["bash", "-euc", script.replace("python ", f"{sys.executable} ")], capture_output=True, text=True, check=True
-    )
+    strict = f"{shutil.which('gcc')} -Wall -Wextra -Wconversion -Wshadow -Werror"
+    script = block(text, "bash", "cc ").replace("cc examples", f"{strict} examples").replace("python ", f"{sys.executable} ")
+    done = subprocess.run(["bash", "-euc", script], capture_output=True, text=True, check=True)
     assert done.stdout == block(text, "text")
     rows = [[float(each) for each in re.findall(r"-?\d+\.\d+", line)] for line in done.stdout.splitlines()[:-1]]
     step, expected = 0.002, drone_as_the_end_of_its_tether(0.002, 20.0)
@@ -112,7 +96,7 @@ def test_a_tethered_drone_in_c(here):
 
 def test_a_hoist_of_four_falls(here, capfd):
     """At rest each fall carries a quarter of the weight; the block sinks by a quarter of the rope, and falls with g."""
-    text = page("hoist")
+    text = page("use/task_hoist")
     (here / "hoist.toml").write_text(block(text, "toml"), encoding="utf-8")
     fly, slower, breaking, *_ = commands(text)
     assert tetherfmu(fly) == 0
@@ -133,9 +117,8 @@ def test_a_hoist_of_four_falls(here, capfd):
     assert pd.read_csv("slower.csv")["block.position[3]"].min() > 0.5
     capfd.readouterr()
     assert tetherfmu([*breaking, "--csv", "broken.csv"]) == 0
-    assert (
-        "rope[4]: segment 2, counted from the winch, broke 17.0785 s after the start under 5300 N" in capfd.readouterr().err
-    )
+    broke = "rope[4]: segment 2, counted from the winch, broke 17.0785 s after the start under 5300 N"
+    assert broke in capfd.readouterr().err
     table = pd.read_csv("broken.csv")
     falls = table[(table["time"] > 17.2) & (table["time"] < 17.9)]  # the rope that runs off holds it back a little
     gained = np.polyfit(falls["time"], falls["block.velocity[3]"], 1)[0]

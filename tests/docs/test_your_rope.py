@@ -2,23 +2,21 @@
 
 import re
 from math import pi
-from pathlib import Path
 
 import pytest
 
+from manual import page, shown
 from running import run_code
 from tetherfmu import MATERIALS, Tether
 
-PAGE = (Path(__file__).parents[2] / "docs" / "use" / "your_rope.md").read_text(encoding="utf-8")
-ROWS = [
-    re.split(r" *\| *", row)
-    for row in re.findall(r"^\| (.+) \|$", PAGE.partition("## Ropes and wires")[2], re.MULTILINE)[1:]
-]
+PAGE = page("use/your_rope")
+TABLE = PAGE.partition("## Ropes and wires")[2]
+ROWS = [re.split(r" *\| *", row) for row in re.findall(r"^\| (.+) \|$", TABLE, re.MULTILINE)[1:]]
 
 
 def test_the_example_prints_what_stands_below_it():
-    code, shown = re.search(r"```python\n(.*?)```\n\n```text\n(.*?)```", PAGE, re.DOTALL).groups()
-    assert run_code(code).stdout == shown
+    code, printed = shown(PAGE)
+    assert run_code(code).stdout == printed
 
 
 @pytest.mark.parametrize("name", MATERIALS)

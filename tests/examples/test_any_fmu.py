@@ -65,64 +65,39 @@ def test_an_fmu_with_wind_at_points_does_not_fly_as_if_without_wind(arguments, i
 
 def test_an_fmu_without_shape_is_held_in_the_wind(fmu_folder, place, tmp_path):
     own = place / "TetherCatenary.fmu"
-    said = run(
-        fmu_folder,
-        f"from at_rest import forces_over_wind_and_slack as e; e.main(['--fmu', {str(own)!r}, '--out', {str(tmp_path)!r}])",
-    )
+    options = ["--fmu", str(own), "--out", str(tmp_path)]
+    said = run(fmu_folder, f"from at_rest import forces_over_wind_and_slack as e; e.main({options})")
     names = [line.split(":")[0] for line in said.splitlines() if "the load on the shape" not in line]
     assert names == ["dynamic", "TetherCatenary"]
     assert (tmp_path / "forces_over_wind_and_slack.png").exists()
 
 
 def test_an_fmu_of_ones_own_beside_the_catenary(fmu_folder, tmp_path):
-    own = fmu_folder / "TetherDynamic.fmu"
-    said = run(
-        fmu_folder, f"from at_rest import catenary; catenary.main(['--fmu', {str(own)!r}, '--out', {str(tmp_path)!r}])"
-    )
+    options = ["--fmu", str(fmu_folder / "TetherDynamic.fmu"), "--out", str(tmp_path)]
+    said = run(fmu_folder, f"from at_rest import catenary; catenary.main({options})")
     assert [line.split(":")[0] for line in said.splitlines()] == ["catenary", "TetherDynamic"]
 
 
-def test_what_an_fmu_lacks_is_named(fmu_folder, place, tmp_path, monkeypatch, capsys):
+def test_what_an_fmu_lacks_is_named(dist, place, monkeypatch, capsys):
     """Nothing is loaded before that."""
-    monkeypatch.syspath_prepend(EXAMPLES)
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "dist").symlink_to(fmu_folder)
-    from at_rest import catenary, forces_over_wind_and_slack
-
-    assert catenary.main(["--fmu", str(fmu_folder / "TetherDynamicFree.fmu")]) == 2
-    assert "free kite end" in capsys.readouterr().err
-    assert forces_over_wind_and_slack.main(["--fmu", str(of_scene(place))]) == 2
-    assert "has no variable ground_force" in capsys.readouterr().err
-    from first_flight import logged_flight
-
-    assert logged_flight.main([str(LOG), *OF_LOG, "--fmu", str(of_scene(place, "calm"))]) == 2
-    assert "has no variable wind_velocity" in capsys.readouterr().err
-    for name, wrong, words in (
-        ("coupling.mooring", "TetherDynamicFree", "has a free kite end"),
-        ("coupling.iterated_master", "TetherDynamicFree", "has a free kite end"),
-        ("power_system.pumping_cycle", "TetherDynamic", "has no free kite end"),
+    monkeypatch.chdir(dist.parent)
+    for name, options, wrong, words in (
+        ("at_rest.catenary", (), dist / "TetherDynamicFree.fmu", "free kite end"),
+        ("at_rest.forces_over_wind_and_slack", (), of_scene(place), "has no variable ground_force"),
+        ("first_flight.logged_flight", (str(LOG), *OF_LOG), of_scene(place, "calm"), "has no variable wind_velocity"),
+        ("coupling.mooring", (), dist / "TetherDynamicFree.fmu", "has a free kite end"),
+        ("coupling.iterated_master", (), dist / "TetherDynamicFree.fmu", "has a free kite end"),
+        ("power_system.pumping_cycle", (), dist / "TetherDynamic.fmu", "has no free kite end"),
     ):
-        assert import_module(name).main(["--fmu", str(fmu_folder / f"{wrong}.fmu")]) == 2
+        assert import_module(name).main([*options, "--fmu", str(wrong)]) == 2
         assert words in capsys.readouterr().err
     assert "fmpy.fmi2" in sys.modules
 
 
 def test_a_mooring_with_legs_of_ones_own(fmu_folder):
-    own = fmu_folder / "TetherQuasiSteady.fmu"
-    *_, last = run(
-        fmu_folder, f"from coupling import mooring; mooring.main(['--fmu', {str(own)!r}, '--quick'])"
-    ).splitlines()
+    options = ["--fmu", str(fmu_folder / "TetherQuasiSteady.fmu"), "--quick"]
+    *_, last = run(fmu_folder, f"from coupling import mooring; mooring.main({options})").splitlines()
     assert float(re.search(r"([\d.]+) %", last)[1]) > 1.0  # its legs carry no waves; those of TetherDynamic have 0.4 %
-
-
-@pytest.fixture
-def dist(fmu_folder, example_folder, tmp_path):
-    """Folder of the FMUs where the examples look for them."""
-    dist = tmp_path / "dist"
-    dist.mkdir()
-    for path in (*fmu_folder.glob("*.fmu"), *example_folder.glob("*.fmu")):
-        (dist / path.name).symlink_to(path)
-    return dist
 
 
 @pytest.mark.parametrize(

@@ -15,9 +15,8 @@ PUBLISHED = {  # forces on the ground station and on the kite [N]: exact catenar
 
 def test_catenary(fmu_folder, tmp_path):
     printed = run(fmu_folder, f"from at_rest import catenary; catenary.main(['--out', {str(tmp_path)!r}])")
-    found = {
-        line.split(":")[0]: [float(each) for each in re.findall(r"-?\d+\.\d{3}", line)] for line in printed.splitlines()
-    }
+    lines = (line.partition(":") for line in printed.splitlines())
+    found = {name: [float(each) for each in re.findall(r"-?\d+\.\d{3}", said)] for name, _, said in lines}
     assert list(found) == ["catenary", "5 segments", "22 segments"]
     for name, expected in PUBLISHED.items():
         assert np.allclose(found[name], expected, atol=1e-3)  # printed with three digits

@@ -5,10 +5,6 @@ from pathlib import Path
 
 import pytest
 
-from running import EXAMPLES
-
-sys.path.append(str(EXAMPLES))
-
 from shared import cache
 from tetherfmu.__main__ import main
 

@@ -1,12 +1,11 @@
 """The example runs, writes what it promises, and its process ends cleanly; so each test starts a process of its own."""
 
-import importlib.util
 import re
 from pathlib import Path
 
 import pytest
 
-from running import EXAMPLES, assert_is_drawn, new_python, run_code, run_python
+from running import EXAMPLES, assert_is_drawn, run_code, run_python, run_without
 
 CIRCLE = r"circle: 500 m away at 4\.34 m/s in still air, on a tether of 525 m that sags: .+\n"
 LINE = r"TetherDynamic: \|ground\| (\d+\.\d) N, \|kite\| (\d+\.\d) N at most; (\d+) steps; (\d+) times real time\n"
@@ -14,12 +13,10 @@ LINE += r"(  .+\n)+(.+\n){3}"
 FIGURES = ("first_shape.png", "forces.png", "shapes.png")
 
 
-def run_example(fmu_folder, folder, *arguments):
+def run_example(fmu_folder, folder, *arguments, name="TetherDynamic"):
     """Two seconds of flight; the finished process."""
-    fmu = fmu_folder / "TetherDynamic.fmu"
-    return run_python(
-        EXAMPLES / "first_flight" / "circular_flight.py", "--fmu", fmu, "--duration", 2, "--out", folder, *arguments
-    )
+    options = ("--fmu", fmu_folder / f"{name}.fmu", "--duration", 2, "--out", folder)
+    return run_python(EXAMPLES / "first_flight" / "circular_flight.py", *options, *arguments)
 
 
 def test_prints_one_line_and_writes_three_figures(fmu_folder, tmp_path):
@@ -54,7 +51,6 @@ print(pull(thick) / pull(), pull(thick) / pull(thick, stiff, ("axial_damping", 4
     assert of_stiff == pytest.approx(1.0, abs=1e-12)
 
 
-@pytest.mark.skipif(importlib.util.find_spec("plotly") is None, reason="plotly is an optional extra")
 def test_a_ground_carries_the_tether_and_is_drawn(fmu_folder, tmp_path):
     """A tether of 560 m lies on the ground, which has its place in the page and in both side views, and nowhere else."""
     code = f"""
@@ -79,7 +75,6 @@ assert deepest[0] < -10.0 and -0.01 < deepest[1] < 0.0, deepest
     assert not drawn.search(off)
 
 
-@pytest.mark.skipif(importlib.util.find_spec("plotly") is None, reason="plotly is an optional extra")
 def test_writes_a_self_contained_page(fmu_folder, tmp_path):
     done = run_example(fmu_folder, tmp_path, "--html")
     assert done.returncode == 0, done.stderr
@@ -89,9 +84,8 @@ def test_writes_a_self_contained_page(fmu_folder, tmp_path):
     assert len(page) > 1_000_000  # plotly itself is inside
 
 
-def test_says_that_plotly_is_missing(tmp_path):
-    code = "import sys; sys.modules['plotly'] = None; from first_flight import circular_flight as e; e.main(['--html'])"
-    done = new_python("-c", code)
+def test_says_that_plotly_is_missing():
+    done = run_without("plotly", "first_flight.circular_flight", "--html")
     assert done.stderr == 'plotly is not installed: pip install "tetherfmu[html]"\n'
 
 
@@ -125,3 +119,10 @@ def test_names_the_input_that_is_refused(fmu_folder, tmp_path):
     done = run_example(fmu_folder, tmp_path, "--wind", "1e9", 0, 0)
     assert done.returncode == 1
     assert "wind_velocity" in done.stderr
+
+
+def test_a_tether_that_is_too_short_is_said_in_one_line(fmu_folder, tmp_path):
+    done = run_example(fmu_folder, tmp_path, "--length", 100, name="TetherStraight")
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.count("stretched by 400 %, where any rope is broken") == 1
+    assert done.stdout.count("%%") == 0

@@ -14,6 +14,8 @@ from math import atan2, cos, pi, remainder, sin
 import numpy as np
 import pytest
 
+from fmus.aerodynamics import Wing, angle_of, dot, load, norm, rightward, turn_rate, turned, unit
+from manual import page
 from native.programs import available
 from running import EXAMPLES
 from tetherfmu import TetherDynamicFree
@@ -22,11 +24,7 @@ from tetherfmu.export.native.fmus import build
 from tetherfmu.export.native.host_header import PREFIX
 from tetherfmu.libraries.linking import TARGETS
 
-sys.path.append(str(EXAMPLES))
-
-from fmus.aerodynamics import Wing, angle_of, dot, load, norm, rightward, turn_rate, turned, unit
-
-SOURCE, PAGE = EXAMPLES / "hosts" / "closed_loop", EXAMPLES.parent / "docs" / "use" / "importing.md"
+SOURCE = EXAMPLES / "hosts" / "closed_loop"
 NAME, STEP, DURATION, ROUNDING = "TetherDynamicFree", 0.005, 10, 0.0501  # -, s, s, printed with one digit
 ELEVATION, RADIUS, LOOK_AHEAD, GAIN, SLOWEST = 0.5, 0.35, 0.5, 1.5, 3.0  # of kite.c
 WIND, FILES = (9.0, 0.0, 0.0), ("closed_loop.c", "kite.c", "platform.c")
@@ -121,7 +119,7 @@ def test_forces_are_those_of_the_python_api(program, native):
     """With the kite of the example FMUs; the page shows the first and the last lines of a minute."""
     printed, _ = run(program, native / NAME, "--fast")
     np.testing.assert_allclose(rows(printed)[:DURATION], flown_in_python(DURATION), rtol=0.0, atol=ROUNDING)
-    shown = rows(PAGE.read_text("utf-8"))
+    shown = rows(page("use/importing"))
     assert len(shown) >= 3
     np.testing.assert_allclose(shown, rows(printed)[shown[:, 0].astype(int) - 1], rtol=0.0, atol=2.0 * ROUNDING)
     assert "12000 steps of 5 ms, 0 refused and repeated" in printed

@@ -1,17 +1,13 @@
 """Examples that couple FMUs: a balloon on three legs, the iterated master; and the study of coupling from end to end."""
 
 import re
-import sys
 
 import numpy as np
 import pytest
 
-from running import EXAMPLES, assert_is_drawn, new_python, run, run_python
-
-sys.path.append(str(EXAMPLES))
-
 from coupling import mooring, ways_of_coupling
 from coupling.monolithic import exact
+from running import EXAMPLES, assert_is_drawn, run, run_python, run_without
 
 
 def numbers(said):
@@ -62,7 +58,7 @@ free = [circular_flight.find_fmu(name) for name in ("PointMassKite", "TetherDyna
 """
 
 
-def test_an_iterated_master_agrees_with_the_free_end(folder):
+def test_an_iterated_master_agrees_with_the_free_end(dist):
     """Two ways, two pairs of FMUs, one motion: at 10 ms within 0.1 %; Aitken's method needs fewer tether steps."""
     code = """
 fine = master.fly_free(*free, 0.002, 0.4)
@@ -71,19 +67,19 @@ for improve in master.NEXT_GUESS.values():
     print(master.error(flown, fine), flown.tether_steps)
 print(master.error(master.fly_free(*free, 0.01, 0.4), fine), 1)
 """
-    aitken, fixed_point, newton, free = numbers(run(folder, ITERATED + code))
+    aitken, fixed_point, newton, free = numbers(run(dist, ITERATED + code))
     assert max(aitken[0], fixed_point[0], newton[0], free[0]) < 0.001
     assert aitken[1] < newton[1] <= fixed_point[1]
 
 
-def test_an_iterated_master_gives_up_in_words(folder):
+def test_an_iterated_master_gives_up_in_words(dist):
     code = """
 try:
     master.fly_iterated(*iterated, 0.02, 0.4, 1e-15)
 except RuntimeError as error:
     print(error)
 """
-    said = run(folder, ITERATED + code)
+    said = run(dist, ITERATED + code)
     assert re.search(r"^kite and tether differ by \S+ N after 30 iterations at \S+ s: take a shorter step$", said, re.M)
 
 
@@ -103,12 +99,10 @@ def test_a_wrong_step_is_refused_in_one_line(example):
     assert re.fullmatch(r".+--step: '-1' is not possible; it must be .+\n", done.stderr)
 
 
-MISSING = [("mooring", "scipy", "examples"), ("coupling_limits", "tabulate", "study")]
-
-
-@pytest.mark.parametrize(("example", "package", "extra"), MISSING)
+@pytest.mark.parametrize(
+    ("example", "package", "extra"), [("mooring", "scipy", "examples"), ("coupling_limits", "tabulate", "study")]
+)
 def test_a_missing_package_is_named_in_one_line(example, package, extra):
-    code = f"import sys; sys.modules[{package!r}] = None; from coupling import {example}; sys.exit({example}.main([]))"
-    done = new_python("-c", code)
+    done = run_without(package, f"coupling.{example}")
     assert done.returncode == 2
     assert done.stderr == f'{package} is not installed: pip install "tetherfmu[{extra}]"\n'

@@ -8,25 +8,21 @@ and by the linear theory of a taut tether: exact map of a communication step, an
 with k, c of the whole tether, m the kite with a third of the tether, M the kite with half a segment.
 """
 
-import csv
-import sys
 from math import ceil
-from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 
-ROOT = Path(__file__).resolve().parents[2]
-sys.path.append(str(ROOT / "examples"))
-
-from coupling import coupling_study as limits  # noqa: E402
-from coupling import delayed_load  # noqa: E402
-from coupling.axial_chain import STEPS, AxialChain  # noqa: E402
-from coupling.monolithic import exact  # noqa: E402
-from coupling.ways_of_coupling import DRIVEN, WAYS, Leg, Scene, fly, force_error, inputs_towards, started  # noqa: E402
-from tetherfmu import TetherDynamic, TetherDynamicFree  # noqa: E402
-from tetherfmu.records.problems import StepRefused  # noqa: E402
-from tetherfmu.runtime.parameters import Environment, Tether  # noqa: E402
+from coupling import coupling_study as limits
+from coupling import delayed_load
+from coupling.axial_chain import STEPS, AxialChain
+from coupling.monolithic import exact
+from coupling.ways_of_coupling import DRIVEN, WAYS, Leg, Scene, fly, force_error, inputs_towards, started
+from manual import DATA, page
+from tetherfmu import TetherDynamic, TetherDynamicFree
+from tetherfmu.records.problems import StepRefused
+from tetherfmu.runtime.parameters import Environment, Tether
 
 KITES = ("constant force", "lift and drag")
 DURATION, EVERY = 1.2, 0.04  # [s]
@@ -153,29 +149,22 @@ def test_largest_stable_step(way, kite_mass, length):
 
 
 def read(name):
-    with (ROOT / "docs" / "data" / f"coupling_{name}.csv").open(encoding="utf-8") as file:
-        return [
-            {key: value if key in ("way", "kite", "scene") else float(value or "nan") for key, value in row.items()}
-            for row in csv.DictReader(file)
-        ]
+    return pd.read_csv(DATA / f"coupling_{name}.csv")
 
 
 def test_the_rules_are_on_the_safe_side():
     rows = read("limits")
     assert len(rows) == len(limits.LENGTHS) * len(limits.MASSES) * len(DRIVEN)
-    for row in rows:
-        assert row["safe_step"] < row["largest_step"] * 1.001  # four digits are written
-    heavy = [row for row in rows if row["kite_mass"] == 100.0 and row["way"] == "parallel"]
-    for row in heavy:  # 2 c/k, exact for a kite much heavier than its tether
-        assert row["largest_step"] == pytest.approx(row["safe_step"], rel=0.02)
+    assert (rows.safe_step < rows.largest_step * 1.001).all()  # four digits are written
+    heavy = rows[(rows.kite_mass == 100.0) & (rows.way == "parallel")]  # whose tethers are much lighter: 2 c/k is exact
+    assert heavy.largest_step.to_numpy() == pytest.approx(heavy.safe_step.to_numpy(), rel=0.02)
 
 
 @pytest.mark.parametrize(
     ("name", "table"), [("errors", limits.percent_table), ("knots", limits.knot_table), ("limits", limits.rule_table)]
 )
 def test_tables_of_the_page_are_those_of_the_files(name, table):
-    page = (ROOT / "docs" / "use" / "coupling.md").read_text(encoding="utf-8")
-    assert table(limits.pd.DataFrame(read(name))) in page
+    assert table(read(name)) in page("use/coupling")
 
 
 def test_one_chain_is_the_whole_system_in_series():
@@ -224,12 +213,11 @@ def test_a_late_load_limits_a_free_end(continuation, kite, part, grows):
 
 def test_limits_of_a_late_load_on_the_page():
     """Adams and Bashforth's method of second order has the limit 1, Euler's 2; the page has two digits of each."""
-    page = (ROOT / "docs" / "use" / "coupling.md").read_text(encoding="utf-8")
     assert delayed_load.largest_step("linear", "after the tether") == pytest.approx(1.0, abs=0.003)  # steps of the search
     assert delayed_load.largest_step("held", "after the tether") == pytest.approx(2.0, abs=0.003)
     for kite in delayed_load.KITES:
         numbers = (f"{delayed_load.largest_step(each, kite):.2f}" for each in delayed_load.CONTINUATIONS)
-        assert f"| {kite} | {' | '.join(numbers)} |" in page
+        assert f"| {kite} | {' | '.join(numbers)} |" in page("use/coupling")
 
 
 @pytest.mark.parametrize("way", ["parallel, linear", "sequential, linear"])

@@ -1,7 +1,6 @@
 """The way without a script: the commands and the input file of docs/use/start.md, as they stand there."""
 
 import os
-import re
 import subprocess
 import sys
 from pathlib import Path
@@ -9,23 +8,20 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from running import EXAMPLES
+from manual import codes, page
 
-PAGE = EXAMPLES.parent / "docs" / "use" / "start.md"
 G, MASS = 9.81, 500.0
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="the commands are those of a shell")
 def test_a_lean_fmu_an_input_file_and_an_output_file(tmp_path):
     """The load hangs at rest, then it is 0.25 m/s2 lighter."""
-    section = PAGE.read_text(encoding="utf-8").partition("## Without a script")[2].partition("\n## ")[0]
-    build, simulate = re.findall(r"```bash\n(.*?)```", section, re.DOTALL)
-    (rows,) = re.findall(r"```csv\n(.*?)```", section, re.DOTALL)
+    section = page("use/start").partition("## Without a script")[2].partition("\n## ")[0]
+    (build, simulate), (rows,) = codes(section, "bash"), codes(section, "csv")
     (tmp_path / "winch.csv").write_text(rows, encoding="utf-8")
     environment = {**os.environ, "PATH": os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])}
-    done = subprocess.run(
-        ["sh", "-e", "-c", build + simulate], cwd=tmp_path, env=environment, capture_output=True, text=True, check=False
-    )
+    command = ["sh", "-e", "-c", build + simulate]
+    done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     assert "Warning: missing input" not in done.stdout + done.stderr
     assert "  reel_out_speed = 0 [m/s]: " in done.stdout

@@ -1,21 +1,22 @@
 """Where temporary files have a path on which PythonFMU's library crashes, the commands refuse in one line."""
 
-import os
-import subprocess
-import sys
-
 import pytest
 
-CODE = "import sys; from tetherfmu.__main__ import main; sys.exit(main(sys.argv[1:]))"
+from running import run_code
+
+CODE = """
+import os, sys, tempfile
+os.environ |= dict.fromkeys(("TMPDIR", "TEMP", "TMP"), os.getcwd())
+tempfile.tempdir = None  # it is looked for anew
+from tetherfmu.__main__ import main
+sys.exit(main(["fly", "--fmu", sys.argv[1], "--duration", "1"]))
+"""
 
 
 def flown(fmu_file, folder):
     """What a short flight with a folder for temporary files ends with."""
     folder.mkdir()
-    places = dict.fromkeys(("TMPDIR", "TEMP", "TMP"), str(folder))
-    environment = {**os.environ, **places, "PYTHONPATH": os.pathsep.join(sys.path)}
-    command = [sys.executable, "-c", CODE, "fly", "--fmu", str(fmu_file), "--duration", "1"]
-    return subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
+    return run_code(CODE, fmu_file, cwd=folder)
 
 
 @pytest.mark.parametrize("name", ["Jörg", "a+b", "a#b", "50%"])

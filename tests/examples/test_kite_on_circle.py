@@ -5,20 +5,15 @@ import warnings
 
 import numpy as np
 import pytest
-
-from running import EXAMPLES, assert_is_drawn, run_code
-
-pytest.importorskip("gymnasium")
-sys.path.append(str(EXAMPLES))
-
 from gymnasium.utils.env_checker import check_env
 
 from learning import kite_on_circle as example
 from learning import steered_circle
+from manual import page
+from running import assert_is_drawn, run_without
 from tetherfmu import TetherDynamicFree
 from tetherfmu.runtime import layout as at
 
-PAGE = EXAMPLES.parent / "docs" / "use" / "coupling.md"
 STEPS = 200
 MOST_SOLVER_STEPS, MOST_CALLS = 1.1, 80  # of a step; measured: 1.05 over a minute, and 61
 
@@ -133,15 +128,14 @@ def test_prints_what_the_page_shows(flown, tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(steered_circle, "fly", lambda: flown)
     assert steered_circle.main(["--out", str(tmp_path)]) == 0
     printed = capsys.readouterr().out.splitlines()
-    assert "\n".join(printed[:2]) in PAGE.read_text("utf-8")
+    assert "\n".join(printed[:2]) in page("use/coupling")
     assert printed[2] == "20000 steps a second with the policy; a reset takes the time of 1.0 steps"
     assert_is_drawn(tmp_path / "kite_on_circle.png")
 
 
 def test_without_gymnasium_it_is_named_in_one_line():
     """The extra that brings it is in the message where this version is installed."""
-    code = "import sys; sys.modules['gymnasium'] = None; from learning import steered_circle as s; sys.exit(s.main([]))"
-    done = run_code(code)
+    done = run_without("gymnasium", "learning.steered_circle")
     assert done.returncode == 2
     assert done.stderr.startswith("gymnasium is not installed: pip install ")
     assert len(done.stderr.splitlines()) == 1

@@ -1,7 +1,6 @@
 """The flight of a CSV file: FMUs fly it as the Python API does, whatever leads its winch; what cannot be used is named."""
 
 import base64
-import importlib.util
 import json
 import re
 import shutil
@@ -10,7 +9,9 @@ import numpy as np
 import pytest
 
 from ended import status_of
+from first_flight.logged_flight import given_inputs, scene_of
 from running import EXAMPLES, assert_is_drawn, run_code
+from study.scenes_of_tests import swaying, write_series
 from tetherfmu.__main__ import main as tetherfmu
 
 LOG = EXAMPLES / "scenes" / "logged_flight.csv"  # 20 s at 4 Hz, with reel-out speed and wind
@@ -18,10 +19,7 @@ FLY = "import sys; from tetherfmu.commands.fly import main; sys.exit(main(sys.ar
 TIME = np.arange(0.0, 4.01, 0.1)
 HEAVE = 0.5  # m
 SHIP = np.column_stack([5.0 * TIME, 0.0 * TIME, 2.0 + HEAVE * np.sin(TIME)])
-AZIMUTH = 0.1 * (1.0 - np.cos(0.3 * TIME))
-KITE = np.column_stack([400.0 * np.cos(AZIMUTH), 400.0 * np.sin(AZIMUTH), 300.0 + 0.0 * TIME])  # 500 m away
-RATE = 0.03 * np.sin(0.3 * TIME)[:, np.newaxis]
-VELOCITY = RATE * np.column_stack([-KITE[:, 1], KITE[:, 0], 0.0 * TIME])
+KITE, VELOCITY = swaying(TIME)
 LOGS = {  # columns of files
     "plain": {"kite_position": KITE},
     "length": {"kite_position": KITE, "winch_length": 502.0 + 0.4 * np.sin(TIME)},
@@ -33,21 +31,12 @@ LOGS = {  # columns of files
 }
 
 
-def write(path, columns):
-    """A CSV file of columns by the names of inputs; returns its path."""
-    named = {"time": TIME}
-    for name, values in columns.items():
-        named |= {f"{name}[{i + 1}]": values[:, i] for i in range(3)} if values.ndim > 1 else {name: values}
-    np.savetxt(path, np.column_stack([*named.values()]), delimiter=",", header=",".join(named), comments="")
-    return path
-
-
 @pytest.fixture(scope="module")
 def logs(tmp_path_factory):
     """Folder with a file of each of `LOGS`."""
     folder = tmp_path_factory.mktemp("logs")
     for name, columns in LOGS.items():
-        write(folder / f"{name}.csv", columns)
+        write_series(folder / f"{name}.csv", TIME, columns)
     return folder
 
 
@@ -130,18 +119,11 @@ def test_the_ground_station_moves(fmu_folder, logs):
     assert lengths[-1] == pytest.approx(502.0 + 0.2 * np.sin(4.0), abs=1e-3)  # of the curve between the rows
 
 
-def test_inputs_without_columns_are_left_to_the_fmu(logs, monkeypatch):
-    monkeypatch.syspath_prepend(EXAMPLES)
-    from first_flight.logged_flight import given_inputs, scene_of
-
+def test_inputs_without_columns_are_left_to_the_fmu(logs):
     kite = ["kite_position", "kite_velocity"]
     assert given_inputs(scene_of(logs / "plain.csv", 502.0).flight, False) == kite
-    assert given_inputs(scene_of(logs / "length.csv").flight, True) == [
-        *kite,
-        "reel_out_speed",
-        "winch_length",
-        "wind_velocity",
-    ]
+    by_length = given_inputs(scene_of(logs / "length.csv").flight, True)
+    assert by_length == [*kite, "reel_out_speed", "winch_length", "wind_velocity"]
     ship = scene_of(logs / "ship.csv", 502.0).flight
     assert given_inputs(ship, False) == [*kite, "ground_position", "ground_velocity", "reel_out_speed"]
 
@@ -161,7 +143,6 @@ def curves(page):
     return {each.get("name"): np.column_stack([numbers(each[axis]) for axis in "xyz"]) for each in traces}
 
 
-@pytest.mark.skipif(importlib.util.find_spec("plotly") is None, reason="plotly is an optional extra")
 def test_all_tethers_share_figures_and_a_page_with_the_path(fmu_folder, tmp_path):
     (tmp_path / "dist").symlink_to(fmu_folder, target_is_directory=True)
     options = ("--length", 220.3, "--tether", "all", "--html", "--ground", "--out", "out")
@@ -182,7 +163,6 @@ def test_all_tethers_share_figures_and_a_page_with_the_path(fmu_folder, tmp_path
     assert np.all(shown["ground"][:, 2] == 0.0)
 
 
-@pytest.mark.skipif(importlib.util.find_spec("plotly") is None, reason="plotly is an optional extra")
 def test_the_ground_is_where_the_station_is_and_its_path_is_drawn(fmu_folder, logs, tmp_path):
     """A name with characters that HTML needs is shown as it is; a height of one's own moves the ground."""
     odd = shutil.copy(logs / "ship.csv", tmp_path / "a&b.csv")
@@ -207,7 +187,7 @@ def test_a_kite_above_its_winch_is_drawn(fmu_folder, logs, tmp_path):
 def test_noise_is_told(fmu_folder, tmp_path):
     noisy = {"kite_position": KITE + 0.02 * np.random.default_rng(1).normal(size=KITE.shape)}
     options = ("--fmu", fmu_folder / "TetherStraight.fmu", "--length", 501, "--out", tmp_path)
-    finished = run_code(FLY, write(tmp_path / "noise.csv", noisy), *options)
+    finished = run_code(FLY, write_series(tmp_path / "noise.csv", TIME, noisy), *options)
     assert finished.returncode == 0
     (line,) = finished.stderr.splitlines()
     assert re.search(r"noise\.csv: the positions scatter by about 0\.0\d+ m from row to row, which shakes .* smooth", line)

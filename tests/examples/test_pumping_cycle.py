@@ -16,7 +16,7 @@ def flown(folder, code):
     return "".join(line for line in said.splitlines(True) if "has no effect" not in line)  # lengths of the winch beside it
 
 
-def test_coarse_steps_give_the_power_of_fine_ones(folder):
+def test_coarse_steps_give_the_power_of_fine_ones(dist):
     """Mean power, mean force and duration of a whole cycle: 20 ms with both masters against 4 ms, within 2 %."""
     code = f"""
 for step, master in ((0.02, "jacobi"), (0.02, "gauss_seidel"), (0.004, "jacobi")):
@@ -25,13 +25,13 @@ for step, master in ((0.02, "jacobi"), (0.02, "gauss_seidel"), (0.004, "jacobi")
     duration, energy = flight.time[b] - flight.time[a], flight.values["energy"]
     print((energy[b] - energy[a]) / duration, flight.values["ground_tension"][a:b].mean(), duration)
 """
-    jacobi, gauss_seidel, fine = np.array([line.split() for line in flown(folder, code).splitlines()], dtype=float)
+    jacobi, gauss_seidel, fine = np.array([line.split() for line in flown(dist, code).splitlines()], dtype=float)
     assert fine[0] > 1000.0
     np.testing.assert_allclose(jacobi, fine, rtol=0.02)
     np.testing.assert_allclose(gauss_seidel, fine, rtol=0.02)
 
 
-def test_the_start_is_no_jolt(folder):
+def test_the_start_is_no_jolt(dist):
     """In the first five seconds the tether pulls no more than in the cycles, and is never slack."""
     code = """
 with pumping_cycle.system(kite_power_system.START, "jacobi") as (parts, signals, places, _):
@@ -39,14 +39,14 @@ with pumping_cycle.system(kite_power_system.START, "jacobi") as (parts, signals,
         pumping_cycle.jacobi(parts, signals, 0.02 * k, 0.02)
         print(signals[places["ground_tension"]])
 """
-    tension = np.array(flown(folder, code).split(), dtype=float)
+    tension = np.array(flown(dist, code).split(), dtype=float)
     assert 1000.0 < tension.min() < tension.max() < 3600.0
     assert np.abs(np.diff(tension)).max() < 300.0  # of one step
 
 
-def test_prints_draws_and_animates(folder, tmp_path):
+def test_prints_draws_and_animates(dist, tmp_path):
     options = ["--cycles", "1", "--html", "--out", str(tmp_path)]
-    said = flown(folder, f"kite_power_system.START['longest_length'] = 225.0\npumping_cycle.main({options!r})")
+    said = flown(dist, f"kite_power_system.START['longest_length'] = 225.0\npumping_cycle.main({options!r})")
     found = re.fullmatch(2 * REPORT + r"\d+ times real time\n(?:.+\n){3}", said)
     assert found, said
     one, whole = found.groups()[1:5], found.groups()[6:]
@@ -62,7 +62,7 @@ def test_prints_draws_and_animates(folder, tmp_path):
 
 
 @pytest.mark.parametrize("wind", [10, 14])
-def test_a_step_that_is_too_long_is_named_as_the_cause(folder, wind, tmp_path):
+def test_a_step_that_is_too_long_is_named_as_the_cause(dist, wind, tmp_path):
     """Not too little wind, nor what an FMU refuses in the end; half of the step is advised, and holds over a cycle."""
     options = ["--wind", str(wind), "--step", "0.03", "--out", str(tmp_path)]
     advised = ["--wind", str(wind), "--step", "0.015", "--cycles", "1", "--out", str(tmp_path)]
@@ -73,7 +73,7 @@ with contextlib.redirect_stderr(sys.stdout):
     print("status", pumping_cycle.main({options!r}))
     print("status", pumping_cycle.main({advised!r}))
 """
-    said = flown(folder, code)
+    said = flown(dist, code)
     causes = r"the exchange diverges after \d\.\d s: .+; take --step 0\.015 or --master gauss_seidel, .+"
     assert re.search(rf"^{causes}\nstatus 1\n(?:.+\n)*status 0$", said, re.M), said
     assert "more wind" not in said
@@ -91,7 +91,7 @@ with contextlib.redirect_stderr(sys.stdout):
     ],
     ids=["nan", "jammed", "no_wind", "little_wind", "mass"],
 )
-def test_what_cannot_fly_ends_in_words(folder, changes, words):
+def test_what_cannot_fly_ends_in_words(dist, changes, words):
     code = f"""
 import contextlib, sys
 from tetherfmu.console.ending import command
@@ -100,7 +100,7 @@ changed = {{**kite_power_system.START, **{changes!r}}}
 with contextlib.redirect_stderr(sys.stdout):
     print("status", command(lambda: pumping_cycle.fly(1, 0.02, "jacobi", changed) and None)())
 """
-    said = flown(folder, code)
+    said = flown(dist, code)
     assert words in said
     assert "status 1" in said
     assert "Traceback" not in said

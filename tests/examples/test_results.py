@@ -7,14 +7,13 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from running import assert_is_drawn, run_code
+from running import assert_is_drawn, run_python
 from scenes import hanging_load
 from tetherfmu.__main__ import main as tetherfmu
 from tetherfmu.files.scene_files import load
 from tetherfmu.study import sweep
 from tetherfmu.study.measuring import results
 
-FLY = "import sys; from tetherfmu.__main__ import main; sys.exit(main(['fly', *sys.argv[1:]]))"
 G = 9.81
 MASS, SPEED, ROPE, DENSITY, DIAMETER = 300.0, 0.5, 30.0, 1000.0, 0.01
 OF_THE_ROPE = {"initial_length": ROPE, "diameter": DIAMETER, "density": DENSITY, "segments": 8}
@@ -24,7 +23,7 @@ HOISTED = hanging_load("winch", 0, MASS, **OF_THE_ROPE, reel_out_speed=-SPEED)
 def flown(tmp_path, *arguments):
     """Lines that a flight prints, and its table."""
     file = tmp_path / "table.csv"
-    done = run_code(FLY, *arguments, "--csv", file, "--out", tmp_path)
+    done = run_python("-m", "tetherfmu", "fly", *arguments, "--csv", file, "--out", tmp_path)
     assert done.returncode == 0, done.stderr
     assert str(file) in done.stdout.splitlines()
     return done.stdout.splitlines(), pd.read_csv(file)

@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from running import EXAMPLES, assert_is_drawn, run_code
+from running import EXAMPLES, assert_is_drawn, run_code, run_python
 from tetherfmu.__main__ import main as tetherfmu
 from tetherfmu.files.named import named_systems
 from tetherfmu.libraries.examples import example
@@ -36,11 +36,10 @@ def test_the_forces_are_those_of_python(fmu_folder):
 
 def test_an_fmu_of_the_scene_has_what_it_lacks_built_in(tmp_path):
     """`build --scene` leaves out what is 0, as the position of the ground station is; another constant is refused."""
-    build = "import sys; from tetherfmu.__main__ import main; sys.exit(main(sys.argv[1:]))"
-    done = run_code(build, "build", "--scene", EXAMPLES / "first_flight" / "eight_on_a_winch.toml", "--out", tmp_path)
-    assert done.returncode == 0, done.stderr
+    scene, fly = EXAMPLES / "first_flight" / "eight_on_a_winch.toml", ("fly", "eight_on_a_winch", "--duration", 2, "--fmu")
+    assert tetherfmu(["build", "--scene", str(scene), "--out", str(tmp_path)]) == 0
     (fmu,) = tmp_path.glob("*.fmu")
-    done = run_code(build, "fly", "eight_on_a_winch", "--fmu", fmu, "--duration", 2, "--out", tmp_path / "plots")
+    done = run_python("-m", "tetherfmu", *fly, fmu, "--out", tmp_path / "plots")
     assert done.returncode == 0, done.stderr
     assert "no variable" not in done.stderr
     assert re.match(rf"{fmu.stem}: \|ground\| 3\d\d\d\.\d N, ", done.stdout)
@@ -52,10 +51,8 @@ def test_an_fmu_of_the_scene_has_what_it_lacks_built_in(tmp_path):
         (lean, "has winch_force = 0 and no variable for it; it is 3000 in this scene"),
         (whole, "has gravity = 1.6 and no variable for it; it is 9.81"),
     ):
-        done = run_code(build, "build", "dynamic", *chosen, "--out", tmp_path / "lean")
-        assert done.returncode == 0, done.stderr
-        fmu = tmp_path / "lean" / "TetherDynamic.fmu"
-        done = run_code(build, "fly", "eight_on_a_winch", "--fmu", fmu, "--duration", 2, "--out", tmp_path / "plots")
+        assert tetherfmu(["build", "dynamic", *chosen, "--out", str(tmp_path / "lean")]) == 0
+        done = run_python("-m", "tetherfmu", *fly, tmp_path / "lean" / "TetherDynamic.fmu", "--out", tmp_path / "plots")
         assert done.returncode == 2
         assert words in done.stderr
 
@@ -67,10 +64,9 @@ def test_turbulence_is_that_of_python(tmp_path):
 
 
 def test_prints_and_draws_as_the_circle_does(fmu_folder, tmp_path):
-    fly = "import sys; from tetherfmu.commands.fly import main; sys.exit(main(sys.argv[1:]))"
     changed = ("--set", "winch.force=5 kN", "--set", "segments=6", "--duration", 0.6)
     options = (*changed, "--fmus", fmu_folder, "--out", tmp_path)
-    done = run_code(fly, "eight_on_a_winch", *options)
+    done = run_python("-m", "tetherfmu", "fly", "eight_on_a_winch", *options)
     assert done.returncode == 0, done.stderr
     first, *_ = done.stdout.splitlines()
     paths = done.stdout.splitlines()[-3:]
@@ -136,7 +132,6 @@ def test_the_list_has_the_scenes(capsys):
 
 def test_the_page_shows_a_plane_flight_to_scale():
     """Its axes are as long as what they show, and rounding errors across it are none."""
-    pytest.importorskip("plotly")
     page = example("shared.flight_page")
     points = np.array([[-6.0, 1e-15, 10.0], [6.0, -1e-14, 30.0]])
     axes = page.scene(points)

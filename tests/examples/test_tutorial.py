@@ -1,14 +1,11 @@
 """The tutorial as a user runs it: each lesson draws, prints a line, does no more work than it may; copies run."""
 
-import os
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
-from running import assert_is_drawn, run
+from running import assert_is_drawn, run, run_python
 from tetherfmu.__main__ import main as tetherfmu
 from tetherfmu.libraries.examples import EXAMPLES, example
 
@@ -61,9 +58,9 @@ def test_a_lesson_is_short(name):
 def test_a_script_runs_its_own_lesson_only(tmp_path):
     """It imports other lessons; wrong options end it with status 2, from any folder."""
     script = lessons()["03"]
-    done = subprocess.run([sys.executable, script], cwd=tmp_path, capture_output=True, text=True, check=True)
+    done = run_python(script, cwd=tmp_path)
     assert [line.split(":")[0] for line in done.stdout.splitlines()] == ["tether_03"]
-    wrong = subprocess.run([sys.executable, script, "--nonsense"], cwd=tmp_path, capture_output=True, text=True)
+    wrong = run_python(script, "--nonsense", cwd=tmp_path)
     assert wrong.returncode == 2
     assert "--nonsense" in wrong.stderr
 
@@ -146,8 +143,6 @@ def test_copies_run_where_they_are(tmp_path, capsys):
     assert changed.read_text() == "changed"
     assert tetherfmu(["tutorial", "--copy", str(place), "--overwrite"]) == 0
     assert mine.read_text() == "mine"
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
-    command = [sys.executable, "tutorial/tether_01.py"]
-    done = subprocess.run(command, cwd=place, env=environment, capture_output=True, text=True, check=True)
+    done = run_python("tutorial/tether_01.py", cwd=place)
     assert LINE.match(done.stdout.strip())
     assert_is_drawn(place / "plots" / "tether_01.png")

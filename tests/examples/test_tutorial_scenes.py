@@ -4,16 +4,8 @@ In lessons 01 to 05 the model is made by hand, in 06 to 08 it is TetherDynamic. 
 stretch-rate damper.
 """
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
-
-from scenes import SCENE_08_ERRORS, nodes, read
-
-sys.path.append(str(Path(__file__).resolve().parents[2] / "examples" / "tutorial"))
-
 import quasi_steady_catenary
 import quasi_steady_circle
 import tether_01
@@ -31,6 +23,7 @@ import tether_10
 import tether_12
 from test_at_rest import PUBLISHED
 
+from scenes import SCENE_08_ERRORS, nodes, read
 from tetherfmu import TetherCatenary, TetherDynamic, TetherQuasiSteady
 
 LAW = {"damping_law": "stretch_rate"}

@@ -1,6 +1,5 @@
 """A pumping kite with its winch inside the tether: the power of the winch FMU, in steps in which the winch FMU fails."""
 
-import sys
 import zipfile
 from importlib.util import find_spec
 from types import SimpleNamespace
@@ -8,17 +7,14 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from fmus import winch_motor
 from isolation import own_process
-from running import EXAMPLES, assert_is_drawn, run
+from power_system.kite_power_system import OWN_STEPS
+from running import assert_is_drawn, run
+from shared import ssp
 from tetherfmu.export.build_options import BuildOptions
 from tetherfmu.export.documents import OSP_FOLDER
 from tetherfmu.libraries.examples import example
-
-sys.path.append(str(EXAMPLES))
-
-from fmus import winch_motor
-from power_system.kite_power_system import OWN_STEPS
-from shared import ssp
 
 SHORT = "{**kite_power_system.START, 'controller.longest_length': 225.0}"  # a cycle of half a minute
 POWER = """
@@ -35,19 +31,19 @@ def flown(folder, code):
 
 
 @pytest.fixture(scope="module")
-def beside(folder):
+def beside(dist):
     """Mean power [W] with the winch FMU, over a cycle of 150 m, in steps of 50 ms: 0.2 % from that in steps of 20 ms."""
     code = """
 flight = pumping_cycle.fly(1, 0.05, "gauss_seidel")
 a, b = flight.bounds
 print((flight.values["energy"][b] - flight.values["energy"][a]) / (flight.time[b] - flight.time[a]))
 """
-    return float(flown(folder, code))
+    return float(flown(dist, code))
 
 
-def test_the_power_is_that_of_the_winch_fmu(folder, beside):
+def test_the_power_is_that_of_the_winch_fmu(dist, beside):
     """The drum follows the controller in less than half a second, of the three in which it changes over twice in 98 s."""
-    inside = float(flown(folder, "print(power(winch_inside.fly(0.1, True)))"))
+    inside = float(flown(dist, "print(power(winch_inside.fly(0.1, True)))"))
     assert beside > 1000.0
     assert inside == pytest.approx(beside, rel=0.01)
 
@@ -89,25 +85,25 @@ def test_libcosim_flies_the_file_with_the_motor_in_steps_of_100_ms(tmp_path, bes
     assert inside == pytest.approx(beside, rel=0.01)
 
 
-def test_steps_of_100_ms_give_what_steps_of_20_ms_give(folder):
+def test_steps_of_100_ms_give_what_steps_of_20_ms_give(dist):
     """The controller sees up to 80 ms later where reeling in begins and ends, and so does the motor: 0.3 % of 25 s each."""
     code = f"for step in (0.02, 0.1): print(power(winch_inside.fly(step, True, {SHORT})))"
-    fine, coarse = map(float, flown(folder, code).split())
+    fine, coarse = map(float, flown(dist, code).split())
     assert coarse == pytest.approx(fine, rel=0.02)
 
 
 @pytest.mark.parametrize("master", ["jacobi", "gauss_seidel"])
-def test_the_masters_of_the_pumping_cycle_diverge_in_100_ms(folder, master):
-    assert flown(folder, f"print(winch_inside.explicit({master!r}, 0.1))").startswith("the exchange diverges after 0.")
+def test_the_masters_of_the_pumping_cycle_diverge_in_100_ms(dist, master):
+    assert flown(dist, f"print(winch_inside.explicit({master!r}, 0.1))").startswith("the exchange diverges after 0.")
 
 
-def test_in_200_ms_the_winch_fmu_swings_and_the_winch_inside_does_not(folder):
+def test_in_200_ms_the_winch_fmu_swings_and_the_winch_inside_does_not(dist):
     """The drum accelerates by no more than what the controller may ask for and a swing of the tension by half may add.
 
     That is 4 m/s2 and 1000 N on 300 kg; the winch FMU jerks its drum with all that its motor has, 27 m/s2.
     """
     code = f"for inside in (True, False): print(abs(numpy.diff(winch_inside.fly(0.2, inside, {SHORT})[2])).max() / 0.2)"
-    inside, beside = map(float, flown(folder, code).split())
+    inside, beside = map(float, flown(dist, code).split())
     assert inside < 4.0 + 1000.0 / 300.0
     assert beside > 20.0
 
@@ -125,7 +121,7 @@ def test_the_drum_and_its_controller_agree_at_rest():
         assert more < found  # it lets the drum go
 
 
-def test_prints_and_draws(folder, tmp_path):
+def test_prints_and_draws(dist, tmp_path):
     """What is printed and drawn of flights, here of no real ones."""
     code = f"""
 time = numpy.linspace(0.0, 100.0, 1001)
@@ -134,7 +130,7 @@ winch_inside.fly = lambda step, inside: cycle
 winch_inside.explicit = lambda master, step: master
 winch_inside.main(['--out', {str(tmp_path)!r}])
 """
-    lines = flown(folder, code).splitlines()
+    lines = flown(dist, code).splitlines()
     assert [line.partition(":")[0] for line in lines[4:-1]] == [
         f"winch {where}, {step} ms" for where in ("as an FMU", "inside the tether") for step in (20, 100, 200)
     ]

@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tests.study.replay.known_flight import enu
+from study.replay.known_flight import enu
 from tetherfmu.files import csv_files
 from tetherfmu.files.series import Series
 from tetherfmu.records.paths import kite_at

@@ -328,7 +328,7 @@ def quick_map(tmp_path_factory):
         fly(next(p for p in POINTS if p.variant == variant and p.segments < 10))  # compiled once, not in each process
     folder = tmp_path_factory.mktemp("map")
     path = folder / "stability_1.jsonl"
-    command = [sys.executable, make_stability.__file__, "--quick", "--out", str(folder), "--processes", "2"]
+    command = [sys.executable, make_stability.__file__, "--quick", "--out", str(folder), "--processes", "1"]
     process = subprocess.Popen(command, start_new_session=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     while process.poll() is None and not (path.exists() and path.stat().st_size):
         time.sleep(0.02)

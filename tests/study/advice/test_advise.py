@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from advice.page import asking
+from advice.page import unseen as judged
 from advice.random_scenes import random_scenes
 from study.scenes_of_tests import SCENE, written
 from tetherfmu.__main__ import main
@@ -50,6 +51,15 @@ def test_what_cannot_be_met_is_told(tmp_path, capsys):
     path = written(tmp_path, SCENE.replace("20 ms", "500 ms").replace("3 %", "0.1 %"))
     assert main(["advise", str(path)]) == 1
     assert "No configuration is known to reach that" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("number", [3, 7, 9, 15, 31], ids=["launch", "circle", "parked", "figure of eight", "launch again"])
+def test_advice_for_an_unseen_scene(number):
+    """As docs/use/quality_of_advice.md judges all 40."""
+    verdict = judged(random_scenes(number + 1)[number])
+    assert verdict["own_error"] < 0.2 * verdict["allowed"]
+    assert verdict["met"]
+    assert verdict["error"] <= verdict["expected"] + verdict["own_error"]
 
 
 def unseen(seed, number, allowed):
@@ -149,6 +159,17 @@ def test_the_share_of_the_time_in_which_it_hangs_below():
     scene = replace(load(SCENES / "landing.toml"), ground=Ground())
     (said,) = hanging(scene, SimpleNamespace(shape=shape))
     assert "up to 2 m below ground.height, during 25 % of the flight" in said
+
+
+@pytest.mark.parametrize(("part", "said"), [(0.2, ["a segment is stretched by"]), (1.0, [])])
+def test_a_scene_that_no_tether_can_be_in_is_warned_of(part, said):
+    """A tether of a fifth of the distance; and one that is long enough."""
+    scene = load(SCENES / "parked.toml")
+    scene = replace(scene, tether=replace(scene.tether, initial_length=part * scene.tether.initial_length))
+    lines = explain(scene, advise(scene, FAST_BUDGET)).splitlines()
+    warnings = [line for line in lines if line.startswith("  warning   ")]
+    assert len(warnings) == len(said)
+    assert all(words in line for words, line in zip(said, warnings, strict=True))
 
 
 def test_a_tether_that_stays_above_the_ground_says_nothing_of_it():

@@ -1,4 +1,4 @@
-"""The trade-off study: finished points survive a kill, any executor gives the same, and the report has its parts."""
+"""The trade-off study: finished points survive a kill, and the report has its parts."""
 
 import csv
 import json
@@ -8,7 +8,6 @@ import signal
 import subprocess
 import sys
 import time
-from functools import partial
 
 import pytest
 
@@ -93,25 +92,6 @@ def test_a_changed_default_anywhere_in_the_package_makes_another_key(tmp_path, m
     assert len(set(keys)) == 3
 
 
-def test_ctrl_c_ends_the_study_with_one_line(tmp_path):
-    """All processes of the terminal get the signal, as Ctrl-C sends it; the finished points are kept."""
-    command = [sys.executable, "-m", "tetherfmu", "tradeoff", str(written(tmp_path)), "--out", str(tmp_path / "out")]
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
-    listening = partial(signal.signal, signal.SIGINT, signal.SIG_DFL)  # also where the tests run in the background
-    process = subprocess.Popen(
-        command, env=environment, start_new_session=True, preexec_fn=listening, stderr=subprocess.PIPE, text=True
-    )
-    points = tmp_path / "out" / "points.jsonl"
-    deadline = time.monotonic() + TIMEOUT
-    while not (points.exists() and points.read_bytes().count(b"\n") >= 3):
-        assert time.monotonic() < deadline, "no point was finished"
-        time.sleep(0.005)
-    os.killpg(process.pid, signal.SIGINT)
-    said = process.communicate(timeout=TIMEOUT)[1]
-    assert process.returncode == 130, said
-    assert said.splitlines() == ["stopped; the finished points are kept, and the same command continues from them"]
-
-
 @pytest.mark.parametrize("wrong", [["--processes", "0"], ["--procesess", "2"], ["--out", "short.toml/out"]])
 def test_a_wrong_option_is_told_in_one_line(tmp_path, monkeypatch, capsys, wrong):
     monkeypatch.chdir(tmp_path)
@@ -134,14 +114,3 @@ def test_cheapest_and_front(points):
     assert best.config.iloc[-1] == exact.config
     assert best.cost.is_monotonic_increasing
     assert best.kite_force.is_monotonic_decreasing
-
-
-def test_a_dask_cluster_gives_the_same(folder, points, tmp_path):
-    import distributed
-
-    with (
-        distributed.LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=None) as cluster,
-        executor_of(cluster.scheduler_address) as executor,
-    ):
-        others = study(load(folder / "short.toml"), Store(tmp_path / "points.jsonl"), executor, FEW, 1)[1]
-    assert others.errors.tolist() == points.errors.tolist()

@@ -17,13 +17,18 @@ from stability.isolated import isolated
 from stability.points import point
 from study.scenes_of_tests import written
 from tetherfmu.console.ending import WorkersLost
+from tetherfmu.files.scene_files import load
 from tetherfmu.study import sweep
+from tetherfmu.study.advice.tradeoff import study
 from tetherfmu.study.measuring.executors import executor_of
+from tetherfmu.study.measuring.runs import Config
+from tetherfmu.study.measuring.store import Store
 from tetherfmu.study.sweeps import sweep as sweeps
 from tetherfmu.study.sweeps.statistics import fly_all
 
 distributed = pytest.importorskip("distributed")
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no signals of this kind")
+FEW = [Config("straight", 0, 0.0, 0.02), Config("quasi_steady", 4, 0.0, 0.02), Config("dynamic", 8, 1e-3, 0.02)]
 KEPT = "the finished points are kept, and the same command continues from them"
 TIMEOUT = 300.0  # seconds, for what hangs
 PATIENCE = 2.0  # seconds, of a command whose worker is killed; a worker that is slow to start must not cost it
@@ -156,6 +161,15 @@ def test_a_cluster_gives_the_same_sweep_when_its_worker_is_killed(tmp_path, clus
     assert (tmp_path / "killed").exists()
     assert there.equals(here)
     assert there.attrs == here.attrs
+
+
+def test_a_cluster_gives_the_same_trade_off(tmp_path, cluster):
+    scene, found = load(written(tmp_path)), []
+    for address in (None, cluster):
+        with executor_of(address, processes=1) as executor:
+            _, points = study(scene, Store(tmp_path / f"{address is None}.jsonl"), executor, FEW, 1)
+        found.append(points.errors.tolist())
+    assert found[0] == found[1]
 
 
 def test_no_scheduler_is_said_in_words(monkeypatch):

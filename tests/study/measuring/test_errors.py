@@ -1,4 +1,6 @@
-"""Errors of a flight: each by its formula, on flights made up for it."""
+"""Errors of a flight, each by its formula, on flights made up for it; and references that are ten times finer, or say so."""
+
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -7,8 +9,10 @@ from study.scenes_of_tests import SCENE, written
 from tetherfmu import Flown
 from tetherfmu.files.scene_files import OUTPUTS, load
 from tetherfmu.runtime import layout as at
-from tetherfmu.study.measuring.errors import errors, settled
+from tetherfmu.study.measuring import errors as measuring
+from tetherfmu.study.measuring.errors import FINER, errors, fine_enough, judging, settled
 from tetherfmu.study.measuring.runs import SHAPE_POINTS
+from tetherfmu.study.measuring.tables import known
 
 
 @pytest.fixture
@@ -55,3 +59,31 @@ def test_shape_is_relative_to_the_length(scene):
 def test_the_start_is_left_out_for_three_wave_times(scene, wave_time, rows):
     """Outputs every 0.1 s; at most a quarter of 2 s."""
     assert settled(scene, wave_time) == rows
+
+
+def references(finest):
+    """A stand-in of `converged` whose own error is the target, or the finest that can be reached; and its targets."""
+    targets = []
+
+    def converged(_scene, target, _names):
+        targets.append(target)
+        return SimpleNamespace(own_error=lambda _names: max(target, finest), run=SimpleNamespace(flown=target))
+
+    return converged, targets
+
+
+@pytest.mark.parametrize(("finest", "good"), [(1e-9, True), (1e-3, False)])
+def test_refined_until_it_is_ten_times_finer_or_the_finest(monkeypatch, finest, good):
+    """The errors found depend on the reference, and the first one is as large as they are."""
+    converged, targets = references(finest)
+    monkeypatch.setattr(measuring, "converged", converged)
+    reference, found = judging(None, lambda target: [4e-3 - 0.2 * target, 0.1], ("kite_force",), 4e-3)
+    assert targets[0] == 4e-3
+    assert targets[1] == pytest.approx((4e-3 - 0.2 * 4e-3) / FINER)
+    assert fine_enough(reference.own_error(None), found) is good
+    assert found[0] == pytest.approx(4e-3, rel=0.1)
+
+
+@pytest.mark.parametrize(("own", "text"), [(1e-4, "0.61 %"), (1e-3, "0.61 ± 0.1 %")])
+def test_an_error_that_a_coarse_reference_judges_says_so(own, text):
+    assert known(0.0061, own) == text

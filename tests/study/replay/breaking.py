@@ -34,13 +34,48 @@ def on(names, function):
     return lambda table: changed(table, **dict.fromkeys(names.split(), function))
 
 
+def scaled(names, factor):
+    """Function of a table: the same one with these columns multiplied."""
+    return on(names, lambda column: factor * column)
+
+
+def shifted(names, by):
+    """Function of a table: the same one with a number added to these columns."""
+    return on(names, lambda column: column + by)
+
+
+def within(names, rows, function):
+    """Function of a table: the same one with these columns changed in some rows."""
+    return on(names, lambda column: column.where(~column.index.isin(rows), function(column)))
+
+
+def held_from(names, rows):
+    """Function of a table: the same one with these columns in some rows as in the first of them."""
+    return within(names, rows, lambda column: column[rows[0]])
+
+
+def swapped(one, other):
+    """Function of a table: the same one with the names of two columns swapped."""
+    return lambda table: table.rename(columns={one: other, other: one})
+
+
+def without(names):
+    """Function of a table: the same one without these columns."""
+    return lambda table: table.drop(columns=names.split())
+
+
 def lines_of(table):
     """Lines of the log."""
     return table.to_csv(index=False).splitlines()
 
 
-def with_decimal_commas(table):
-    return texts(table).map(lambda cell: cell.replace(".", ",")).to_csv(index=False, sep=";")
+def with_decimal_commas(table, separator=";"):
+    return texts(table).map(lambda cell: cell.replace(".", ",")).to_csv(index=False, sep=separator)
+
+
+def as_whole_numbers(table):
+    """The same table with coordinates in 1e-7 deg."""
+    return table.assign(lat=(table["lat"] * 1e7).round(), lon=(table["lon"] * 1e7).round())
 
 
 def spread_over(count, seed=1):

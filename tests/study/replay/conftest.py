@@ -3,8 +3,8 @@
 import pandas as pd
 import pytest
 
-from tests.study.replay.breaking import CYCLE, KEPT
-from tests.study.replay.known_flight import FULL, flown, full, map_of
+from study.replay.breaking import CYCLE, KEPT
+from study.replay.known_flight import FULL, flown, full, map_of
 
 
 @pytest.fixture(scope="module")

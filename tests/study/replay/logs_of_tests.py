@@ -9,7 +9,7 @@ from tetherfmu import MovingEnd, Tether, TetherDynamic, inputs_along
 from tetherfmu.files.csv_files import Table
 from tetherfmu.study.replay import columns, log
 
-STEP, DURATION, SEGMENTS = 0.02, 120.0, 8  # s, s, -
+STEP, DURATION, SEGMENTS = 0.02, 120.0, 4  # s, s, -
 WIND = (8.0, 0.0, 0.0)
 TETHER = Tether(diameter=0.0135, drag_coefficient=1.1, axial_stiffness=7.0e6, axial_damping=5388.0)
 

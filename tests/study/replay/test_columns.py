@@ -6,7 +6,7 @@ import tomllib
 import pandas as pd
 import pytest
 
-from tests.study.replay.known_flight import FULL, enu, full, map_of, written
+from study.replay.known_flight import FULL, enu, full, map_of, written
 from tetherfmu.files.series import COLUMNS
 from tetherfmu.runtime.inputs import INPUT_TABLE, components
 from tetherfmu.study.replay import columns, log, readings
@@ -37,33 +37,18 @@ def test_the_least_map_has_a_position():
 
 def test_a_map_says_columns_signs_and_units(tmp_path):
     found = map_of(FULL, tmp_path)
-    assert [(each.name, each.factor) for each in found.sources["kite_velocity"].numbers] == [
-        ("ve", 1.0),
-        ("vn", 1.0),
-        ("vd", -1.0),
-    ]
+    velocity = [(each.name, each.factor) for each in found.sources["kite_velocity"].numbers]
+    assert velocity == [("ve", 1.0), ("vn", 1.0), ("vd", -1.0)]
     assert found.sources["kite_position"].kind == columns.GEODETIC_POINT
     assert found.origin == (52.0, 4.0, 10.0)
     assert found.sources["ground_tension"].numbers == (columns.Column("force", 9.80665),)
     assert found.tether.diameter == pytest.approx(0.010)
     assert found.tether.axial_stiffness == pytest.approx(3.8e6)
-    assert set(found.columns) == {
-        "time",
-        "lat",
-        "lon",
-        "alt",
-        "ve",
-        "vn",
-        "vd",
-        "length",
-        "speed",
-        "force",
-        "airspeed",
-        "wind",
-        "wind_from",
-    }
+    others = {"airspeed", "wind", "wind_from"}
+    assert set(found.columns) == {"time", "lat", "lon", "alt", "ve", "vn", "vd", "length", "speed", "force"} | others
 
 
+AT = "[origin]\nlatitude = {}\nlongitude = {}\naltitude = {}\n"
 WRONG = {  # a map, and the sentence
     "": "the table [kite_position] is missing",
     "kite_position = 3": "kite_position is 3; it must be a table [kite_position]",
@@ -76,52 +61,53 @@ WRONG = {  # a map, and the sentence
     'kite_position = {x = "x", y = "y", z = "z", unit = "yd"}': "kite_position.unit is 'yd'; it must be one of m, mm",
     'kite_position = {x = "x", y = "y", z = "z", unit = ["m"]}': "kite_position.unit is ['m']; it must be one of",
     'kite_position = {x = "x", y = "y", z = "z", units = "m"}': "unknown key kite_position.units; did you mean unit?",
-    GEODETIC: "kite_position is in degrees: the table [origin] of the station is missing",
     '[kite_position]\nlatitude = "a"\nlongitude = "b"\n': "the key kite_position.altitude is missing",
-    GEODETIC + 'east = "e"\n': "unknown key kite_position.east",
-    GEODETIC + 'angle = "grad"\n': "kite_position.angle is 'grad'; it must be one of deg, rad, 1e-7 deg",
-    LEAST
-    + "[origin]\nlatitude = 1.0\nlongitude = 2.0\naltitude = 3.0\n": "origin is given, but kite_position is not in degrees",
-    GEODETIC
-    + "[origin]\nlatitude = 91.0\nlongitude = 2.0\naltitude = 3.0\n": "origin is [91.0, 2.0, 3.0]; it must be latitude",
-    GEODETIC + "[origin]\nlatitude = 1.0\nlongitude = nan\naltitude = 3.0\n": "origin is [1.0, nan, 3.0]; it must be",
-    GEODETIC + '[origin]\nlatitude = 1.0\nlongitude = 2.0\naltitude = 3.0\nunit = "ft"\n': "unknown key origin.unit",
-    GEODETIC + '[origin]\nlatitude = 1.0\nlongitude = 2.0\naltitude = "h"\n': "origin.latitude is 1.0; it must be the name",
-    GEODETIC + "[origin]\nlatitude = 1.0\n": "the key origin.longitude is missing",
-    GEODETIC + '[origin]\nlatitude = "d"\nlongitude = "e"\naltitude = "f"\n': "origin must name one column for each axis",
-    LEAST + "speed = 3": "unknown key speed; did you mean reel_out_speed?",
-    LEAST + "time = 3": "time is 3; it must be a table [time]",
-    LEAST + 'time = {unit = "ms"}': "the key time.column is missing",
-    LEAST + 'time = {column = "t", unit = "days"}': "time.unit is 'days'; it must be one of s, ms, min, h, us, ns",
-    LEAST + "ground_tension = []": "ground_tension.column is []; it must be the name of a column",
-    LEAST + 'ground_tension = ["a", 3]': "ground_tension.column is 3; it must be the name of a column",
-    LEAST
-    + 'ground_tension = {column = "f", unit = "kg"}': "ground_tension.unit is 'kg'; it must be one of N, kN, MN, kgf, lbf",
-    LEAST + 'tether_length = {column = "l", unit = "N"}': "tether_length.unit is 'N'; it must be one of m, mm",
-    LEAST + 'phase = {column = "p", unit = "m"}': "unknown key phase.unit",
-    LEAST + 'kite_velocity = {speed = "s", from = "d"}': "unknown key kite_velocity.speed",
-    LEAST + 'wind_velocity = "wind"': "wind_velocity is 'wind'; it must be a table",
-    LEAST + 'wind_velocity = {speed = "w"}': "the key wind_velocity.from is missing",
-    LEAST
-    + 'wind_velocity = {speed = "w", from = "d", angle = "turns"}': "wind_velocity.angle is 'turns'; it must be one of rad",
-    LEAST + 'wind_velocity = {speed = "w", from = "d", x = "x"}': "unknown key wind_velocity.x",
-    LEAST + 'optional = "airspeed"': "optional is 'airspeed'; it must be a list of some of nothing",
-    LEAST
-    + 'airspeed = "v"\noptional = ["kite_position"]': "optional is ['kite_position']; it must be a list of some of airspeed",
-    LEAST + 'optional = ["airspeed"]': "optional is ['airspeed']; it must be a list of some of nothing",
-    LEAST + "[kite]\narea = -1.0": "kite.area is -1.0; it must be at least 0 m2",
-    LEAST + '[kite]\nend_below = "11 N"': "kite.end_below is '11 N'",
-    LEAST + "[station]\noutlet = 3.0": "unknown key station.outlet",
-    LEAST + "[smoothing]\nposition_noise = 0.0": "smoothing.position_noise is 0.0; it must be at least 0.0001 m",
-    LEAST + "[delay]\nground_tension = 11.0": "delay.ground_tension is 11.0",
-    LEAST + "[tether]\nsegments = 20": "unknown key tether.segments",
-    LEAST + '[tether]\ndiameter = "10 kg"': "tether.diameter is '10 kg'",
-    LEAST + '[environment]\nwind_profile = "steep"': "environment.wind_profile is 'steep'",
-    LEAST + '[ground]\ncontact = "bumpy"': "ground.contact is 'bumpy'",
-    LEAST + "kite = 3": "kite is 3; it must be a table [kite]",
     "kite_position = [": "",  # of tomllib
     "[" * 2000: "",
 }
+WRONG_IN_DEGREES = {  # behind a position in degrees
+    "": "kite_position is in degrees: the table [origin] of the station is missing",
+    'east = "e"\n': "unknown key kite_position.east",
+    'angle = "grad"\n': "kite_position.angle is 'grad'; it must be one of deg, rad, 1e-7 deg",
+    AT.format(91.0, 2.0, 3.0): "origin is [91.0, 2.0, 3.0]; it must be latitude",
+    AT.format(1.0, "nan", 3.0): "origin is [1.0, nan, 3.0]; it must be",
+    AT.format(1.0, 2.0, 3.0) + 'unit = "ft"\n': "unknown key origin.unit",
+    AT.format(1.0, 2.0, '"h"'): "origin.latitude is 1.0; it must be the name",
+    "[origin]\nlatitude = 1.0\n": "the key origin.longitude is missing",
+    AT.format('"d"', '"e"', '"f"'): "origin must name one column for each axis",
+}
+WRONG_BEHIND = {  # behind the least map
+    AT.format(1.0, 2.0, 3.0): "origin is given, but kite_position is not in degrees",
+    "speed = 3": "unknown key speed; did you mean reel_out_speed?",
+    "time = 3": "time is 3; it must be a table [time]",
+    'time = {unit = "ms"}': "the key time.column is missing",
+    'time = {column = "t", unit = "days"}': "time.unit is 'days'; it must be one of s, ms, min, h, us, ns",
+    "ground_tension = []": "ground_tension.column is []; it must be the name of a column",
+    'ground_tension = ["a", 3]': "ground_tension.column is 3; it must be the name of a column",
+    'ground_tension = {column = "f", unit = "kg"}': "ground_tension.unit is 'kg'; it must be one of N, kN, MN, kgf, lbf",
+    'tether_length = {column = "l", unit = "N"}': "tether_length.unit is 'N'; it must be one of m, mm",
+    'phase = {column = "p", unit = "m"}': "unknown key phase.unit",
+    'kite_velocity = {speed = "s", from = "d"}': "unknown key kite_velocity.speed",
+    'wind_velocity = "wind"': "wind_velocity is 'wind'; it must be a table",
+    'wind_velocity = {speed = "w"}': "the key wind_velocity.from is missing",
+    'wind_velocity = {speed = "w", from = "d", angle = "turns"}': "wind_velocity.angle is 'turns'; it must be one of rad",
+    'wind_velocity = {speed = "w", from = "d", x = "x"}': "unknown key wind_velocity.x",
+    'optional = "airspeed"': "optional is 'airspeed'; it must be a list of some of nothing",
+    'airspeed = "v"\noptional = ["time"]': "optional is ['time']; it must be a list of some of airspeed",
+    'optional = ["airspeed"]': "optional is ['airspeed']; it must be a list of some of nothing",
+    "[kite]\narea = -1.0": "kite.area is -1.0; it must be at least 0 m2",
+    '[kite]\nend_below = "11 N"': "kite.end_below is '11 N'",
+    "[station]\noutlet = 3.0": "unknown key station.outlet",
+    "[smoothing]\nposition_noise = 0.0": "smoothing.position_noise is 0.0; it must be at least 0.0001 m",
+    "[delay]\nground_tension = 11.0": "delay.ground_tension is 11.0",
+    "[tether]\nsegments = 20": "unknown key tether.segments",
+    '[tether]\ndiameter = "10 kg"': "tether.diameter is '10 kg'",
+    '[environment]\nwind_profile = "steep"': "environment.wind_profile is 'steep'",
+    '[ground]\ncontact = "bumpy"': "ground.contact is 'bumpy'",
+    "kite = 3": "kite is 3; it must be a table [kite]",
+}
+WRONG |= {GEODETIC + text: said for text, said in WRONG_IN_DEGREES.items()}
+WRONG |= {LEAST + text: said for text, said in WRONG_BEHIND.items()}
 
 
 @pytest.mark.parametrize("text", WRONG)
@@ -224,11 +210,7 @@ def test_unused_columns_are_named(tmp_path):
 def test_a_log_with_the_names_of_a_series_is_read(length, force, tmp_path):
     """All names that a series of a scene may have, except those of a ground end that moves."""
     table = enu(duration=10.0).rename(columns={"tether_length": length, "ground_tension": force})
-    for name, letters in (
-        ("kite_position", "xyz"),
-        ("kite_velocity", ["vx", "vy", "vz"]),
-        ("wind_velocity", ["wind_x", "wind_y", "wind_z"]),
-    ):
+    for name, letters in {"kite_position": "xyz", **COLUMNS_OF}.items():
         table = table.rename(columns=dict(zip(letters, components(name, 3), strict=True)))
     read = log.read(written(tmp_path, table), "fmu")
     assert read.report.doubts == []

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from tests.study.replay.breaking import changed
-from tests.study.replay.known_flight import FULL, KGF, SLACK, WIND, enu, flown, full, map_of, motions, path
-from tests.study.replay.test_doubted_logs import TIME, calm
+from study.replay.breaking import changed
+from study.replay.known_flight import FULL, KGF, SLACK, WIND, enu, flown, full, map_of, motions, path
+from study.replay.test_doubted_logs import TIME, calm
 from tetherfmu.study.replay import columns, runs
 
 LATE = {  # column of the known flight: quantity of the map, and its delay [s]

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.study.replay.known_flight import seen_from_origin
+from study.replay.known_flight import seen_from_origin
 from tetherfmu.files.csv_files import Table
 from tetherfmu.study.replay import frames, log, readings
 from tetherfmu.study.replay.columns import read

@@ -7,8 +7,21 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from tests.study.replay.breaking import FEW, RATHER, ROUNDED, assert_same, held, on, put, spread_over, texts
-from tests.study.replay.known_flight import FULL, flown, full, map_of, motions
+from study.replay.breaking import (
+    FEW,
+    RATHER,
+    ROUNDED,
+    as_whole_numbers,
+    assert_same,
+    held,
+    on,
+    put,
+    scaled,
+    spread_over,
+    texts,
+    within,
+)
+from study.replay.known_flight import FULL, flown, full, map_of, motions
 
 pytestmark = pytest.mark.filterwarnings("error::RuntimeWarning")  # a user would see them
 
@@ -22,6 +35,7 @@ class Mended(NamedTuple):
     tension: float = RATHER  # [%]
 
 
+POSITION = ["lat", "lon", "alt"]
 MENDED = {
     "a tenth of the positions empty": (lambda t: put(t, "lat", spread_over(10), ""), "left out of lat: 107 of"),
     "a tenth of all cells empty": (
@@ -38,51 +52,24 @@ MENDED = {
     "9999 for none, for 1 s": (lambda t: put(t, "alt", range(500, 510), "9999"), "left out of alt: 10 of .*9999"),
     "-999 for none, for 1 s": (lambda t: put(t, "length", range(500, 510), "-999"), "length: 10 of .*999", ROUNDED),
     "coordinates of 1e42": (lambda t: put(t, "lon", spread_over(50), "1e42"), r"kite_position\[1\]: 21 of"),
-    "no fix for 1 s": (
-        lambda t: t.assign(lat=t["lat"].where(t.index // 10 != 50, 0.0), lon=t["lon"].where(t.index // 10 != 50, 0.0)),
-        r"kite_position\[3\]: 10 of",
-    ),
-    "positions every fifth row": (
-        lambda t: put(t, ["lat", "lon", "alt"], t.index[t.index % 5 != 0], ""),
-        "left out of lat: 960 of",
-    ),
-    "tension every tenth row": (
-        lambda t: put(t, "force", t.index[t.index % 10 != 0], ""),
-        "left out of force: 1080",
-        ROUNDED,
-        6.0,
-    ),
+    "no fix for 1 s": (within("lat lon", range(500, 510), np.zeros_like), r"kite_position\[3\]: 10 of"),
+    "positions every fifth row": (lambda t: put(t, POSITION, t.index[t.index % 5 != 0], ""), "left out of lat: 960 of"),
+    "tension every tenth row": (lambda t: put(t, "force", t.index[t.index % 10 != 0], ""), "force: 1080", ROUNDED, 6.0),
     "a gap of 1 s": (lambda t: t.drop(range(500, 510)), "bridged: 1 of", FEW, 6.0),
     "a tension of a million": (lambda t: put(t, "force", 600, "1000000"), "ground_tension: 1 of .*spikes", ROUNDED),
-    "spikes of the tension": (
-        on("force", lambda c: c.where(c.index % 100 != 50, 8.0 * c)),
-        "ground_tension: 12 of",
-        ROUNDED,
-    ),
-    "a spike of the length": (
-        on("length", lambda c: c.where(c.index != 600, c + 40.0)),
-        "tether_length: 1 of .*spikes",
-        ROUNDED,
-    ),
+    "spikes of the tension": (within("force", range(50, 1200, 100), lambda c: 8.0 * c), "ground_tension: 12 of", ROUNDED),
+    "a spike of the length": (within("length", [600], lambda c: c + 40.0), "tether_length: 1 of .*spikes", ROUNDED),
     "a length of 0": (lambda t: put(t, "length", 600, "0"), "tether_length: 1 of .*impossible", ROUNDED),
-    "a spike of the altitude": (on("alt", lambda c: c.where(c.index != 600, c + 40.0)), r"kite_position\[3\]: 1 of"),
-    "a jump to and fro": (on("lat", lambda c: c.where(c.index // 3 != 200, c + 3e-4)), r"kite_position\[2\]: 3 of"),
-    "a spike of the velocity": (on("vn", lambda c: c.where(c.index != 600, c + 100.0)), r"kite_velocity\[2\]: 1 of"),
-    "times in ms": (on("time", lambda c: 1000.0 * c), "time from 0", ROUNDED),
+    "a spike of the altitude": (within("alt", [600], lambda c: c + 40.0), r"kite_position\[3\]: 1 of"),
+    "a jump to and fro": (within("lat", range(600, 603), lambda c: c + 3e-4), r"kite_position\[2\]: 3 of"),
+    "a spike of the velocity": (within("vn", [600], lambda c: c + 100.0), r"kite_velocity\[2\]: 1 of"),
+    "times in ms": (scaled("time", 1000.0), "time from 0", ROUNDED),
     "times in us": (on("time", lambda c: 1e6 * c + 1.57e15), "time from 0", ROUNDED),
     "jitter": (lambda t: motions((t["time"] + 0.03 * np.sin(37.0 * t["time"]) ** 2).to_numpy()), "time from 0", ROUNDED),
-    "coordinates as whole numbers": (
-        lambda t: t.assign(lat=(t["lat"] * 1e7).round(), lon=(t["lon"] * 1e7).round()),
-        "time from 0",
-        0.05,
-    ),
+    "coordinates as whole numbers": (as_whole_numbers, "time from 0", 0.05),
     "once a second": (lambda t: full(every=1.0), "time from 0", 0.6, 6.0),  # the figure is flown in 20 s, sides in 10 s
-    "100 times a second": (
-        lambda t: full(every=0.01),
-        "time from 0",
-        0.05,
-    ),  # ends of the log with 10 Hz are known less well
-    "positions held for 1 s": (lambda t: held(t, ["lat", "lon", "alt"], 10), "kite_position: 1080 of .*repeat"),
+    "100 times a second": (lambda t: full(every=0.01), "time from 0", 0.05),  # ends of 10 Hz are known less well
+    "positions held for 1 s": (lambda t: held(t, POSITION, 10), "kite_position: 1080 of .*repeat"),
     "velocities held for 0.5 s": (lambda t: held(t, ["vn", "ve", "vd"], 5), "kite_velocity: 960 of .*repeat"),
     "tension held for 0.5 s": (lambda t: held(t, ["force"], 5), "ground_tension: 960 of .*repeat", ROUNDED, 3.0),
     "length held for 1 s": (lambda t: held(t, ["length"], 10), "tether_length: 1080 of .*repeat", ROUNDED),

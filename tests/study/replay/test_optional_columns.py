@@ -5,7 +5,7 @@ from itertools import chain, combinations
 import pandas as pd
 import pytest
 
-from tests.study.replay.known_flight import enu, written
+from study.replay.known_flight import enu, written
 from tetherfmu import TetherDynamic, TetherQuasiSteady, TetherStraight
 from tetherfmu.__main__ import main as tetherfmu
 from tetherfmu.study.replay import replay as command

@@ -8,7 +8,7 @@ import pytest
 
 from ended import status_of
 from study.replay import logs_of_tests
-from tests.study.replay.known_flight import enu, written
+from study.replay.known_flight import enu, written
 from tetherfmu.__main__ import main as tetherfmu
 from tetherfmu.files.csv_files import Table
 from tetherfmu.libraries.examples import EXAMPLES
@@ -52,7 +52,7 @@ def test_a_published_cycle_in_one_command(path, tmp_path, capsys):
 
 def test_the_tension_leads_to_the_length(clean):
     """What was flown by force is found again; the first seconds are the tether's start in equilibrium."""
-    flown = runs.fly(clean, "dynamic", "tension").table
+    flown = runs.fly(clean, "dynamic", "tension", logs_of_tests.SEGMENTS).table
     settled = flown.time > clean.start + 5.0
     error = flown.tether_length - clean.length(clean.times)
     assert np.abs(error[settled]).max() < 0.03  # 3 cm of 250 m: linear between readings every 0.1 s
@@ -63,7 +63,7 @@ def test_the_tension_leads_to_the_length(clean):
 
 def test_the_length_leads_to_the_tension(clean):
     """With positions that are right to a millimetre, 28 N on 28 kN/m, a taut tension can be found."""
-    found = comparison.residuals(clean, {"dynamic": runs.fly(clean, "dynamic", "length")})
+    found = comparison.residuals(clean, {"dynamic": runs.fly(clean, "dynamic", "length", logs_of_tests.SEGMENTS)})
     settled = found.time > clean.start + 5.0
     assert comparison.rms(found.tension[settled]) < 60.0  # N of 3000: twice the noise of a position
     assert comparison.untrustworthy(found) == (pytest.approx(1.0, abs=0.01), 0.0)  # the means of the ends may be missing

@@ -8,7 +8,7 @@ It begins with a variance so large that it knows nothing.
 import numpy as np
 import pytest
 
-from tests.study.replay.known_flight import enu, flown, motions
+from study.replay.known_flight import enu, flown, motions
 from tetherfmu.files.toml_files import WrongUse
 from tetherfmu.runtime.inputs import by_name
 from tetherfmu.study.replay.columns import Smoothing

@@ -1,7 +1,6 @@
 """A sweep gives the same table whoever does its work, keeps what is finished, and a flight that is refused is a row."""
 
 import os
-import re
 import signal
 import sys
 from concurrent.futures import ThreadPoolExecutor
@@ -12,6 +11,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from manual import codes, page
 from tetherfmu.__main__ import main
 from tetherfmu.console.ending import WorkersLost
 from tetherfmu.files.scene_files import load
@@ -139,16 +139,15 @@ def test_the_command_writes_tables_figures_and_a_page(tmp_path, capsys):
     said = capsys.readouterr().out
     assert said.startswith("3 flights of 0.6 s, 1 of them refused\nlargest tension: ")
     written = pd.read_csv(tmp_path / "flights.csv")
-    statistics = ["sag_max", "sag_min", "sag_mean", "sag_rms", "sag_p90"]
-    statistics += ["peak_tension", "cycles", "largest_cycle", "time_slack", "broken"]
-    none_broke = ["break_time"]
-    assert list(written) == ["flight", "tether.diameter", *statistics, *none_broke, "refused"]
+    statistics = [*(f"sag_{each}" for each in ("max", "min", "mean", "rms", "p90")), "peak_tension", "cycles"]
+    statistics += ["largest_cycle", "time_slack", "broken", "break_time"]
+    assert list(written) == ["flight", "tether.diameter", *statistics, "refused"]
     figures = sorted(path.name for path in (tmp_path / "figures").iterdir())
     assert figures == ["response.png"]  # one value is varied: no surface
-    page = (tmp_path / "report.html").read_text(encoding="utf-8")
-    assert "tether.diameter is -1" in page
-    assert "figures/response.png" in page
-    assert "tetherfmu fly circle --tether dynamic --step 0.02 --set segments=4 --set duration=0.6" in page
+    report = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert "tether.diameter is -1" in report
+    assert "figures/response.png" in report
+    assert "tetherfmu fly circle --tether dynamic --step 0.02 --set segments=4 --set duration=0.6" in report
     cycles = pd.read_csv(tmp_path / "cycles.csv")
     assert cycles.groupby("flight").cycles.sum().to_dict() == pytest.approx({0: written.cycles[0], 1: written.cycles[1]})
     pytest.importorskip("pyarrow")
@@ -157,9 +156,7 @@ def test_the_command_writes_tables_figures_and_a_page(tmp_path, capsys):
 
 
 def test_the_example_of_the_manual_runs(capsys):
-    page = (Path(__file__).parents[3] / "docs" / "use" / "sweeps.md").read_text(encoding="utf-8")
-    (code,) = re.findall(r"^```python\n(.*?)^```", page, re.MULTILINE | re.DOTALL)
-    exec(code, found := {})
+    exec(*codes(page("use/sweeps"), "python"), found := {})
     assert len(found["table"]) == 16
     assert "peak_tension" in capsys.readouterr().out
 

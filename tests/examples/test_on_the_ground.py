@@ -1,16 +1,13 @@
-"""A kite lands and is dragged away: against weights and friction times weights."""
+"""A kite that lands and is dragged away, and a tether that breaks: against weights, friction times weights, its recoil."""
 
 import re
-import sys
 
 import numpy as np
 import pytest
 
+from ground import breaking_tether, landing
+from manual import page
 from running import EXAMPLES, assert_is_drawn, run_python
-
-sys.path.append(str(EXAMPLES))
-
-from ground import landing
 
 HALF = 0.5 / landing.SEGMENTS  # of the tether: what the mass of a driven end is
 
@@ -59,9 +56,25 @@ def test_prints_and_draws(tmp_path):
     done = run_python(EXAMPLES / "ground" / "landing.py", "--out", tmp_path)
     assert done.returncode == 0, done.stderr
     assert not done.stderr  # no warning: the rope does not push
-    page = (EXAMPLES.parent / "docs" / "use" / "ground.md").read_text(encoding="utf-8")
     rows = re.findall(r"(?:carries|takes) ([\d.]+ N)(?: of [\d.]+ N)?, by the formula ([\d.]+ N)", done.stdout)
     assert len(rows) == 3
     for flown, formula in rows:
-        assert f"| {flown} | {formula} |" in page
+        assert f"| {flown} | {formula} |" in page("use/ground")
     assert_is_drawn(tmp_path / "landing.png")
+
+
+@pytest.mark.filterwarnings("ignore:segment 50, counted from the winch, broke")
+@pytest.mark.filterwarnings("ignore:a slack segment presses its ends apart")
+def test_it_recoils_and_falls(tmp_path, capsys, monkeypatch):
+    flown = at_break, segment, speeds, shapes = breaking_tether.fly()
+    assert 0.0 < at_break < breaking_tether.LONGEST
+    assert segment == breaking_tether.SEGMENTS  # weight and drag add to the pull of the ground
+    early = speeds[(speeds[:, 0] > 0.005) & (speeds[:, 0] < 0.02), 1]
+    # the tension was 2 % less below, and the end is pulled by the weight of 10 m of rope and its drag
+    np.testing.assert_allclose(early, breaking_tether.recoil(), rtol=0.04)
+    assert np.all(shapes[-1][1][:, 2] > -0.1)
+    assert shapes[-1][1][:, 2].max() < 2.0 < shapes[0][1][:, 2].max()
+    monkeypatch.setattr(breaking_tether, "fly", lambda: flown)
+    breaking_tether.main(["--out", str(tmp_path)])
+    assert "segment 50 of 50 breaks after 1.1" in capsys.readouterr().out
+    assert_is_drawn(tmp_path / "breaking_tether.png")
