@@ -20,7 +20,7 @@ from tetherfmu.libraries.examples import EXAMPLES, example
 from tetherfmu.runtime.variants import VARIANTS
 from tetherfmu.study.measuring.start import tether_at_start
 
-DESK, STEP = 1000, 0.02  # width of the window [px], communication step of the page [s]
+DESK, STEP = 1400, 0.02  # width of the window [px], communication step of the page [s]
 SCENES = ("circle", "figure_of_eight", "reel", "landing", "launch", "parked", "towing", "logged")
 pytestmark = chromium.needed
 

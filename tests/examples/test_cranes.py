@@ -1,15 +1,19 @@
 """Winches that are told a force: a crane over a ship that heaves, and a hoist; against balances of forces and of work."""
 
 import re
+from functools import cache
+from importlib import import_module
 
 import numpy as np
 import pytest
 
 from cranes import constant_tension, hoisting, set_down
 from manual import page
-from running import EXAMPLES, assert_is_drawn, run_python
+from running import assert_is_drawn
 
 GRAVITY, WIRE = 9.81, hoisting.WIRE
+for each in (constant_tension, hoisting, set_down):
+    each.fly = cache(each.fly)  # once for what is tested and what is printed
 
 
 @pytest.mark.parametrize("friction", [0.0, 400.0])
@@ -40,13 +44,8 @@ def test_a_winch_that_holds_its_length_has_the_stiffness_of_the_wire():
     assert tension.min() < 0.0  # and then it is slack
 
 
-@pytest.fixture(scope="module")
-def hoisted():
-    return hoisting.fly()
-
-
-def test_the_load_is_lifted_and_held(hoisted):
-    time, height, speed, torque, _ = hoisted
+def test_the_load_is_lifted_and_held():
+    time, height, speed, torque, _ = hoisting.fly()
     shorter = (hoisting.LOAD + WIRE.mass_per_length * 50.0) * GRAVITY * hoisting.LIFT / WIRE.axial_stiffness  # its stretch
     rest = height[time > hoisting.DURATION - 5.0]  # some periods of the bounce
     assert rest.mean() - height[0] == pytest.approx(hoisting.LIFT + shorter, abs=0.005)  # 2 mm, and the bounce
@@ -56,21 +55,21 @@ def test_the_load_is_lifted_and_held(hoisted):
     assert (hoisting.LOAD + WIRE.mass_per_length * hoisting.LENGTH) * GRAVITY < hoisting.FRICTION  # which holds it
 
 
-def test_the_work_of_the_motor_lifts_and_rubs(hoisted):
+def test_the_work_of_the_motor_lifts_and_rubs():
     """Load, friction, and the wire.
 
     What is left, the energy of the stretch twice, is T^2 LIFT/EA, 4e-4 of it.
     """
-    _, height, speed, torque, _ = hoisted
+    _, height, speed, torque, _ = hoisting.fly()
     left = hoisting.LENGTH - hoisting.LIFT
     wire = 0.5 * WIRE.mass_per_length * GRAVITY * (hoisting.LENGTH**2 - left**2)
     lifting = hoisting.LOAD * GRAVITY * (height[-1] - height[0]) + wire
     assert hoisting.work(speed, torque) == pytest.approx(lifting + hoisting.FRICTION * hoisting.LIFT, rel=1e-3)
 
 
-def test_the_tension_is_that_of_a_load_on_a_spring(hoisted):
+def test_the_tension_is_that_of_a_load_on_a_spring():
     """At most twice the acceleration of the drum, the largest of which is seen from step to step."""
-    _, _, speed, torque, tension = hoisted
+    _, _, speed, torque, tension = hoisting.fly()
     mass = hoisting.LOAD + WIRE.mass_per_length * hoisting.LENGTH
     faster = np.diff(speed)[:-1].max() / hoisting.STEP
     assert mass * GRAVITY < tension.max() < mass * (GRAVITY + 2.0 * faster)
@@ -107,13 +106,13 @@ def test_the_deck_carries_the_load():
         ("set_down", "of load and wire", 4),
     ],
 )
-def test_prints_and_draws(tmp_path, name, words, numbers):
+def test_prints_and_draws(tmp_path, capsys, name, words, numbers):
     """numbers : rows or figures that are printed and stand on the page."""
-    done = run_python(EXAMPLES / "cranes" / f"{name}.py", "--out", tmp_path)
-    assert done.returncode == 0, done.stderr
-    assert words in done.stdout
-    lines = re.findall(r"at (\S+ m/s): at most (\d+ N), by the formula (\d+ N) \+- (\d+ N)", done.stdout)
-    alone = re.findall(r"off by (\d+ N)|work of the motor ([\d.]+ kJ)|to the load ([\d.]+ kJ)", done.stdout)
+    import_module(f"cranes.{name}").main(["--out", str(tmp_path)])
+    said = capsys.readouterr().out
+    assert words in said
+    lines = re.findall(r"at (\S+ m/s): at most (\d+ N), by the formula (\d+ N) \+- (\d+ N)", said)
+    alone = re.findall(r"off by (\d+ N)|work of the motor ([\d.]+ kJ)|to the load ([\d.]+ kJ)", said)
     assert len(lines) + len(alone) == numbers
     for line in lines:
         assert "| {} | {} | {} ± {} |".format(*line) in page("use/cranes_and_drones")

@@ -1,15 +1,20 @@
 """Examples of systems: each against the statics, the formula or the triangle that it names; what they print and draw."""
 
 import re
+from functools import cache
 
 import numpy as np
 import pytest
 
 from manual import page
-from running import EXAMPLES, assert_is_drawn, run_python
+from running import assert_is_drawn
 from systems import four_drones, hoist, sheaves, steered_kite, two_kites, y_bridle
 from tetherfmu import TetherSystem
 from tetherfmu.runtime.layout import SLACK_SEGMENTS
+
+for each in (four_drones, hoist, steered_kite, y_bridle):
+    each.fly = cache(each.fly)  # once for what is tested and what is printed
+two_kites.fly_together, two_kites.fly_alone = cache(two_kites.fly_together), cache(two_kites.fly_alone)
 
 
 @pytest.mark.filterwarnings("error")
@@ -58,9 +63,8 @@ def test_the_load_tilts_as_four_bars_do(tmp_path, capsys):
     ropes = np.diff(np.vstack([hoist.LEFT, mean, hoist.RIGHT]), axis=0)[[0, 2]]
     upwards = tensions[settled].mean(axis=0) @ np.abs(ropes[:, 1] / np.linalg.norm(ropes, axis=1))
     assert upwards == pytest.approx(weight, rel=5e-3)
-    hoist.draw(time, ends, tensions, tmp_path / "hoist.png")
-    assert_is_drawn(tmp_path / "hoist.png")
     hoist.main(["--out", str(tmp_path)])
+    assert_is_drawn(tmp_path / "hoist.png")
     assert "four bars: tilt 29.44 deg, middle at x = 0.404 m" in capsys.readouterr().out
 
 
@@ -94,7 +98,7 @@ def weight_in_rope():
     return weight * (0.5 * (1.0 - cos**2) / cos + (1.0 - 1.0 / 8.0) * cos)
 
 
-def test_a_kite_pulls_its_arm_only(tmp_path):
+def test_a_kite_pulls_its_arm_only():
     """The formula is that of a straight tether about a knot that rests; both are so to some per cent."""
     _, flown = two_kites.fly_together()
     alone = two_kites.fly_alone()
@@ -106,12 +110,12 @@ def test_a_kite_pulls_its_arm_only(tmp_path):
     assert by_itself == pytest.approx(two_kites.formula(length), rel=0.03)
     knot = flown.points["knot"].position[settled]
     assert np.ptp(knot, axis=0).max() < 0.6  # m, of circles of 80 m
-    two_kites.draw(flown, alone, tmp_path / "two_kites.png")
+
+
+def test_what_two_kites_print_is_on_the_page(tmp_path, capsys):
+    two_kites.main(["--out", str(tmp_path)])
     assert_is_drawn(tmp_path / "two_kites.png")
-
-
-def test_what_two_kites_print_is_on_the_page(tmp_path):
-    said = run_python(EXAMPLES / "systems" / "two_kites.py", "--out", tmp_path).stdout
+    said = capsys.readouterr().out
     own = np.hypot(two_kites.AWAY, two_kites.RADIUS)
     for where, length in (("the shared tether", two_kites.ARM), ("one of its own", own)):
         found, formula = map(float, re.search(rf"held back by (\S+) N on {where} \(formula (\S+) N\)", said).groups())

@@ -4,6 +4,8 @@ In lessons 01 to 05 the model is made by hand, in 06 to 08 it is TetherDynamic. 
 stretch-rate damper.
 """
 
+from functools import partial
+
 import numpy as np
 import pytest
 import quasi_steady_catenary
@@ -23,12 +25,10 @@ import tether_10
 import tether_12
 from test_at_rest import PUBLISHED
 
-from scenes import SCENE_08_ERRORS, nodes, read
+from scenes import nodes, read
 from tetherfmu import TetherCatenary, TetherDynamic, TetherQuasiSteady
 
 LAW = {"damping_law": "stretch_rate"}
-# tolerance, allowed error of a position [m]; those of tests/physics/test_scenes.py, where they are explained
-REELING = [(1e-4, 2e-4), (1e-6, 1e-5), (1e-8, 1e-6)]
 
 
 def largest(found, expected):
@@ -100,22 +100,18 @@ def test_04_and_05_chains(scene, segments, way, allowed, tolerance):
     assert largest(way(tolerance), nodes(read(f"tether_{scene}.csv"), segments)) < allowed * tolerance
 
 
-@pytest.mark.parametrize(("tolerance", "allowed"), REELING)
-def test_06_reeled_out(tolerance, allowed):
-    motion = tether_06.simulate(tolerance, **LAW)
-    assert largest(motion[:, 0], nodes(read("tether_06.csv"), 5)) < allowed
-
-
-@pytest.mark.parametrize(("tolerance", "allowed"), REELING)
-def test_07_in_wind(tolerance, allowed):
-    positions = tether_07.simulate(duration=10.0, relative_tolerance=tolerance, **LAW)
-    assert largest(positions, nodes(read("tether_07.csv"), 5)) < allowed
-
-
-@pytest.mark.parametrize(("tolerance", "allowed"), SCENE_08_ERRORS)
-def test_08_released(tolerance, allowed):
-    positions = tether_08.simulate(relative_tolerance=tolerance, **LAW)
-    assert largest(positions, nodes(read("tether_08.csv"), 10)) < allowed
+@pytest.mark.parametrize(
+    ("number", "segments", "way", "allowed"),
+    [
+        ("06", 5, lambda **given: tether_06.simulate(**given)[:, 0], 1e-6),
+        ("07", 5, partial(tether_07.simulate, duration=10.0), 1e-6),
+        ("08", 10, tether_08.simulate, 1e-7),
+    ],
+)
+def test_06_to_08_reel_out(number, segments, way, allowed):
+    """As the product does in tests/physics/test_scenes.py and test_kite_mass.py, where more tolerances are."""
+    found = way(relative_tolerance=1e-8, **LAW)
+    assert largest(found, nodes(read(f"tether_{number}.csv"), segments)) < allowed
 
 
 def test_06_fixed_steps_lose_energy_in_proportion_to_their_length():
