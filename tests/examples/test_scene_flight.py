@@ -7,7 +7,7 @@ import pytest
 
 from running import EXAMPLES, assert_is_drawn, run_code, run_python
 from tetherfmu.__main__ import main as tetherfmu
-from tetherfmu.files.named import named_systems
+from tetherfmu.files.named import named_scenes, named_systems
 from tetherfmu.libraries.examples import example
 
 SAME = """
@@ -140,3 +140,14 @@ def test_the_page_shows_a_plane_flight_to_scale():
     assert np.all(page.line(points, "", "lines", "black").y == 0.0)
     _, head = page.arrow(points[0], points[1], 0.1, "black")
     assert np.all(np.array([head.y, head.v]) == 0.0)
+
+
+@pytest.mark.parametrize("name", [*named_scenes(), *named_systems()])
+def test_an_included_flight_warns_of_nothing(name, tmp_path, capfd, monkeypatch):
+    """Those of `tetherfmu fly --list`: their ropes do not push, hang through or tear."""
+    monkeypatch.setattr("matplotlib.figure.Figure.savefig", lambda *given, **options: None)
+    assert tetherfmu(["fly", name, "--out", str(tmp_path)]) == 0
+    said = capfd.readouterr().err
+    assert "cannot" not in said
+    assert "check" not in said
+    assert "ground_height" not in said

@@ -5,7 +5,12 @@ from itertools import pairwise
 
 import pytest
 
+from benchmark.hosted import hosted
 from make_benchmarks import main
+from study.scenes_of_tests import written
+from tetherfmu.files.scene_files import load
+from tetherfmu.study.measuring.fmus import fmus_in
+from tetherfmu.study.measuring.runs import Config, fmu_of, run
 
 
 @pytest.fixture(scope="module")
@@ -40,12 +45,8 @@ def test_quasi_steady_follows_in_few_iterations(tables):
 
 
 def test_all_fmus_are_measured(tables):
-    assert {row["FMU"] for row in tables["FMUs in FMPy"]} == {
-        "TetherStraight",
-        "TetherCatenary",
-        "TetherQuasiSteady",
-        "TetherDynamic",
-    }
+    names = {f"Tether{kind}" for kind in ("Straight", "Catenary", "QuasiSteady", "Dynamic")}
+    assert {row["FMU"] for row in tables["FMUs in FMPy"]} == names
 
 
 def test_tighter_tolerance_is_closer_to_the_exact_release(tables):
@@ -55,3 +56,12 @@ def test_tighter_tolerance_is_closer_to_the_exact_release(tables):
     assert len(rows) > 1
     assert all(b < 0.3 * a for a, b in pairwise(errors))
     assert all(a < b < 1000 for a, b in pairwise(steps))
+
+
+@pytest.mark.parametrize("config", [Config("catenary", 0, 0.0, 0.02), Config("dynamic", 6, 1e-3, 0.02)])
+def test_fmu_flies_the_scene_as_the_python_api_does(fmu_folder, tmp_path, config):
+    """Through FMPy, bit for bit; and its cost is measured."""
+    scene = load(written(tmp_path))
+    ((_, costs, force),) = hosted(fmus_in(fmu_folder)[fmu_of(scene, config)], scene, config)
+    assert force == run(scene, config).flown.kite_force[-1].tolist()
+    assert 0.0 < costs.sum() < scene.duration

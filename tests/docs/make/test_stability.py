@@ -170,9 +170,7 @@ def test_drums_without_mass_that_friction_stops_are_not_refused(number):
 
 FORCE = at.WINCH_BY_FORCE
 REFUSED_ONCE = {  # why they were; points with a winch by force, slack stiffness ratios, communication steps
-    "tension is force plus friction to 13 digits, and stays so in the pieces of a step that are tried": [
-        (1194, 0.01, CALLS)
-    ],
+    "tension is force plus friction to 13 digits, and stays so in all pieces of a step": [(1194, 0.01, CALLS)],
     "its damper pulls with more than EA, also in a communication step of 0.8 s": [(24, 0.0, 2), (543, 0.0, 2)],
     "the motion overflowed, in 1 % of all flights with fixed steps": [
         *((number, 0.01, CALLS) for number in (295, 510)),

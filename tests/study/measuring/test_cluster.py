@@ -6,20 +6,23 @@ import signal
 import subprocess
 import sys
 import time
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
-from operator import methodcaller
 
 import pytest
 from pebble import ProcessExpired
 
+import make_stability
 from stability.flight import judge_all
 from stability.isolated import isolated
 from stability.points import point
 from study.scenes_of_tests import written
+from tetherfmu.__main__ import main
 from tetherfmu.console.ending import WorkersLost
 from tetherfmu.files.scene_files import load
 from tetherfmu.study import sweep
 from tetherfmu.study.advice.tradeoff import study
+from tetherfmu.study.measuring import cluster as connection
 from tetherfmu.study.measuring.executors import executor_of
 from tetherfmu.study.measuring.runs import Config
 from tetherfmu.study.measuring.store import Store
@@ -35,9 +38,7 @@ PATIENCE = 2.0  # seconds, of a command whose worker is killed; a worker that is
 RUN = """
 import signal, sys
 signal.signal(signal.SIGINT, signal.default_int_handler)  # also in the background
-from tetherfmu.study.measuring import cluster
-cluster.PATIENCE = float(sys.argv.pop(1))
-from {} import main
+from tetherfmu.__main__ import main
 sys.exit(main(sys.argv[1:]))
 """
 
@@ -85,41 +86,42 @@ def cluster(tmp_path_factory):
         yield address
 
 
-def end_of(folder, command, address, event, patience=TIMEOUT):
-    """Status of a command, and what it said, after an event.
-
-    event : function of its process, called after three points.  patience : of the command [s].
-    """
+def has_points(folder):
+    """Whether three points are finished there."""
     file = folder / "points.jsonl"
-    module, given = {
-        "tradeoff": ("tetherfmu.__main__", ["tradeoff", str(written(folder)), "--out", str(folder)]),
-        "make_stability": ("make_stability", ["--points", "1000", "--out", str(folder), "--results", str(file)]),
-    }[command]
-    call = [sys.executable, "-c", RUN.format(module), str(patience), *given, "--dask", address]
-    process = subprocess.Popen(call, env=environment(), stderr=subprocess.PIPE, text=True, start_new_session=True)
-    wait_for(lambda: file.exists() and file.read_bytes().count(b"\n") >= 3, process)
-    event(process)
-    said = process.communicate(timeout=TIMEOUT)[1]
-    return process.returncode, said.splitlines()
+    return file.exists() and file.read_bytes().count(b"\n") >= 3
 
 
 def test_one_line_says_that_it_is_stopped_and_that_points_are_kept(tmp_path, cluster):
-    interrupt = methodcaller("send_signal", signal.SIGINT)
-    assert end_of(tmp_path, "tradeoff", cluster, interrupt) == (130, [f"stopped; {KEPT}"])
+    call = [sys.executable, "-c", RUN, "tradeoff", str(written(tmp_path)), "--out", str(tmp_path), "--dask", cluster]
+    process = subprocess.Popen(call, env=environment(), stderr=subprocess.PIPE, text=True, start_new_session=True)
+    wait_for(lambda: has_points(tmp_path), process)
+    process.send_signal(signal.SIGINT)
+    said = process.communicate(timeout=TIMEOUT)[1]
+    assert (process.returncode, said) == (130, f"stopped; {KEPT}\n")
 
 
 @pytest.mark.parametrize(
     ("lost", "words", "command"),
     [
         ("scheduler", "the Dask scheduler at {} is lost", "tradeoff"),
-        ("worker", "the Dask scheduler at {} has had no worker for 2 s", "make_stability"),
+        ("worker", "the Dask scheduler at {} has had no worker for 2 s", "stability map"),
     ],
 )
-def test_one_line_says_what_is_lost_and_that_points_are_kept(tmp_path, lost, words, command):
-    with started(tmp_path, "--no-nanny") as (address, scheduler, worker):
-        kill = {"scheduler": scheduler, "worker": worker}[lost].kill
-        patience = PATIENCE if lost == "worker" else TIMEOUT
-        assert end_of(tmp_path, command, address, lambda _: kill(), patience) == (1, [f"{words.format(address)}; {KEPT}"])
+def test_one_line_says_what_is_lost_and_that_points_are_kept(tmp_path, monkeypatch, capsys, lost, words, command):
+    monkeypatch.setattr(connection, "PATIENCE", PATIENCE if lost == "worker" else TIMEOUT)
+    stability = (make_stability.main, "--points", "1000", "--results", str(tmp_path / "points.jsonl"))
+    run, *given = (main, "tradeoff", str(written(tmp_path))) if command == "tradeoff" else stability
+    with started(tmp_path, "--no-nanny") as (address, scheduler, worker), ThreadPoolExecutor(1) as beside:
+        killed = beside.submit(kill_after_points, tmp_path, {"scheduler": scheduler, "worker": worker}[lost])
+        assert run([*given, "--out", str(tmp_path), "--dask", address]) == 1
+        killed.result(TIMEOUT)
+    assert capsys.readouterr().err == f"{words.format(address)}; {KEPT}\n"
+
+
+def kill_after_points(folder, process):
+    wait_for(lambda: has_points(folder), process)
+    process.kill()
 
 
 def end(status):
@@ -173,9 +175,7 @@ def test_a_cluster_gives_the_same_trade_off(tmp_path, cluster):
 
 
 def test_no_scheduler_is_said_in_words(monkeypatch):
-    from tetherfmu.study.measuring import cluster
-
-    monkeypatch.setattr(cluster, "PATIENCE", 0.5)
+    monkeypatch.setattr(connection, "PATIENCE", 0.5)
     with (
         pytest.raises(WorkersLost, match=r"no Dask scheduler answers at tcp://127\.0\.0\.1:1 "),
         executor_of("tcp://127.0.0.1:1"),

@@ -12,7 +12,7 @@ from study.replay.known_flight import enu, written
 from tetherfmu.__main__ import main as tetherfmu
 from tetherfmu.files.csv_files import Table
 from tetherfmu.libraries.examples import EXAMPLES
-from tetherfmu.study.replay import comparison, fitting, log, runs
+from tetherfmu.study.replay import checks, comparison, fitting, log, readings, runs
 from tetherfmu.study.replay.flight import prepare
 from tetherfmu.study.replay.replay import part_of_fit, replay
 
@@ -184,3 +184,20 @@ def test_what_the_smoother_and_the_fit_are_told_is_said():
     assert "smoothed: positions (noise 0.5 m), acceleration changing by 5 m/s2 in 1 s" in str(read.report)
     found = fitting.fit(flight)
     assert str(found).startswith("fitted from 0.0 to 109.9 s: length offset m ")
+
+
+def test_the_work_on_a_long_log_grows_with_its_seconds():
+    """20 minutes at 100 Hz are compared over windows of 1 s, and a reading with neighbours of 1.1 s."""
+    time = np.arange(0.0, 1200.0, 0.01)
+    assert len(checks.edges(time)) == 1200
+    assert len(checks.edges(np.append(time, 1e10))) == 1201
+    values = np.zeros(len(time))
+    values[60_000] = 100.0
+    assert readings.spikes_of(values, 5.0, 0.01).sum() == 1
+
+
+@pytest.mark.filterwarnings("error::RuntimeWarning")  # a user would see them
+def test_a_long_log_is_read(folder):
+    found = log.read(written(folder, enu(every=0.01, duration=600.0)), "enu")
+    assert len(found.time) == 60_000
+    assert prepare(found, 0.0, 500.0).end == 500.0

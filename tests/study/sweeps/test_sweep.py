@@ -3,6 +3,7 @@
 import os
 import signal
 import sys
+import time
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
@@ -17,6 +18,7 @@ from tetherfmu.console.ending import WorkersLost
 from tetherfmu.files.scene_files import load
 from tetherfmu.study import sweep
 from tetherfmu.study.measuring import executors
+from tetherfmu.study.measuring.executors import executor_of
 from tetherfmu.study.measuring.runs import Config, run
 from tetherfmu.study.sweeps import sweep as module
 from tetherfmu.study.sweeps.statistics import Statistics, Task, fly_all, statistics_of
@@ -116,6 +118,27 @@ def test_a_killed_process_costs_nothing(table, tmp_path, monkeypatch):
     monkeypatch.setattr(module, "fly_all", kill_always)
     with pytest.raises(WorkersLost, match="a process that did the work has ended"):
         sweep("circle", WIND, processes=2, **SHORT)
+
+
+def interrupted():
+    """Ctrl-C while a task runs that does not end; only its worker is told."""
+    with executor_of(processes=1) as executor:
+        worker = executor.submit(os.getpid).result()
+        task = executor.submit(time.sleep, 3600.0)
+        os.kill(worker, signal.SIGINT)
+        task.result()
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no signals of this kind")
+def test_a_worker_that_ends_first(monkeypatch):
+    """Ctrl-C goes to all processes of a terminal: this one is told while it waits because a worker has ended."""
+    monkeypatch.setattr(executors, "sleep", lambda _: os.kill(os.getpid(), signal.SIGINT))
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)  # also where the tests run in the background
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            interrupted()
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 @pytest.mark.parametrize(("count", "duration"), [(1, 1.0), (500, 0.5), (100_000, 60.0), (100, 80_000.0)])
