@@ -1,4 +1,4 @@
-"""Run examples and the code of pages in processes of their own, and look at what they draw."""
+"""Run commands in this process, examples and the code of pages in processes of their own, and look at what they draw."""
 
 import atexit
 import json
@@ -15,9 +15,18 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from coarse_figures import PART
+from tetherfmu.__main__ import main as tetherfmu
 from tetherfmu.libraries.examples import EXAMPLES
 
 TIMEOUT = 900.0  # seconds, for what hangs
+
+
+def status_of(*arguments, main=tetherfmu):
+    """Exit status of `tetherfmu`, or of another command, with these arguments, also where its parser ends the program."""
+    try:
+        return main([*arguments])
+    except SystemExit as end:
+        return end.code
 
 
 def environment():

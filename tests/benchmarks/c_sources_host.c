@@ -12,7 +12,7 @@ processor, and the most iterations in one. SEGMENTS_AT, FIXED_STEP_AT, KITE_AT, 
 
 #include "fmu.c"
 
-enum { MOTION = 6, FORCES = 6 };
+enum { MOVED = 6, PULLS = 6 };
 
 static void print_message(
     fmi2ComponentEnvironment environment, fmi2String name, fmi2Status status, fmi2String category, fmi2String message, ...)
@@ -54,7 +54,7 @@ int main(int count, char **arguments)
     double step = atof(arguments[3]), fixed_step = atof(arguments[5]);
     double *times = malloc(2 * (size_t)steps * sizeof *times), *of_processor = times + steps;
     int segments = atoi(arguments[4]), before = 0, most = 0;
-    static double rows[100000][MOTION];
+    static double rows[100000][MOVED];
     expect(file != NULL, "opening the inputs");
     expect(times != NULL, "taking memory");
     memset(times, 0, 2 * (size_t)steps * sizeof *times); /* so that its pages are there */
@@ -63,22 +63,22 @@ int main(int count, char **arguments)
     fmi2CallbackFunctions functions = {print_message, NULL, NULL, NULL, NULL};
     fmi2Component c = fmi2Instantiate("tether", fmi2CoSimulation, TOKEN, "", &functions, fmi2False, fmi2False);
     expect(c != NULL, "fmi2Instantiate");
-    fmi2ValueReference kite[MOTION], forces[FORCES], at_segments = SEGMENTS_AT, at_fixed_step = FIXED_STEP_AT;
+    fmi2ValueReference kite[MOVED], forces[PULLS], at_segments = SEGMENTS_AT, at_fixed_step = FIXED_STEP_AT;
     fmi2ValueReference at_iterations = ITERATIONS_AT;
-    for (unsigned i = 0; i < MOTION; i++) kite[i] = KITE_AT + i;
-    for (unsigned i = 0; i < FORCES; i++) forces[i] = FORCES_AT + i;
+    for (unsigned i = 0; i < MOVED; i++) kite[i] = KITE_AT + i;
+    for (unsigned i = 0; i < PULLS; i++) forces[i] = FORCES_AT + i;
     expect(fmi2SetInteger(c, &at_segments, 1, &segments) == fmi2OK, "fmi2SetInteger");
     expect(fmi2SetReal(c, &at_fixed_step, 1, &fixed_step) == fmi2OK, "fmi2SetReal");
-    expect(fmi2SetReal(c, kite, MOTION, rows[0]) == fmi2OK, "fmi2SetReal");
+    expect(fmi2SetReal(c, kite, MOVED, rows[0]) == fmi2OK, "fmi2SetReal");
     expect(fmi2SetupExperiment(c, fmi2False, 0.0, 0.0, fmi2False, 0.0) == fmi2OK, "fmi2SetupExperiment");
     expect(fmi2EnterInitializationMode(c) == fmi2OK, "fmi2EnterInitializationMode");
     expect(fmi2ExitInitializationMode(c) <= fmi2Warning, "fmi2ExitInitializationMode");
     for (long k = 0; k < steps; k++) {
-        double found[FORCES], begun = now(CLOCK_THREAD_CPUTIME_ID), began = now(CLOCK_MONOTONIC);
+        double found[PULLS], begun = now(CLOCK_THREAD_CPUTIME_ID), began = now(CLOCK_MONOTONIC);
         int iterations;
-        expect(fmi2SetReal(c, kite, MOTION, rows[(size_t)k % revolution]) == fmi2OK, "fmi2SetReal");
+        expect(fmi2SetReal(c, kite, MOVED, rows[(size_t)k % revolution]) == fmi2OK, "fmi2SetReal");
         expect(fmi2DoStep(c, (double)k * step, step, fmi2True) <= fmi2Warning, "fmi2DoStep");
-        expect(fmi2GetReal(c, forces, FORCES, found) == fmi2OK, "fmi2GetReal");
+        expect(fmi2GetReal(c, forces, PULLS, found) == fmi2OK, "fmi2GetReal");
         times[k] = now(CLOCK_MONOTONIC) - began;
         of_processor[k] = now(CLOCK_THREAD_CPUTIME_ID) - begun;
         expect(fmi2GetInteger(c, &at_iterations, 1, &iterations) == fmi2OK, "fmi2GetInteger");

@@ -4,6 +4,7 @@ import pytest
 from fmpy import read_model_description
 
 from isolation import in_own_process
+from running import status_of
 from tetherfmu import MATERIALS, Tether, TetherDynamic, tether_of
 from tetherfmu.__main__ import main
 from tetherfmu.commands.build import DIAMETER, SEGMENTS
@@ -99,6 +100,6 @@ def test_a_diameter_that_scales_the_stiffness_says_so_once(tmp_path, capsys, opt
 
 def test_a_material_wants_the_diameter_beside_it(tmp_path, capsys):
     """With --set it would keep the stiffness of 4 mm."""
-    with pytest.raises(SystemExit):
-        main(["build", "straight", "--material", "steel", "--set", "diameter=0.008", "--out", str(tmp_path)])
+    options = ("--material", "steel", "--set", "diameter=0.008", "--out", str(tmp_path))
+    assert status_of("build", "straight", *options) == 2
     assert "give the diameter with it, not with --set" in capsys.readouterr().err

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from foreign import foreign
-from running import run_python, run_without
+from running import run_python, run_without, status_of
 from tetherfmu import __version__
 from tetherfmu.__main__ import main as tetherfmu
 from tetherfmu.console.ending import DISTRIBUTIONS, remedy
@@ -278,12 +278,9 @@ def place(tmp_path_factory):
 
 def run(name, *arguments):
     """Exit status of a command, of an example by its room and name, or of a script of `docs/make`."""
-    try:
-        if "." in name or name.startswith("make_"):
-            return importlib.import_module(name).main(list(arguments))
-        return tetherfmu([name, *arguments])
-    except SystemExit as end:
-        return end.code
+    if "." in name or name.startswith("make_"):
+        return status_of(*arguments, main=importlib.import_module(name).main)
+    return status_of(name, *arguments)
 
 
 def words(line):

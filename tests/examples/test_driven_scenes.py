@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from ended import status_of
+from running import status_of
 from scenes import hanging_load
 from tetherfmu.__main__ import main as tetherfmu
 from tetherfmu.files.named import named_scenes, named_systems

@@ -11,7 +11,7 @@ import time
 
 import pytest
 
-from ended import status_of
+from running import status_of
 from study.scenes_of_tests import written
 from tetherfmu.__main__ import main
 from tetherfmu.files.scene_files import load

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from ended import status_of
+from running import status_of
 from study.replay import logs_of_tests
 from study.replay.known_flight import enu, written
 from tetherfmu.__main__ import main as tetherfmu
