@@ -105,6 +105,21 @@ def is_phone(browser):
     return browser.execute_script("return innerWidth") < 1000
 
 
+MENU = (  # number of pages in the part of the menu that is seen, and whether the open one is
+    "const menu = document.querySelector('.sidebar-scroll'), box = menu.getBoundingClientRect();"
+    "const inside = each => { const {top, bottom, height} = each.getBoundingClientRect();"
+    "  return height > 0 && top >= box.top && bottom <= box.bottom; };"
+    "const here = menu.querySelector('.current-page > a');"
+    "return [[...menu.querySelectorAll('.sidebar-tree a')].filter(inside).length, here === null || inside(here)]"
+)
+
+
+def the_sidebar_shows_it(browser, page):
+    """The sidebar shows the open page, that of the first page some twenty of them."""
+    chromium.wait_until(browser, f"(() => {{{MENU}}})()[1]")  # until fonts and the script that scrolls are there
+    assert page != "index.html" or 18 <= browser.execute_script(MENU)[0] <= 25
+
+
 @pytest.mark.parametrize("page", [*(f"manual/{page}" for page in PAGES), "flight.html"])
 def test_pages_need_no_other_host_and_fit_the_window(site, chromium_of_module, page):
     """Loaded by a phone, whose window then becomes that of a desk."""
@@ -112,6 +127,8 @@ def test_pages_need_no_other_host_and_fit_the_window(site, chromium_of_module, p
     chromium.show_in(browser, PHONE)
     browser.get_log("performance")
     opened(browser, f"{site}/{page}")
+    if page != "flight.html":
+        the_sidebar_shows_it(browser, page.removeprefix("manual/"))
     for width in (PHONE, DESK):
         chromium.show_in(browser, width)
         wide, viewport, unshown, wrong, title = browser.execute_script(
@@ -212,24 +229,15 @@ def test_search_has_a_row_for_each_variable_and_option(manual):
     assert [row for row in rows if f'id="{row[2].replace("$", row[0])}"' not in texts[row[1]]] == []
 
 
-@pytest.mark.parametrize("width", [PHONE, NARROW, DESK])
+@pytest.mark.parametrize("width", [NARROW, DESK])
 def test_the_sidebar_shows_some_twenty_pages_and_the_open_one(site, chromium_of_module, width):
+    """On a phone, too: see above."""
     browser = chromium_of_module
     chromium.show_in(browser, width)
-    shown = (
-        "const menu = document.querySelector('.sidebar-scroll'), box = menu.getBoundingClientRect();"
-        "const inside = each => { const {top, bottom, height} = each.getBoundingClientRect();"
-        "  return height > 0 && top >= box.top && bottom <= box.bottom; };"
-        "const here = menu.querySelector('.current-page > a');"
-        "return [[...menu.querySelectorAll('.sidebar-tree a')].filter(inside).length, here === null || inside(here)]"
-    )
     with chromium.without(browser, "*tex-svg-full.js*", "*/_images/*"):  # formulas and pictures take most of the time
         for page in ("index.html", *PAGES):
             opened(browser, f"{site}/manual/{page}")
-            chromium.wait_until(browser, f"(() => {{{shown}}})()[1]")  # until fonts and the script that scrolls are there
-            if page == "index.html":
-                count, _ = browser.execute_script(shown)
-                assert 18 <= count <= 25
+            the_sidebar_shows_it(browser, page)
 
 
 def test_the_menu_opens(site, browser):
