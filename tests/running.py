@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import time
 from functools import cache
 from pathlib import Path
 
@@ -33,6 +34,20 @@ def environment():
     """That of Python with the rooms of the examples, which opens no window."""
     places = dict.fromkeys([str(EXAMPLES), *sys.path])
     return {**os.environ, "PYTHONPATH": os.pathsep.join(places), "MPLBACKEND": "Agg"}
+
+
+def wait_for(condition, process):
+    """Wait until it is so, as long as a process runs."""
+    deadline = time.monotonic() + TIMEOUT
+    while not condition():
+        assert time.monotonic() < deadline
+        assert process.poll() is None, process.stderr and process.stderr.read()
+        time.sleep(0.01)
+
+
+def points_in(file):
+    """Number of points that a study has finished."""
+    return file.read_bytes().count(b"\n") if file.exists() else 0
 
 
 def new_python(*arguments, cwd=None):

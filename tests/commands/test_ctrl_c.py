@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 
+from running import TIMEOUT, environment, points_in, wait_for
 from study.scenes_of_tests import written
 from tetherfmu.libraries import ready
 from tetherfmu.libraries.ahead_of_time import CODE
@@ -19,7 +20,6 @@ from tetherfmu.runtime.kernel_library import file_name, this_platform
 
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLES = ROOT / "examples"
-TIMEOUT = 900.0  # seconds, for what hangs
 # whole groups get the signal from a terminal; a tool such as an editor sends it to one process, which may have children
 EACH_WAY = pytest.mark.parametrize("send", [os.kill, getattr(os, "killpg", None)], ids=["process", "group"])
 LISTENING = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)\n"  # also in the background
@@ -43,7 +43,7 @@ def stopped(send, code, *arguments, begun, wait=0.0, cwd):
     """What Python code said on stderr until Ctrl-C, sent when `begun()` is true; its status is 130, its group is gone."""
     process = subprocess.Popen(
         [sys.executable, "-c", code, *map(str, arguments)],
-        env={**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT), *sys.path])},
+        env=environment(),
         start_new_session=True,
         stderr=subprocess.PIPE,
         stdout=subprocess.DEVNULL,
@@ -51,15 +51,12 @@ def stopped(send, code, *arguments, begun, wait=0.0, cwd):
         cwd=cwd,
     )
     try:
-        deadline = time.monotonic() + TIMEOUT
-        while not begun(process.pid):
-            assert time.monotonic() < deadline, "nothing has begun"
-            assert process.poll() is None, process.stderr.read()
-            time.sleep(0.01)
+        wait_for(lambda: begun(process.pid), process)
         time.sleep(wait)
         send(process.pid, signal.SIGINT)
         said = process.communicate(timeout=TIMEOUT)[1]
         assert process.returncode == 130, said
+        deadline = time.monotonic() + TIMEOUT
         while sessions(process.pid):  # a slow machine needs a moment until the last one is gone
             assert time.monotonic() < deadline, "a process of the command is left"
             time.sleep(0.01)
@@ -149,7 +146,7 @@ def test_finished_points_are_kept(tmp_path, command):
     points = tmp_path / "points.jsonl"
     stability = (STABILITY, "--quick", "--results", points, "--processes", 2)
     call = stability if command == "stability map" else (COMMAND, "tradeoff", written(tmp_path))
-    begun = lambda _: points.exists() and points.read_bytes().count(b"\n") > 1  # noqa: E731
+    begun = lambda _: points_in(points) > 1  # noqa: E731
     said = stopped(os.killpg, *call, "--out", tmp_path, begun=begun, cwd=tmp_path)
     assert said == ["stopped; the finished points are kept, and the same command continues from them"]
 

@@ -6,7 +6,6 @@ import os
 import signal
 import subprocess
 import sys
-import time
 
 import numpy as np
 import pytest
@@ -15,6 +14,7 @@ from points_of_tests import DEADLY, ENDED, ENDLESS, POINTS, judge_or_die, judge_
 import make_stability
 from bounds import most_work
 from make_stability import main
+from running import points_in, wait_for
 from stability import flight as flight_of_points
 from stability.flight import (
     FORBIDDEN,
@@ -329,8 +329,7 @@ def quick_map(tmp_path_factory):
     path = folder / "stability_1.jsonl"
     command = [sys.executable, make_stability.__file__, "--quick", "--out", str(folder), "--processes", "1"]
     process = subprocess.Popen(command, start_new_session=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    while process.poll() is None and not (path.exists() and path.stat().st_size):
-        time.sleep(0.02)
+    wait_for(lambda: points_in(path), process)
     os.killpg(process.pid, signal.SIGKILL)
     process.wait()
     return folder, path.read_text(encoding="utf-8"), main(command[2:])

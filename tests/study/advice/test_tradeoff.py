@@ -7,11 +7,10 @@ import shutil
 import signal
 import subprocess
 import sys
-import time
 
 import pytest
 
-from running import status_of
+from running import environment, points_in, status_of, wait_for
 from study.scenes_of_tests import written
 from tetherfmu.__main__ import main
 from tetherfmu.files.scene_files import load
@@ -23,7 +22,6 @@ from tetherfmu.study.measuring.runs import Config
 from tetherfmu.study.measuring.store import Store, key
 
 FEW = [Config("straight", 0, 0.0, 0.02), Config("quasi_steady", 4, 0.0, 0.02), Config("dynamic", 8, 1e-3, 0.02)]
-TIMEOUT = 900.0  # seconds, for what hangs
 
 
 @pytest.fixture(scope="module")
@@ -32,14 +30,9 @@ def folder(tmp_path_factory):
     folder = tmp_path_factory.mktemp("tradeoff")
     scene = written(folder)
     command = [sys.executable, "-m", "tetherfmu", "tradeoff", str(scene), "--out", str(folder / "out")]
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
     points = folder / "out" / "points.jsonl"
-    process = subprocess.Popen([*command, "--processes", "1"], env=environment, start_new_session=True)
-    deadline = time.monotonic() + TIMEOUT
-    while not (points.exists() and points.read_bytes().count(b"\n") >= 3):
-        assert time.monotonic() < deadline, "no point was finished"
-        assert process.poll() is None, "the study ended before it was killed"
-        time.sleep(0.005)
+    process = subprocess.Popen([*command, "--processes", "1"], env=environment(), start_new_session=True)
+    wait_for(lambda: points_in(points) >= 3, process)
     os.killpg(process.pid, signal.SIGKILL)
     process.wait()
     (folder / "killed.jsonl").write_bytes(points.read_bytes())

@@ -13,6 +13,7 @@ import pytest
 from pebble import ProcessExpired
 
 import make_stability
+from running import TIMEOUT, environment, points_in, wait_for
 from stability.flight import judge_all
 from stability.isolated import isolated
 from stability.points import point
@@ -33,7 +34,6 @@ distributed = pytest.importorskip("distributed")
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no signals of this kind")
 FEW = [Config("straight", 0, 0.0, 0.02), Config("quasi_steady", 4, 0.0, 0.02), Config("dynamic", 8, 1e-3, 0.02)]
 KEPT = "the finished points are kept, and the same command continues from them"
-TIMEOUT = 300.0  # seconds, for what hangs
 PATIENCE = 2.0  # seconds, of a command whose worker is killed; a worker that is slow to start must not cost it
 RUN = """
 import signal, sys
@@ -41,10 +41,6 @@ signal.signal(signal.SIGINT, signal.default_int_handler)  # also in the backgrou
 from tetherfmu.__main__ import main
 sys.exit(main(sys.argv[1:]))
 """
-
-
-def environment():
-    return {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
 
 
 @contextmanager
@@ -70,15 +66,6 @@ def started(folder, *options):
             process.wait(TIMEOUT)
 
 
-def wait_for(condition, process):
-    """Wait until it is so, as long as a process runs."""
-    deadline = time.monotonic() + TIMEOUT
-    while not condition():
-        assert time.monotonic() < deadline
-        assert process.poll() is None
-        time.sleep(0.01)
-
-
 @pytest.fixture(scope="module")
 def cluster(tmp_path_factory):
     """Address of a cluster that nothing befalls; its worker has a nanny, as `dask worker` starts it."""
@@ -88,8 +75,7 @@ def cluster(tmp_path_factory):
 
 def has_points(folder):
     """Whether three points are finished there."""
-    file = folder / "points.jsonl"
-    return file.exists() and file.read_bytes().count(b"\n") >= 3
+    return points_in(folder / "points.jsonl") >= 3
 
 
 def test_one_line_says_that_it_is_stopped_and_that_points_are_kept(tmp_path, cluster):
