@@ -13,8 +13,8 @@ from fmpy import read_model_description
 from fmu_manipulation_toolbox.checker import get_checkers
 from fmu_manipulation_toolbox.operations import FMU
 
-from ended import status_of
 from isolation import in_shared_process
+from running import status_of
 from runtime.host import Host, description_of, every_flavour_and_version, of_every_flavour
 from tetherfmu.export import archive
 from tetherfmu.export.archive import SLAVES
