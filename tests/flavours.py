@@ -8,7 +8,7 @@ from fmpy.fmi1 import FMICallException
 
 from runtime.host import STEP, Host, blob_of, extract_all, restore
 from tetherfmu.commands.build import main
-from tetherfmu.export import systems
+from tetherfmu.export import system_fmus
 from tetherfmu.export.build_options import BuildOptions
 from tetherfmu.libraries import native_shell
 
@@ -41,10 +41,10 @@ def build_system(folder, flavour, text, wind_points, with_evidence):
     options = BuildOptions(shape_points=None, wind_points=wind_points)
     with pytest.MonkeyPatch.context() as changed:
         if not with_evidence:
-            changed.setattr(systems, "_evidence_of", lambda *given: {})
+            changed.setattr(system_fmus, "_evidence_of", lambda *given: {})
             changed.setattr(zlib, "Z_DEFAULT_COMPRESSION", 1)
             changed.setattr(native_shell, "OPTIONS", ("-O0", "-fno-sanitize=all", *native_shell.OPTIONS[1:]))
-        systems.build(file, folder, options, native=FLAVOURS[flavour])
+        system_fmus.build(file, folder, options, native=FLAVOURS[flavour])
     extract_all(folder)
 
 

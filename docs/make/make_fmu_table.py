@@ -28,7 +28,7 @@ def measure():
     """Write the errors of the four tethers with driven ends in three scenes, and of their references, to `MEASURED`."""
     from tetherfmu.files.scene_files import load
     from tetherfmu.runtime.variants import BY_NAME, VARIANTS, class_name
-    from tetherfmu.study.advice.tradeoff import measure
+    from tetherfmu.study.advice.configurations import measure
     from tetherfmu.study.measuring.errors import fine_enough, judging
     from tetherfmu.study.measuring.runs import Config
     from tetherfmu.study.measuring.tables import circumstances

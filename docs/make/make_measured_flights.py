@@ -22,7 +22,7 @@ from tetherfmu import PlausibilityWarning
 from tetherfmu.console.colours import BLUE, COLOUR, REFERENCE
 from tetherfmu.console.options import file
 from tetherfmu.study.measuring.tables import circumstances, markdown
-from tetherfmu.study.replay import comparison, fitting, log, runs
+from tetherfmu.study.replay import comparison, driven_tethers, fitting, log
 from tetherfmu.study.replay.flight import Correction, prepare
 from tetherfmu.study.replay.replay import replay
 
@@ -91,7 +91,7 @@ def led_by_length(name, flight):
 def of_drop(flight, variant="dynamic", longer=0.0, **options):
     """What a tether, longer by so many m, gives along the drop: a row of its table; over time tensions and lowest node."""
     flight = flight.corrected(Correction(length=longer))
-    flown = runs.fly(flight, variant, "length", **options)
+    flown = driven_tethers.fly(flight, variant, "length", **options)
     table = comparison.residuals(flight, {variant: flown})
     since = table.time - flight.start
     air = table[(since >= comparison.SETTLED) & (since <= COMPARED)]

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from tetherfmu.export.documents import folded, meaning, start
-from tetherfmu.export.native.arrays import arrays
+from tetherfmu.export.native.arrays_fmi3 import arrays
 from tetherfmu.export.native.host_header import TYPES
 from tetherfmu.files.lean import PRESETS, Lean
 from tetherfmu.fmi.resources import DEFAULT_OPTIONS

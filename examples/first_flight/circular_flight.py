@@ -31,7 +31,7 @@ from tetherfmu.console.progress import now
 from tetherfmu.files.toml_files import WrongUse
 from tetherfmu.runtime.plausibility import LARGEST_STRETCH
 from tetherfmu.runtime.variants import VARIANTS, class_name, variant_of
-from tetherfmu.study.measuring import results
+from tetherfmu.study.measuring import flight_table
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # the folder of the rooms
 from shared.fmu_tools import FlightEnded, FMICallException, find_fmu, refuse_different, running, variables_of
@@ -191,7 +191,7 @@ def flight_of(time, rows, outputs, wall_time):
     vectors = {name: [column for each, column in columns.items() if each.partition("[")[0] == name] for name in SHOWN}
     found = {name: np.stack(each, -1).reshape(len(rows), -1, 3) for name, each in vectors.items() if each}
     ground, kite = (found[name][:, 0] if name in found else None for name in SHOWN[:2])
-    return Flight(time, ground, kite, found.get("shape"), wall_time, results.with_power(columns))
+    return Flight(time, ground, kite, found.get("shape"), wall_time, flight_table.with_power(columns))
 
 
 def summary(name, flight):
@@ -271,15 +271,15 @@ def report(columns, given):
     """
     if given.outputs and not given.csv:
         raise WrongUse("--outputs chooses columns of --csv; it requires --csv")
-    columns = {name: results.since(each, given.begin) for name, each in columns.items()}
+    columns = {name: flight_table.since(each, given.begin) for name, each in columns.items()}
     for name, each in columns.items():
-        for line in (*([f"{name}:"] if len(columns) > 1 else []), *results.summary(each)):
+        for line in (*([f"{name}:"] if len(columns) > 1 else []), *flight_table.summary(each)):
             print(f"  {line}")
     if given.csv:
         found = next(iter(columns.values()))
         if len(columns) > 1:
-            found = results.beside_one_another(columns)
-        results.write_csv(results.chosen(found, given.outputs), given.csv)
+            found = flight_table.beside_one_another(columns)
+        flight_table.write_csv(flight_table.chosen(found, given.outputs), given.csv)
         print(given.csv)
 
 

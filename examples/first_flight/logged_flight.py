@@ -187,7 +187,7 @@ def parser_of(prog, circle=False):
 
 def say_noise(path, flight):
     """Say on stderr if the kite is shaken by what is hardly its motion."""
-    from tetherfmu.study.advice.advise import MOST_SHAKING
+    from tetherfmu.study.advice.scene_advice import MOST_SHAKING
 
     if flight.shaking > MOST_SHAKING:
         print(

@@ -76,7 +76,7 @@ def fmu_of(name, place, wind_points):
     """Path of a tether FMU in a folder, or else one that is kept, with so many wind points; built if it is not there."""
     if not wind_points:
         return find_fmu(name, place)
-    from tetherfmu.study.measuring.fmus import fmus_in
+    from tetherfmu.study.measuring.scene_fmus import fmus_in
 
     return fmus_in(place or cache.folder(), [variant_of(name)], wind_points)[name]
 
@@ -87,8 +87,8 @@ def fly(fmu_file, scene, others=()):
     others : dict of parameters that no scene has.  An FMU may lack parameters, and inputs that stay as they are, as those of
     `tetherfmu build --scene` do; WrongUse if it has other values for them, and if it does not say which, a line on stderr.
     """
-    from tetherfmu.study.measuring.fmus import inputs_of
     from tetherfmu.study.measuring.runs import Config, parameters_of
+    from tetherfmu.study.measuring.scene_fmus import inputs_of
 
     step, variables = scene.every, variables_of(fmu_file, scene.kite_is_free)
     parameters = parameters_of(scene, Config("dynamic", Tether.segments, DEFAULT_TOLERANCE, step)) | dict(others)

@@ -24,7 +24,7 @@ from tetherfmu.files.toml_files import WrongUse
 from tetherfmu.files.winds import Wind
 from tetherfmu.records.problems import PlausibilityWarning, StepRefused
 from tetherfmu.runtime import layout as at
-from tetherfmu.study.measuring import results
+from tetherfmu.study.measuring import flight_table
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # the folder of the rooms
 from first_flight.circular_flight import Flight, add_results, report
@@ -84,7 +84,7 @@ def fly(flight, system, wind=None, duration=None, step=None):
         shape = np.concatenate([first.shape[None], nodes]) if len(first.shape) == nodes.shape[1] else None
         flights[name] = Flight(time, *forces, shape, flown.seconds, refusal=refusal)
     places = {name: np.vstack([start.points[name].position, each.position]) for name, each in flown.points.items()}
-    return flights, places, results.with_power(results.of_system(time, start, flown), system.winches)
+    return flights, places, flight_table.with_power(flight_table.of_system(time, start, flown), system.winches)
 
 
 def until_refused(system, count, step, given):

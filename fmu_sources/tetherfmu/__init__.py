@@ -12,7 +12,7 @@ _HOMES = {
     "python.models": tuple(map(class_name, EVERY_VARIANT)),
     "python.results": ("Flown", "Outputs", "Refusal"),
     "records.paths": ("MovingEnd", "inputs_along", "kite_at"),
-    "python.system": ("TetherSystem",),
+    "python.tether_system": ("TetherSystem",),
     "wiring.lines": ("Line", "Point"),
     "records.problems": ("PlausibilityWarning", "StepRefused"),
     "wiring.winches": ("SharedWinch",),

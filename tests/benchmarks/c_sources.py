@@ -21,9 +21,9 @@ from fmpy.build import build_platform_binary
 from fmpy.validation import validate_fmu
 
 from native import as_importers_do as importer
-from tetherfmu.export import systems
+from tetherfmu.export import system_fmus
 from tetherfmu.export.archive import SLAVES
-from tetherfmu.export.native import fmus as native
+from tetherfmu.export.native import native_fmus as native
 from tetherfmu.runtime.kernel_library import SUFFIXES
 
 SYSTEMS = [str(EXAMPLES / "systems" / f"{name}.toml") for name in ("y_bridle", "two_kites")]
@@ -32,7 +32,7 @@ SYSTEMS = [str(EXAMPLES / "systems" / f"{name}.toml") for name in ("y_bridle", "
 def built(name, folder, fmi):
     """Path of the FMU of a tether, or of the system in a file, with its sources."""
     if name.endswith(".toml"):
-        return systems.build(name, folder, native=fmi, with_sources=True)
+        return system_fmus.build(name, folder, native=fmi, with_sources=True)
     return native.build(name, folder, fmi=fmi, with_sources=True)
 
 

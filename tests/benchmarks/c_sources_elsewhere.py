@@ -27,8 +27,8 @@ from fmpy import read_model_description
 
 from native import as_importers_do as importer
 from scenes import REVOLUTION, circle
-from tetherfmu.export import systems
-from tetherfmu.export.native import fmus as native
+from tetherfmu.export import system_fmus
+from tetherfmu.export.native import native_fmus as native
 from tetherfmu.libraries.linking import zig
 from tetherfmu.runtime.limits import WORST_WORK
 from tetherfmu.study.measuring.tables import markdown, processor
@@ -101,7 +101,7 @@ def systems_without_warnings(folder):
     """Compile the sources of a system for all processors, both versions of FMI, without optimization."""
     for fmi in (2, 3):
         sources = importer.unpacked(
-            systems.build(BRIDLE, folder / str(fmi), native=fmi, with_sources=True), folder / str(fmi)
+            system_fmus.build(BRIDLE, folder / str(fmi), native=fmi, with_sources=True), folder / str(fmi)
         )
         for name, (target, more, _) in PROCESSORS.items():
             zig(sources, "cc", "-target", target, *more, *OPTIONS, "-O0", "-c", "fmu.c")

@@ -24,7 +24,7 @@ from native.flights import flown
 from runtime.host import Host
 from scenes import circle, kite_at_start
 from tetherfmu.export.archive import SLAVES
-from tetherfmu.export.native import fmus as native
+from tetherfmu.export.native import native_fmus as native
 from tetherfmu.study.measuring.tables import circumstances, markdown
 
 STEPS, FINE = (0.1, 0.05, 0.02, 0.01), 0.001  # s

@@ -23,7 +23,7 @@ from runtime.host import Host
 from scenes import circle, kite_at_start
 from tetherfmu.export import archive
 from tetherfmu.export.build_options import BuildOptions
-from tetherfmu.export.native import fmus as native
+from tetherfmu.export.native import native_fmus as native
 from tetherfmu.libraries import ready
 from tetherfmu.runtime.kernel_library import file_name, this_platform
 

@@ -20,9 +20,8 @@ from fmpy import extract
 
 from runtime.host import Host, reals_of
 from tetherfmu import TetherSystem
-from tetherfmu.export import systems
-from tetherfmu.python import compiled_flight
-from tetherfmu.python import system as tether_system
+from tetherfmu.export import system_fmus
+from tetherfmu.python import compiled_flight, tether_system
 from tetherfmu.study.measuring.tables import circumstances, markdown
 
 STEP, STEPS, SPEED = 0.02, 100, 0.4  # [s], communication steps, at which the hoist hauls in [m/s]
@@ -59,7 +58,7 @@ class Case:
         self.system, self.speeds = TetherSystem.from_file(path), speeds
         self.first = self.system.initialize()
         self.start = self.system.get_state()
-        self.fmu = extract(str(systems.build(path, path.parent, native=2)))
+        self.fmu = extract(str(system_fmus.build(path, path.parent, native=2)))
 
     def fly(self, every=0):
         """Fly in Python."""

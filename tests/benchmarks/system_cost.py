@@ -20,8 +20,7 @@ import pandas as pd
 from as_script import options
 
 from tetherfmu import Line, Point, Solver, Tether, TetherDynamic, TetherSystem, Winch
-from tetherfmu.python import compiled_flight
-from tetherfmu.python import system as tether_system
+from tetherfmu.python import compiled_flight, tether_system
 from tetherfmu.runtime.inputs import by_name
 from tetherfmu.runtime.layout import INPUTS
 from tetherfmu.study.measuring.tables import circumstances, markdown

@@ -10,10 +10,10 @@ from build_fmus import main
 from isolation import in_own_process
 from study.scenes_of_tests import SCENE, written
 from tetherfmu.files.scene_files import load
-from tetherfmu.study.advice.advise import advise
+from tetherfmu.study.advice.scene_advice import advise
 from tetherfmu.study.advice.scene_build import needed
-from tetherfmu.study.measuring.fmus import inputs_of
 from tetherfmu.study.measuring.runs import run
+from tetherfmu.study.measuring.scene_fmus import inputs_of
 from tetherfmu.wiring.variables import variables
 
 WINCH = ("reel_out_speed", "winch_force", "winch_length")

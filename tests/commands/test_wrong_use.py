@@ -14,7 +14,7 @@ from tetherfmu.__main__ import main as tetherfmu
 from tetherfmu.console.ending import DISTRIBUTIONS, remedy
 from tetherfmu.console.subcommands import SUBCOMMANDS
 from tetherfmu.files.toml_files import WrongUse
-from tetherfmu.study.measuring.fmus import fmus_in
+from tetherfmu.study.measuring.scene_fmus import fmus_in
 from tetherfmu.study.measuring.store import KEPT, keeping
 
 SCENES = {  # name of the file: (part of a sound scene, what stands there instead)

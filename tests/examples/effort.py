@@ -3,7 +3,7 @@
 import scipy.integrate
 
 from tetherfmu import TetherSystem
-from tetherfmu.python.tether import TetherModel
+from tetherfmu.python.tether_base import TetherModel
 
 SPENT = {"evaluations": 0, "steps": 0}
 

@@ -20,8 +20,8 @@ from native.programs import available
 from running import EXAMPLES
 from tetherfmu import TetherDynamicFree
 from tetherfmu.export.build_options import BuildOptions
-from tetherfmu.export.native.fmus import build
 from tetherfmu.export.native.host_header import PREFIX
+from tetherfmu.export.native.native_fmus import build
 from tetherfmu.libraries.linking import TARGETS
 
 SOURCE = EXAMPLES / "hosts" / "closed_loop"

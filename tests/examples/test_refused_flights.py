@@ -64,7 +64,7 @@ def test_nothing_is_written_of_a_first_step_that_is_refused(tmp_path, capfd):
 
 
 def test_rows_of_an_fmu_that_has_ended_are_nan(tmp_path):
-    from tetherfmu.study.measuring.results import beside_one_another
+    from tetherfmu.study.measuring.flight_table import beside_one_another
 
     found = beside_one_another({"a": {"time": [0, 1], "x": [3, 4]}, "b": {"time": [0, 1, 2], "x": [5, 6, 7]}})
     assert found["time"] == [0, 1, 2]

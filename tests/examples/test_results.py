@@ -12,7 +12,7 @@ from scenes import hanging_load
 from tetherfmu.__main__ import main as tetherfmu
 from tetherfmu.files.scene_files import load
 from tetherfmu.study import sweep
-from tetherfmu.study.measuring import results
+from tetherfmu.study.measuring import flight_table
 
 G = 9.81
 MASS, SPEED, ROPE, DENSITY, DIAMETER = 300.0, 0.5, 30.0, 1000.0, 0.01
@@ -118,14 +118,14 @@ def test_the_summary_says_what_goes_slack_and_breaks():
     time = np.arange(5) * 0.5
     columns = {"time": time, "a.slack_segments": np.array([0, 0, 2, 1, 0]), "a.broken": np.array([0, 0, 0, 0, 1])}
     columns["a.break_time"] = np.array([-1, -1, -1, -1, 1.75])
-    slack, broken = results.summary(columns)
+    slack, broken = flight_table.summary(columns)
     assert slack == "a.slack: a segment at least 40 % of the time, first at 1 s"
     assert broken == "a.broken or let go at 1.75 s"
-    assert results.summary(results.since(columns, 1.2))[0].endswith("50 % of the time, first at 1.5 s")
+    assert flight_table.summary(flight_table.since(columns, 1.2))[0].endswith("50 % of the time, first at 1.5 s")
 
 
 def test_a_small_mean_of_large_values_has_digits():
     """Power of a winch that reels out and in again; without any mean it is 0."""
-    assert results.alike(-1.0387, -23396.1, 23396.4) == ["-1.04", "-23396", "23396"]
-    assert results.alike(1e-12, -23396.1, 23396.4) == ["0", "-23396", "23396"]
-    assert results.alike(2.5, 0.0, 5.0) == ["2.5000", "0.0000", "5.0000"]
+    assert flight_table.alike(-1.0387, -23396.1, 23396.4) == ["-1.04", "-23396", "23396"]
+    assert flight_table.alike(1e-12, -23396.1, 23396.4) == ["0", "-23396", "23396"]
+    assert flight_table.alike(2.5, 0.0, 5.0) == ["2.5000", "0.0000", "5.0000"]

@@ -11,7 +11,7 @@ from native import programs
 from tetherfmu.commands import build as command
 from tetherfmu.export.archive import SLAVES
 from tetherfmu.export.build_options import BuildOptions, Purpose
-from tetherfmu.export.native import fmus as native
+from tetherfmu.export.native import native_fmus as native
 from tetherfmu.export.native.host_header import PREFIX, c_name
 from tetherfmu.files.lean import Lean
 

@@ -10,9 +10,9 @@ from isolation import in_shared_process
 from runtime.host import Host, blob_of, restore
 from tetherfmu.check.__main__ import main as check
 from tetherfmu.commands import build as command
-from tetherfmu.export import archive, systems
+from tetherfmu.export import archive, system_fmus
 from tetherfmu.export.build_options import BuildOptions
-from tetherfmu.export.native import fmus as native
+from tetherfmu.export.native import native_fmus as native
 from tetherfmu.export.native.host_header import PREFIX
 from tetherfmu.files import lean
 from tetherfmu.files.lean import PRESETS, Lean
@@ -132,7 +132,7 @@ def test_presets_name_what_there_is(preset, variant):
 def test_a_system_and_its_file(tmp_path):
     (tmp_path / "Hoist.toml").write_text(SYSTEM)
     for flavour in (None, 2, 3):
-        path = systems.build(tmp_path / "Hoist.toml", tmp_path / str(flavour), native=flavour)
+        path = system_fmus.build(tmp_path / "Hoist.toml", tmp_path / str(flavour), native=flavour)
         found = names_of(path)
         assert set(found["output"]) == {"rope.tension_from", "mast.force"}
         assert set(found["parameter"]) == {"gravity"}
@@ -211,7 +211,7 @@ def test_presets_have_a_winch_and_where_a_free_end_starts(preset, tmp_path):
     """Of a free kite end, and of the free points and the lines of a system."""
     file = tmp_path / "hanging.toml"
     file.write_text('name = "Hanging"\n' + SYSTEM.partition("\n")[2].partition("\n")[2])
-    tables = variables("dynamic_free", 0), table_of(systems.read(file))
+    tables = variables("dynamic_free", 0), table_of(system_fmus.read(file))
     winch = {"reel_out_speed", "winch_force", "winch_length", "winch_control", "winch_speed"}
     wanted = (
         winch | {"initial_kite_position", "kite_start"},

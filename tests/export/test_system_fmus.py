@@ -14,7 +14,7 @@ from runtime.host import STEP, Host, blob_of, restore
 from tetherfmu import Line, Point, TetherSystem
 from tetherfmu.check.__main__ import main as check
 from tetherfmu.commands.build import main
-from tetherfmu.export import systems
+from tetherfmu.export import system_fmus
 from tetherfmu.runtime import plausibility, status
 from tetherfmu.runtime.instance import OF_ALL_LINES, renamed
 from tetherfmu.runtime.outputs import COUNTERS
@@ -160,7 +160,7 @@ def test_the_check_finds_no_problem(bridle, flavour, capsys):
 
 @every_flavour
 def test_equal_files_give_equal_bytes(bridle, flavour, tmp_path):
-    made = systems.build(FILES / "y_bridle.toml", tmp_path, native=FLAVOURS[flavour])
+    made = system_fmus.build(FILES / "y_bridle.toml", tmp_path, native=FLAVOURS[flavour])
     assert made.read_bytes() == bridle.read_bytes()
 
 
@@ -201,7 +201,7 @@ OF_ENDS = ("kite_", "ground_", "initial_kite_")  # what names of ends begin with
 
 def test_sentences_name_the_ends_and_the_winches_of_the_system():
     """Of those on a line and on all lines: each name of an end of a tether is one of the system."""
-    system = systems.read(FILES / "steered_kite.toml")
+    system = system_fmus.read(FILES / "steered_kite.toml")
     known = {each.name.partition("[")[0] for each in system_variables.table_of(system)}
     codes = status.SENTENCES.keys() - OF_A_TETHER_ALONE
     of_lines = [*plausibility.SENTENCES.values(), *(status.SENTENCES[code] for code in codes)]

@@ -17,7 +17,7 @@ from native.steps_again import differences
 from runtime.host import Host, blob_of, description_of, restore
 from scenes import circle, kite_at_start, kite_inputs
 from tetherfmu.commands.build import main
-from tetherfmu.export import osp, systems
+from tetherfmu.export import osp, system_fmus
 from tetherfmu.export.build_options import BuildOptions
 from tetherfmu.export.native.host_header import PREFIX
 from tetherfmu.runtime import layout as at
@@ -225,7 +225,9 @@ def test_numbers_of_points_that_cannot_be(points, capsys):
 def test_of_a_system_header_terminals_and_groups(tmp_path, fmi):
     """Numbers of the header are those of the description; each line has a terminal of its wind, and there is none of all."""
     (tmp_path / "swing.toml").write_text(SWING)
-    path = systems.build(tmp_path / "swing.toml", tmp_path, BuildOptions(wind_points=WIND_POINTS), fmi, with_header=PREFIX)
+    path = system_fmus.build(
+        tmp_path / "swing.toml", tmp_path, BuildOptions(wind_points=WIND_POINTS), fmi, with_header=PREFIX
+    )
     numbers = numbers_of(path.with_suffix(".h"))
     for variable in description_of(path).modelVariables:
         assert numbers.pop(c_name(variable.name)) == variable.valueReference

@@ -14,10 +14,10 @@ from study.scenes_of_tests import SCENE, written
 from tetherfmu.__main__ import main
 from tetherfmu.files.scene_files import load
 from tetherfmu.runtime.parameters import Environment
-from tetherfmu.study.advice.figures import draw_wind
 from tetherfmu.study.advice.scene_build import needed
-from tetherfmu.study.measuring.fmus import inputs_of
+from tetherfmu.study.advice.scene_figures import draw_wind
 from tetherfmu.study.measuring.runs import Config, run
+from tetherfmu.study.measuring.scene_fmus import inputs_of
 from tetherfmu.wiring.variables import variables
 
 POINTS, SPACING = (8, 4, 4), (100.0, 200.0, 200.0)

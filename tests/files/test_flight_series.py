@@ -6,7 +6,7 @@ import pytest
 from study.scenes_of_tests import SCENE, SERIES, swaying, write_series, written
 from tetherfmu.files.scene_files import load
 from tetherfmu.runtime import layout as at
-from tetherfmu.study.advice.advise import FAST_BUDGET, advise, explain
+from tetherfmu.study.advice.scene_advice import FAST_BUDGET, advise, explain
 from tetherfmu.study.advice.scene_build import advised
 from tetherfmu.study.measuring.runs import Config, parameters_of, run
 

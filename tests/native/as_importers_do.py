@@ -7,7 +7,7 @@ from pathlib import Path
 
 from fmpy import extract, platform, platform_tuple
 
-from tetherfmu.check.replay import evidence_of, replay
+from tetherfmu.check.evidence_runs import evidence_of, replay
 
 WARNINGS = ("-Wall", "-Wextra", "-Wpedantic", "-Werror")
 

@@ -3,8 +3,8 @@
 import shutil
 import subprocess
 
-from tetherfmu.export.native.fmus import HEADERS
-from tetherfmu.export.native.tables import header
+from tetherfmu.export.native.c_tables import header
+from tetherfmu.export.native.native_fmus import HEADERS
 from tetherfmu.libraries import ready
 from tetherfmu.libraries.ahead_of_time import object_name
 from tetherfmu.libraries.native_shell import SHELL, unit

@@ -17,11 +17,11 @@ from native.test_platforms import C_LIBRARY
 from runtime import clients
 from runtime.host import Host, extract_all
 from shared_drums import SHARED
-from tetherfmu.export import systems
+from tetherfmu.export import system_fmus
 from tetherfmu.export.build_options import BuildOptions
-from tetherfmu.export.native import fmus as native
-from tetherfmu.export.native import sources as native_sources
-from tetherfmu.export.native.tables import most_room
+from tetherfmu.export.native import native_fmus as native
+from tetherfmu.export.native import source_folder as native_sources
+from tetherfmu.export.native.c_tables import most_room
 from tetherfmu.files.lean import Lean
 
 pytestmark = pytest.mark.skipif(not importer.available(), reason="there is no gcc")
@@ -97,10 +97,10 @@ def given(k):
 
 def test_the_numbers_of_the_native_fmu_of_a_system(tmp_path, monkeypatch):
     """To the last bit, with adaptive and fixed steps, other functions to call and a plan that is made at the start."""
-    monkeypatch.setattr(systems, "_evidence_of", lambda *given: {})  # flights that take longer than all else
+    monkeypatch.setattr(system_fmus, "_evidence_of", lambda *given: {})  # flights that take longer than all else
     (tmp_path / "native").mkdir()
     (tmp_path / "system.toml").write_text(SYSTEM, encoding="utf-8")
-    path = systems.build(tmp_path / "system.toml", tmp_path / "native", native=2, with_sources=True)
+    path = system_fmus.build(tmp_path / "system.toml", tmp_path / "native", native=2, with_sources=True)
     other = importer.with_library(path, importer.compiled(path, tmp_path, QUICK), tmp_path, 2)
     for each in (path, other):
         extract_all(each.parent)

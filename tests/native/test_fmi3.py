@@ -19,8 +19,8 @@ from isolation import in_shared_process
 from runtime.host import Host, blob_of
 from tetherfmu.export.archive import SLAVES
 from tetherfmu.export.build_options import BuildOptions
-from tetherfmu.export.native import fmus as native
-from tetherfmu.export.native.fmus import HEADERS
+from tetherfmu.export.native import native_fmus as native
+from tetherfmu.export.native.native_fmus import HEADERS
 
 SCHEMAS = Path(fmpy.__file__).parent / "schema" / "fmi3"
 STEP = 0.02

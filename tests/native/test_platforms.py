@@ -16,7 +16,7 @@ from libraries.test_symbols import dynamic_symbols
 from runtime.host import Host
 from scenes import circle, kite_inputs
 from tetherfmu.export.build_options import BuildOptions
-from tetherfmu.export.native import fmus as native
+from tetherfmu.export.native import native_fmus as native
 from tetherfmu.libraries.ahead_of_time import TARGETS
 from tetherfmu.libraries.linking import MATHEMATICS
 

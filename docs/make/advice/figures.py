@@ -9,8 +9,8 @@ from matplotlib.figure import Figure
 from pictures import save
 from tetherfmu.console.colours import COLOUR
 from tetherfmu.runtime.variants import class_name
-from tetherfmu.study.advice.figures import draw_points
 from tetherfmu.study.advice.reasons import LEVELS, TABLE
+from tetherfmu.study.advice.scene_figures import draw_points
 from tetherfmu.study.measuring.errors import FINER
 
 from .thresholds import SWEEPS

@@ -8,9 +8,9 @@ import pandas as pd
 
 from tetherfmu.files.scene_files import load
 from tetherfmu.records.problems import StepRefused
-from tetherfmu.study.advice.advise import BUDGET, FAST_BUDGET, advise
+from tetherfmu.study.advice.configurations import LEVELS, REFERENCE_ERROR, cheapest, measure, study
 from tetherfmu.study.advice.reasons import TABLE
-from tetherfmu.study.advice.tradeoff import LEVELS, REFERENCE_ERROR, cheapest, measure, study
+from tetherfmu.study.advice.scene_advice import BUDGET, FAST_BUDGET, advise
 from tetherfmu.study.measuring.errors import judging, worst
 from tetherfmu.study.measuring.executors import executor_of, progress_bar
 from tetherfmu.study.measuring.store import POINTS, Store, keeping

@@ -19,8 +19,8 @@ from tetherfmu.files.flights import Circle, FigureOfEight, Parked
 from tetherfmu.files.scene_files import Scene, Wind
 from tetherfmu.records.problems import StepRefused
 from tetherfmu.runtime.parameters import Environment, Tether
+from tetherfmu.study.advice.configurations import SEGMENTS, measure
 from tetherfmu.study.advice.reasons import LEVELS, TABLE, numbers
-from tetherfmu.study.advice.tradeoff import SEGMENTS, measure
 from tetherfmu.study.measuring import runs
 from tetherfmu.study.measuring.errors import FINER, converged, fine_enough
 from tetherfmu.study.measuring.executors import progress_bar

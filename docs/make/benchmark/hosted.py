@@ -9,8 +9,8 @@ from fmpy import extract, read_model_description
 from fmpy.fmi2 import FMU2Slave
 from fmpy.simulation import apply_start_values
 
-from tetherfmu.study.measuring.fmus import inputs_of
 from tetherfmu.study.measuring.runs import parameters_of
+from tetherfmu.study.measuring.scene_fmus import inputs_of
 
 
 def fly(path, parameters, inputs, step):

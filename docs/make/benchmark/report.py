@@ -9,7 +9,7 @@ import pandas as pd
 
 from tetherfmu.console.progress import now
 from tetherfmu.study.measuring.executors import progress_bar
-from tetherfmu.study.measuring.fmus import fmus_in
+from tetherfmu.study.measuring.scene_fmus import fmus_in
 from tetherfmu.study.measuring.tables import circumstances, page
 
 from .in_fmpy import host_table

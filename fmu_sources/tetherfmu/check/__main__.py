@@ -16,7 +16,7 @@ from tetherfmu.console.progress import now
 
 from . import inspection
 from .apart import LONGEST, apart, flown
-from .replay import evidence_of
+from .evidence_runs import evidence_of
 from .soundness import NOTE, OK, PROBLEM, Finding, archive
 
 VERSIONS = ("1", "2", "3")  # of FMI; FMUs of the first are validated only

@@ -16,7 +16,7 @@ from pathlib import Path
 from tetherfmu.libraries.children import child
 
 from . import inspection
-from .replay import evidence_of, replay
+from .evidence_runs import evidence_of, replay
 from .soundness import PROBLEM, Finding
 
 LONGEST = 300  # seconds, of the clock and of the processor; a tether takes one or two

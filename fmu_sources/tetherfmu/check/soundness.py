@@ -13,7 +13,7 @@ from pathlib import Path, PurePosixPath, PureWindowsPath
 from typing import NamedTuple
 from xml.parsers import expat
 
-from .replay import EVIDENCE_FOLDER
+from .evidence_runs import EVIDENCE_FOLDER
 
 OK, NOTE, PROBLEM = "ok", "note", "PROBLEM"  # levels of findings
 DESCRIPTION = "modelDescription.xml"

@@ -18,4 +18,4 @@ def main(arguments=None, prog="tetherfmu advise"):
     )
     parser.add_settings()
     options = parser.parse_args(arguments)
-    return import_module("tetherfmu.study.advice.systems").run_command(options)
+    return import_module("tetherfmu.study.advice.system_advice").run_command(options)

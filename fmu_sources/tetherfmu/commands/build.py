@@ -13,7 +13,7 @@ from tetherfmu.console.progress import now
 from tetherfmu.export import archive
 from tetherfmu.export.archive import SLAVES
 from tetherfmu.export.build_options import BuildOptions
-from tetherfmu.export.native import fmus as native
+from tetherfmu.export.native import native_fmus as native
 from tetherfmu.export.native.host_header import PREFIX
 from tetherfmu.files.lean import LISTS, NONE, PRESETS, Lean
 from tetherfmu.files.toml_files import WrongUse
@@ -223,7 +223,7 @@ def build_for_system(wanted, path, starts=()):
 
     wanted : result of `parse`.  path : of the file.  starts : values that --set overrides.
     """
-    from tetherfmu.export import systems
+    from tetherfmu.export import system_fmus
 
     points = {"shape_points": wanted.shape_points, "wind_points": wanted.wind_points}
     lean = lean_of(wanted)
@@ -231,7 +231,7 @@ def build_for_system(wanted, path, starts=()):
     options = BuildOptions(platforms=wanted.platforms, lean=lean, **points)
     with said():
         native = wanted.fmi if wanted.native else None
-        made = systems.build(path, wanted.out, options, native, wanted.header, wanted.sources, now)
+        made = system_fmus.build(path, wanted.out, options, native, wanted.header, wanted.sources, now)
     show(made, wanted.platforms, wanted.header)
     return 0
 
@@ -241,7 +241,7 @@ def build_for_system_of(wanted, path):
 
     path : of the file.
     """
-    from tetherfmu.study.advice.systems import advised, start_values
+    from tetherfmu.study.advice.system_advice import advised, start_values
 
     flight, advice, text = advised(path)
     print(text)

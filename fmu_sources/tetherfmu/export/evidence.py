@@ -21,7 +21,7 @@ from time import monotonic
 from typing import NamedTuple
 from warnings import catch_warnings
 
-from tetherfmu.python.system import TetherSystem
+from tetherfmu.python.tether_system import TetherSystem
 from tetherfmu.records.problems import PlausibilityWarning
 from tetherfmu.runtime.enumerations import WINCH_BY_FORCE, WINCH_BY_LENGTH, WINCH_BY_SPEED
 from tetherfmu.runtime.inputs import KITE_AT_START, ZERO, components, wind_at_names

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from tetherfmu.records.checked_systems import checked_system
 from tetherfmu.records.materials import tether_of
-from tetherfmu.records.systems import checked_system
 from tetherfmu.runtime.inputs import INPUT_TABLE
 from tetherfmu.runtime.naming import prefixed
 from tetherfmu.runtime.outputs import OUTPUT_TABLE

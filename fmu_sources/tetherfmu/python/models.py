@@ -10,7 +10,7 @@ from tetherfmu.runtime.parameters import FreeKite
 
 from .given_inputs import Inputs
 from .results import Outputs
-from .tether import TetherModel
+from .tether_base import TetherModel
 
 
 class TetherDynamic(TetherModel):

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from tetherfmu.records.systems import shares_of
+from tetherfmu.records.checked_systems import shares_of
 from tetherfmu.runtime import layout as at
 from tetherfmu.wiring.fmu import held_of
 from tetherfmu.wiring.winches import carriers_of

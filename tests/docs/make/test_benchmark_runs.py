@@ -9,8 +9,8 @@ from benchmark.hosted import hosted
 from make_benchmarks import main
 from study.scenes_of_tests import written
 from tetherfmu.files.scene_files import load
-from tetherfmu.study.measuring.fmus import fmus_in
 from tetherfmu.study.measuring.runs import Config, fmu_of, run
+from tetherfmu.study.measuring.scene_fmus import fmus_in
 
 
 @pytest.fixture(scope="module")

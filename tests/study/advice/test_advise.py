@@ -15,8 +15,8 @@ from study.scenes_of_tests import SCENE, written
 from tetherfmu.__main__ import main
 from tetherfmu.files.scene_files import load
 from tetherfmu.runtime.parameters import Ground
-from tetherfmu.study.advice.advise import FAST_BUDGET, PART_OF_FINER, Search, advise, explain, finer_model, hanging
-from tetherfmu.study.advice.tradeoff import measure
+from tetherfmu.study.advice.configurations import measure
+from tetherfmu.study.advice.scene_advice import FAST_BUDGET, PART_OF_FINER, Search, advise, explain, finer_model, hanging
 from tetherfmu.study.measuring.errors import converged
 
 NAMES = ("kite_force",)

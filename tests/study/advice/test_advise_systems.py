@@ -8,7 +8,7 @@ from fmpy import read_model_description
 
 from tetherfmu import TetherCatenary
 from tetherfmu.__main__ import main
-from tetherfmu.study.advice.systems import advise, errors, explain, run
+from tetherfmu.study.advice.system_advice import advise, errors, explain, run
 from tetherfmu.study.measuring.system_flights import load
 
 LINE = """

@@ -8,8 +8,8 @@ from study.scenes_of_tests import SCENE, written
 from tetherfmu.__main__ import main
 from tetherfmu.files.scene_files import load
 from tetherfmu.runtime.limits import STAGES, WORST_WORK
-from tetherfmu.study.advice.advise import FAST_BUDGET, advise_in_words
-from tetherfmu.study.advice.fixed import Fixed, candidates, fly
+from tetherfmu.study.advice.fixed_step_advice import Fixed, candidates, fly
+from tetherfmu.study.advice.scene_advice import FAST_BUDGET, advise_in_words
 from tetherfmu.study.measuring.errors import converged
 
 NAMES = ("kite_force",)

@@ -14,8 +14,8 @@ from study.scenes_of_tests import written
 from tetherfmu.__main__ import main
 from tetherfmu.files.scene_files import Wind, load
 from tetherfmu.runtime import layout as at
-from tetherfmu.study.advice.advise import FAST_BUDGET, advise
-from tetherfmu.study.advice.tradeoff import ladder, measure
+from tetherfmu.study.advice.configurations import ladder, measure
+from tetherfmu.study.advice.scene_advice import FAST_BUDGET, advise
 from tetherfmu.study.measuring.errors import converged, power_error
 from tetherfmu.study.measuring.runs import Config, parameters_of, run
 

@@ -15,7 +15,7 @@ from study.scenes_of_tests import written
 from tetherfmu.__main__ import main
 from tetherfmu.files.scene_files import load
 from tetherfmu.libraries.sources import PACKAGE
-from tetherfmu.study.advice.tradeoff import cheapest, front, ladder, study
+from tetherfmu.study.advice.configurations import cheapest, front, ladder, study
 from tetherfmu.study.measuring import store
 from tetherfmu.study.measuring.executors import executor_of
 from tetherfmu.study.measuring.runs import Config

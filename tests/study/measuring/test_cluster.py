@@ -22,7 +22,7 @@ from tetherfmu.__main__ import main
 from tetherfmu.console.ending import WorkersLost
 from tetherfmu.files.scene_files import load
 from tetherfmu.study import sweep
-from tetherfmu.study.advice.tradeoff import study
+from tetherfmu.study.advice.configurations import study
 from tetherfmu.study.measuring import cluster as connection
 from tetherfmu.study.measuring.executors import executor_of
 from tetherfmu.study.measuring.runs import Config

@@ -5,7 +5,7 @@ import numpy as np
 from study.replay.breaking import changed
 from study.replay.known_flight import FULL, KGF, SLACK, WIND, enu, flown, full, map_of, motions, path
 from study.replay.test_doubted_logs import TIME, calm
-from tetherfmu.study.replay import columns, runs
+from tetherfmu.study.replay import columns, driven_tethers
 
 LATE = {  # column of the known flight: quantity of the map, and its delay [s]
     **dict.fromkeys(("lat", "lon", "alt"), ("kite_position", 0.3)),
@@ -66,7 +66,7 @@ def test_still_air_exerts_no_force(folder):
     """Of a tether in equilibrium between ends that rest: what both ends carry is its weight."""
     table = calm(TIME, np.tile((60.0, 0.0, 80.0), (len(TIME), 1)), 101.0 + 0.0 * TIME)
     found = flown(folder, table, "enu")
-    made = runs.fly(found, "catenary", "tension").table
+    made = driven_tethers.fly(found, "catenary", "tension").table
     weight = found.log.map.weight * made.tether_length
     assert weight.min() > 5.0  # N
     assert made.air_force.max() < 1e-6 * weight.min()

@@ -12,7 +12,7 @@ from study.replay.known_flight import enu, written
 from tetherfmu.__main__ import main as tetherfmu
 from tetherfmu.files.csv_files import Table
 from tetherfmu.libraries.examples import EXAMPLES
-from tetherfmu.study.replay import checks, comparison, fitting, log, readings, runs
+from tetherfmu.study.replay import checks, comparison, driven_tethers, fitting, log, readings
 from tetherfmu.study.replay.flight import prepare
 from tetherfmu.study.replay.replay import part_of_fit, replay
 
@@ -52,7 +52,7 @@ def test_a_published_cycle_in_one_command(path, tmp_path, capsys):
 
 def test_the_tension_leads_to_the_length(clean):
     """What was flown by force is found again; the first seconds are the tether's start in equilibrium."""
-    flown = runs.fly(clean, "dynamic", "tension", logs_of_tests.SEGMENTS).table
+    flown = driven_tethers.fly(clean, "dynamic", "tension", logs_of_tests.SEGMENTS).table
     settled = flown.time > clean.start + 5.0
     error = flown.tether_length - clean.length(clean.times)
     assert np.abs(error[settled]).max() < 0.03  # 3 cm of 250 m: linear between readings every 0.1 s
@@ -63,7 +63,7 @@ def test_the_tension_leads_to_the_length(clean):
 
 def test_the_length_leads_to_the_tension(clean):
     """With positions that are right to a millimetre, 28 N on 28 kN/m, a taut tension can be found."""
-    found = comparison.residuals(clean, {"dynamic": runs.fly(clean, "dynamic", "length", logs_of_tests.SEGMENTS)})
+    found = comparison.residuals(clean, {"dynamic": driven_tethers.fly(clean, "dynamic", "length", logs_of_tests.SEGMENTS)})
     settled = found.time > clean.start + 5.0
     assert comparison.rms(found.tension[settled]) < 60.0  # N of 3000: twice the noise of a position
     assert comparison.untrustworthy(found) == (pytest.approx(1.0, abs=0.01), 0.0)  # the means of the ends may be missing
@@ -87,7 +87,7 @@ def test_the_speed_leads_as_its_integral_does(clean):
     sources = logs_of_tests.MAP.sources | {"reel_out_speed": logs_of_tests.source("speed")}
     del sources["tether_length"]
     read = log.log_of(Table(cells), log.columns.replace(logs_of_tests.MAP, sources=sources))
-    flown = runs.fly(prepare(read, 20.0, 60.0), "catenary", "speed").table
+    flown = driven_tethers.fly(prepare(read, 20.0, 60.0), "catenary", "speed").table
     error = flown.tether_length - clean.length(clean.times)
     assert np.ptp(error) < 0.2  # of 25 m that are reeled: samples every 0.1 s of a speed that jumps with the force
 

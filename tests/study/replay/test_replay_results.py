@@ -16,9 +16,9 @@ from tetherfmu.__main__ import main as tetherfmu
 from tetherfmu.files.scene_files import load
 from tetherfmu.libraries.examples import EXAMPLES
 from tetherfmu.runtime import layout as at
-from tetherfmu.study.advice.advise import FAST_BUDGET, advise
+from tetherfmu.study.advice.scene_advice import FAST_BUDGET, advise
 from tetherfmu.study.measuring import runs as measuring
-from tetherfmu.study.replay import comparison, figures, log, runs, scene
+from tetherfmu.study.replay import comparison, driven_tethers, figures, log, scene
 from tetherfmu.study.replay import replay as command
 from tetherfmu.study.replay.flight import prepare
 
@@ -97,7 +97,7 @@ def test_length_that_was_found_gives_the_measured_tension(made, tmp_path):
 
     Both start with the shape of a tether that turns with its kite, as scenes do: after another start both lengths differ.
     """
-    turning = runs.fly(made.flight, "dynamic", "tension", SEGMENTS, initial_shape="quasi_steady")
+    turning = driven_tethers.fly(made.flight, "dynamic", "tension", SEGMENTS, initial_shape="quasi_steady")
     scene.write(replace(made, flown={"dynamic": turning}), tmp_path, "turning")
     found = load(tmp_path / "scene.toml")
     again = measuring.run(found, measuring.Config("dynamic", SEGMENTS, 0.0, 0.02)).flown.of("ground_tension")
@@ -113,7 +113,8 @@ def test_residuals_are_those_of_the_tether_less_the_log(made):
     whole = made.flown["dynamic"]
     table = whole.table.assign(tether_length=whole.table.tether_length + 5.0, mean_tension=whole.table.mean_tension + 7.0)
     before, after = (
-        comparison.residuals(made.flight, {"dynamic": each}) for each in (whole, runs.Flown(table, whole.shapes, ()))
+        comparison.residuals(made.flight, {"dynamic": each})
+        for each in (whole, driven_tethers.Flown(table, whole.shapes, ()))
     )
     np.testing.assert_allclose(after.length - before.length, 5.0, rtol=1e-9)
     np.testing.assert_allclose((after.tension - before.tension).dropna(), 7.0, rtol=1e-9)
@@ -139,7 +140,7 @@ def test_scene_of_each_lead(lead, tmp_path):
 def test_shape_is_wanted_of_a_slack_tether(made):
     """Twice as long as it was."""
     table = made.flown["dynamic"].table
-    slack = runs.Flown(table.assign(tether_length=2.0 * table.tether_length), made.flown["dynamic"].shapes, ())
+    slack = driven_tethers.Flown(table.assign(tether_length=2.0 * table.tether_length), made.flown["dynamic"].shapes, ())
     hanging = replace(made, flown={"dynamic": slack})
     assert made.is_slack.mean() == 0.0
     assert hanging.is_slack.mean() == 1.0
@@ -159,7 +160,7 @@ def test_steps_that_were_refused(made, tmp_path):
     whole = made.flown["dynamic"]
     table, shapes = whole.table.copy(), whole.shapes.copy()
     table.loc[30:39, table.columns.drop("time")], shapes[30:40] = np.nan, np.nan
-    broken = replace(made, flown={"dynamic": runs.Flown(table, shapes, ())})
+    broken = replace(made, flown={"dynamic": driven_tethers.Flown(table, shapes, ())})
     command.write(broken, tmp_path, "broken", html=True)
     assert "# 10 times are left out" in (tmp_path / "scene.toml").read_text(encoding="utf-8")
     assert len(pd.read_csv(tmp_path / "flight.csv")) == len(table) - 10

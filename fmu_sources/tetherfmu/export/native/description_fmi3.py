@@ -13,7 +13,7 @@ from tetherfmu.wiring.variables import INPUT, Variable
 
 from ..documents import meaning
 from ..texts import xml_text
-from .arrays import Array, arrays
+from .arrays_fmi3 import Array, arrays
 from .description import categories, experiment, facts
 
 CAPABILITIES = {

@@ -11,8 +11,8 @@ from tetherfmu.wiring.variables import INPUT, LOCAL, OUTPUT, PARAMETER
 
 from ..documents import meaning
 from ..texts import filled
-from .arrays import arrays
-from .tables import c_text
+from .arrays_fmi3 import arrays
+from .c_tables import c_text
 
 PREFIX = "TETHER_"
 HEADS = {INPUT: "inputs", OUTPUT: "outputs", LOCAL: "local variables", PARAMETER: "parameters"}

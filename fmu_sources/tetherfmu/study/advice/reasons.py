@@ -24,7 +24,7 @@ from tetherfmu.runtime import layout as at
 from tetherfmu.study.measuring import runs
 from tetherfmu.study.measuring.errors import rms, size
 
-from .tradeoff import SEGMENTS
+from .configurations import SEGMENTS
 
 TABLE = Path(__file__).with_name("thresholds.csv")
 LEVELS = (0.001, 0.01, 0.1)  # errors that the thresholds are for

@@ -6,14 +6,14 @@ from tetherfmu.export.archive import SLAVES
 from tetherfmu.export.build_options import BuildOptions, Purpose
 from tetherfmu.files.lean import Lean
 from tetherfmu.files.scene_files import flown_from, load_for_advice
-from tetherfmu.study.measuring.fmus import inputs_of
-from tetherfmu.study.measuring.results import vector_of
+from tetherfmu.study.measuring.flight_table import vector_of
 from tetherfmu.study.measuring.runs import fmu_of, parameters_of
+from tetherfmu.study.measuring.scene_fmus import inputs_of
 from tetherfmu.study.measuring.tables import percent
 from tetherfmu.wiring.system_variables import inputs_at
 from tetherfmu.wiring.variables import CALCULATED, variables
 
-from .advise import advise_in_words
+from .scene_advice import advise_in_words
 from .scene_report import body
 
 VECTORS = {  # outputs of the FMU that an output of a scene is made of, where they are not the one of its name

@@ -12,8 +12,8 @@ from tetherfmu.study.measuring.runs import Config
 from tetherfmu.study.measuring.store import POINTS, Store, keeping
 from tetherfmu.study.measuring.tables import page
 
-from .figures import draw, draw_wind
-from .tradeoff import LEVELS, cheapest, study
+from .configurations import LEVELS, cheapest, study
+from .scene_figures import draw, draw_wind
 
 COLUMNS = [*Config._fields, *OUTPUTS, "calls", "work", "seconds", "cost", "host_cost", "refused"]  # of points.csv
 HEADS = {"step": "step_s", "seconds": "kernel_s_per_s", "cost": "cost_s_per_s", "host_cost": "with_fmpy_estimated_s_per_s"}

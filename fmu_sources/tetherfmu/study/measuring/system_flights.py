@@ -23,7 +23,7 @@ from tetherfmu.files.system_files import OF_THE_FLIGHT, SystemFile
 from tetherfmu.files.toml_files import check_once, record, require, tables_of, value_of, vector
 from tetherfmu.files.winds import Wind
 from tetherfmu.python.given_inputs import LEADS
-from tetherfmu.python.system import TetherSystem
+from tetherfmu.python.tether_system import TetherSystem
 from tetherfmu.records.problems import PlausibilityWarning
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.inputs import BY_NAME

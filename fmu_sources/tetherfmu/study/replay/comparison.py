@@ -3,7 +3,7 @@
 import numpy as np
 import pandas as pd
 
-from . import runs
+from . import driven_tethers
 from .columns import LABELS
 from .flight import EVERY
 
@@ -99,7 +99,7 @@ def untrustworthy(found):
 
     Noise: from positions only, as tension of the taut tether; tension: measured. NaN if it is never taut.
     """
-    finest = found[(found.tether == runs.finest(found.tether.unique())) & np.isfinite(found.measured)]
+    finest = found[(found.tether == driven_tethers.finest(found.tether.unique())) & np.isfinite(found.measured)]
     taut = finest[np.isfinite(finest.band)]
     share = float((taut.band > taut.measured.abs()).mean()) if len(taut) else np.nan
     return len(taut) / max(1, len(finest)), share

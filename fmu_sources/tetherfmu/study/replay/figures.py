@@ -16,8 +16,8 @@ from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.variants import class_name
 
 from .comparison import SETTLED, averaged
+from .driven_tethers import FORCES, TETHERS, words
 from .flight import EVERY
-from .runs import FORCES, TETHERS, words
 
 WIDTH, DPI = 9.0, 100  # inches, and dots in each
 SHARE = 0.5, 99.5  # percentiles that set the scale of an axis

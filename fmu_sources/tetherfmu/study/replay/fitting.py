@@ -7,9 +7,9 @@ import numpy as np
 from scipy.stats import t as student
 
 from . import delays
+from .driven_tethers import SEGMENTS, fly
 from .flight import SHORTEST, Correction
 from .log import LogError
-from .runs import SEGMENTS, fly
 
 AT_START = "length at 0 s of the log m"  # meaning of the offset if the log has no length, but the speed
 NAMES = {"offset": "length offset m", "origin": ("origin east m", "origin north m", "origin up m"), "delay": "delay s"}

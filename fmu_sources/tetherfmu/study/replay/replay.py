@@ -11,7 +11,7 @@ from tetherfmu.console.progress import now
 from tetherfmu.files.toml_files import WrongUse
 from tetherfmu.study.measuring.tables import markdown
 
-from . import comparison, figures, fitting, log, runs, scene
+from . import comparison, driven_tethers, figures, fitting, log, scene
 from .columns import KITEPOWER
 from .flight import MEASURED, Flight, prepare
 
@@ -42,7 +42,7 @@ class Replay:
     @property
     def finest(self):
         """The name of the finest tether, and its `runs.Flown`."""
-        name = runs.finest(self.flown)
+        name = driven_tethers.finest(self.flown)
         return name, self.flown[name]
 
     @property
@@ -94,7 +94,9 @@ def part_of_fit(flight, start=None, end=None):
     return flight.part(first if start is None else start, last if end is None else end)
 
 
-def replay(flight, lead, tethers=tuple(runs.TETHERS), wanted=("offset",), fit_part=None, segments=runs.SEGMENTS):
+def replay(
+    flight, lead, tethers=tuple(driven_tethers.TETHERS), wanted=("offset",), fit_part=None, segments=driven_tethers.SEGMENTS
+):
     """`Replay` of a `Flight` driven by "tension", "length" or "speed".
 
     tethers : names of `runs.TETHERS`.  wanted : fitted numbers, see `fitting.fit`; () for none.  fit_part : the `Flight`
@@ -109,7 +111,7 @@ def replay(flight, lead, tethers=tuple(runs.TETHERS), wanted=("offset",), fit_pa
     flown, not_flown = {}, []
     for name in tethers:
         now(f"flying {name}")
-        each = runs.fly(flight, name, lead, segments)
+        each = driven_tethers.fly(flight, name, lead, segments)
         if each.table.tether_length[flight.times >= flight.start + comparison.SETTLED].notna().any():
             flown[name] = each
         else:
@@ -183,7 +185,7 @@ def run(options):
     wanted = wanted_fits(flight, options.fit)
     place = options.out or own_folder(options.log)
     fit_part = part_of_fit(flight, options.fit_from, options.fit_to) if wanted else None
-    made = replay(flight, lead, options.tether or tuple(runs.TETHERS), wanted, fit_part, options.segments)
+    made = replay(flight, lead, options.tether or tuple(driven_tethers.TETHERS), wanted, fit_part, options.segments)
     print(text(made, made.errors[made.errors.part == comparison.ALL].drop(columns="part")))  # of the whole flight
     now("drawing")
     for path in write(made, place, Path(options.log).stem, options.html):

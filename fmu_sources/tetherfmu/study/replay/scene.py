@@ -15,8 +15,8 @@ from tetherfmu.runtime.kernel_library import this_platform
 from tetherfmu.runtime.quantities import quantities
 from tetherfmu.study.advice import scene_build
 
+from .driven_tethers import words
 from .readings import WIND
-from .runs import words
 
 FILE, SERIES = "scene.toml", "flight.csv"
 FROM_SERIES = ("segments", "initial_length")  # of a tether: omitted in the table [tether]

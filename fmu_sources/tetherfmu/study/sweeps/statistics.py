@@ -13,14 +13,14 @@ from tetherfmu.files.scene_files import read
 from tetherfmu.files.settings import with_settings
 from tetherfmu.python.results import SCALARS
 from tetherfmu.runtime.naming import meant_or_all
-from tetherfmu.study.measuring import results
+from tetherfmu.study.measuring import flight_table
 from tetherfmu.study.measuring.runs import Config, run
 from tetherfmu.wiring.selection import own_name
 
-from . import systems
+from . import system_sweeps
 
 FORCES = ("kite_force", "ground_force")  # vectors, reduced to their magnitude
-OUTPUTS = (*FORCES, *SCALARS, *results.DERIVED)
+OUTPUTS = (*FORCES, *SCALARS, *flight_table.DERIVED)
 BINS_PER_DECADE = 20  # of the ranges of cycles
 SMALLEST_RANGE = 1e-3  # of a cycle that is counted [N]
 
@@ -49,8 +49,8 @@ class Statistics(NamedTuple):
         for name in self.outputs:
             parts = ("max", "min", "mean", "rms", *(f"p{each:g}" for each in self.percentiles))
             parts += PHASES if own_name(name) == "power" else ()
-            found |= {f"{name}_{part}": results.unit_of(own_name(name)) for part in parts}
-        unit = results.unit_of(own_name(self.cycles_of))
+            found |= {f"{name}_{part}": flight_table.unit_of(own_name(name)) for part in parts}
+        unit = flight_table.unit_of(own_name(self.cycles_of))
         found |= {"peak_tension": "N", "cycles": "", "largest_cycle": unit, "time_slack": "s"}
         return found | {"broken": "", "break_time": "s"}
 
@@ -65,7 +65,7 @@ class Task(NamedTuple):
     table: dict  # of the scene file
     folder: Path
     name: str
-    config: Config | systems.SystemConfig
+    config: Config | system_sweeps.SystemConfig
     statistics: Statistics
     flights: tuple  # pairs (key, values): pairs of name and value
 
@@ -103,7 +103,7 @@ def statistics_of(columns, wanted, step):
         found |= {f"{name}_max": values.max(), f"{name}_min": values.min()}
         found |= {f"{name}_mean": values.mean(), f"{name}_rms": np.sqrt(np.mean(values**2))}
         if own_name(name) == "power":
-            of_phases = results.phases(columns[f"{name.removesuffix('power')}winch_speed"][rows])
+            of_phases = flight_table.phases(columns[f"{name.removesuffix('power')}winch_speed"][rows])
             found |= {f"{name}_mean_{phase}": values[mask].mean() for phase, mask in of_phases.items() if mask.any()}
         shares = np.percentile(values, wanted.percentiles) if wanted.percentiles else ()
         found |= {f"{name}_p{each:g}": value for each, value in zip(wanted.percentiles, shares, strict=True)}
@@ -120,7 +120,7 @@ def fly(task, values):
     """Statistics of one flight of a `Task` with these values, a dict; of one that is refused `refused`, the reason."""
     try:
         if "points" in task.table:
-            return statistics_of(systems.flown(task, values), task.statistics, task.config.step)
+            return statistics_of(system_sweeps.flown(task, values), task.statistics, task.config.step)
         scene = read(with_settings(task.table, values), task.folder, task.name)
         found = run(replace(scene, every=task.config.step), task.config)
     except (ValueError, OSError) as error:  # also StepRefused and WrongUse

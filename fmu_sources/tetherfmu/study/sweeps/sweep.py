@@ -23,7 +23,7 @@ from tetherfmu.study.measuring.executors import executor_of, progress_bar
 from tetherfmu.study.measuring.runs import Config, least_cost
 from tetherfmu.study.measuring.store import Store, key
 
-from . import systems
+from . import system_sweeps
 from .statistics import USUAL, Statistics, Task, fly_all
 from .varied import all_varied, points, unit_of
 
@@ -64,8 +64,8 @@ def subject_of(scene, settings, tether, segments, step, quiet=False):
             raise ValueError(f"tether is {tether}; the lines of a system are dynamic")
         if segments is not None:
             raise ValueError("segments are those of each line of a system, lines.NAME.segments")
-        config = systems.SystemConfig(step or base.wanted.communication_step)
-        return Subject(base, path, table, config, systems.unit_in(base), check_once)
+        config = system_sweeps.SystemConfig(step or base.wanted.communication_step)
+        return Subject(base, path, table, config, system_sweeps.unit_in(base), check_once)
     base = load(path, settings, quiet=quiet)
     table = with_settings(tables_of(path), settings)
     config = config_of(base, tether, Tether.segments if segments is None else segments, step)
@@ -79,9 +79,9 @@ def statistics_for(subject, names, outputs, percentiles, cycles_of, start):
         given = Statistics(tuple(outputs or USUAL.outputs), rest, cycles_of or USUAL.cycles_of, float(start))
         return given.checked()
     flight = subject.base
-    listed = systems.outputs_of(flight, outputs, names)
-    counted = cycles_of or f"{flight.found.lines[0].name}.{systems.USUAL[0]}"
-    return Statistics(listed, rest, counted, float(start)).checked(systems.known_outputs(flight))
+    listed = system_sweeps.outputs_of(flight, outputs, names)
+    counted = cycles_of or f"{flight.found.lines[0].name}.{system_sweeps.USUAL[0]}"
+    return Statistics(listed, rest, counted, float(start)).checked(system_sweeps.known_outputs(flight))
 
 
 def tasks_of(task, scene, missing):
@@ -89,8 +89,8 @@ def tasks_of(task, scene, missing):
 
     task : `Task` without flights.  scene : or a `SystemFlight`.  missing : pairs (key, values).
     """
-    is_system = isinstance(task.config, systems.SystemConfig)
-    cost = systems.cost_of(scene, task.config) if is_system else least_cost(scene, task.config) * scene.duration
+    is_system = isinstance(task.config, system_sweeps.SystemConfig)
+    cost = system_sweeps.cost_of(scene, task.config) if is_system else least_cost(scene, task.config) * scene.duration
     cost = max(1e-4, cost)
     size = max(1, min(math.ceil(TASK / cost), MOST_PER_TASK, math.ceil(len(missing) / FEWEST_TASKS)))
     return [task._replace(flights=tuple(missing[k : k + size])) for k in range(0, len(missing), size)]

@@ -11,13 +11,13 @@ from tetherfmu.files.settings import ELEMENT, OF_THE_WIND
 from tetherfmu.files.system_files import KEYS_OF_A_LINE, KEYS_OF_A_POINT, KEYS_OF_A_WINCH
 from tetherfmu.files.toml_files import TABLE_OF_GROUND, keys_of
 from tetherfmu.files.winds import Wind
-from tetherfmu.python.system import TetherSystem
+from tetherfmu.python.tether_system import TetherSystem
 from tetherfmu.records.problems import PlausibilityWarning
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.inputs import ZERO
 from tetherfmu.runtime.naming import meant_or_all
 from tetherfmu.runtime.parameters import Environment, Solver
-from tetherfmu.study.measuring import results
+from tetherfmu.study.measuring import flight_table
 from tetherfmu.study.measuring.system_flights import SystemFlight, Wanted, driven_by, read, with_values
 from tetherfmu.wiring.lines import Point
 from tetherfmu.wiring.selection import own_name
@@ -27,7 +27,7 @@ from tetherfmu.wiring.winches import SharedWinch
 
 from .varied import unit_in_series, unit_of_field
 
-USUAL = ("tension_from", "tension_to", *results.DERIVED)  # outputs, of all lines; the derived ones where a winch turns
+USUAL = ("tension_from", "tension_to", *flight_table.DERIVED)  # outputs, of all lines; the derived ones where a winch turns
 COST = 1e-6  # of a step, for each segment, about [s]
 TABLES = {"environment": Environment, "solver": Solver, "ground": TABLE_OF_GROUND, "wind": Wind, "wanted": Wanted}
 WORST = ("peak_tension", "slack_segments", "broken")  # outputs of which the largest of all lines counts
@@ -90,7 +90,7 @@ def outputs_of(flight, names, varied):
     found = flight.found
     known = known_outputs(flight)
     if names is not None:
-        chosen = [[each for each in known if name in (each, results.vector_of(each), own_name(each))] for name in names]
+        chosen = [[each for each in known if name in (each, flight_table.vector_of(each), own_name(each))] for name in names]
         every = dict.fromkeys([*known, *map(own_name, known)])
         for name, own in zip(names, chosen, strict=True):
             if not own:
@@ -101,7 +101,7 @@ def outputs_of(flight, names, varied):
     turned |= {name.split(".")[1] for name in varied if name.count(".") > 1 and name.split(".")[2] in WINCH}
     listed = [f"{each.name}.{own}" for each in found.lines for own in USUAL[:2]]
     named = [each.name for each in (*found.lines, *found.winches) if each.name in turned]
-    return (*listed, *(f"{name}.{own}" for name in named for own in results.DERIVED))
+    return (*listed, *(f"{name}.{own}" for name in named for own in flight_table.DERIVED))
 
 
 def known_outputs(flight):
@@ -110,7 +110,7 @@ def known_outputs(flight):
     found = replace(found, starts={each.name: ZERO for each in found.points if each.position is None})
     names = [each.name for each in table_of(found) if each.causality == OUTPUT]
     names = [name for name in names if "." in name and not own_name(name).startswith("shape")]
-    derived = (f"{each.name}.{own}" for each in (*found.lines, *found.winches) for own in results.DERIVED)
+    derived = (f"{each.name}.{own}" for each in (*found.lines, *found.winches) for own in flight_table.DERIVED)
     return [*dict.fromkeys([*names, *derived])]
 
 
@@ -126,7 +126,7 @@ def flown(task, values):
     with catch_warnings(action="ignore", category=PlausibilityWarning):  # each flight would repeat the same
         start = flight.start(system)
         found = system.fly(count, step, **flight.given(time[:-1]))
-    columns = results.with_power(results.of_system(time, start, found), system.winches)
+    columns = flight_table.with_power(flight_table.of_system(time, start, found), system.winches)
     columns = {name: values[1:] for name, values in columns.items()}
     every = {own: np.array([columns[f"{line.name}.{own}"] for line in system.lines]) for own in (*WORST, "break_time")}
     first = np.where(every["broken"] > 0, every["break_time"], np.inf).min(axis=0)

@@ -7,7 +7,7 @@ from tetherfmu.console.colours import BLUE, COLOUR, VERMILLION
 from tetherfmu.runtime.variants import VARIANTS
 from tetherfmu.study.measuring.errors import FINER
 
-from .tradeoff import LEVELS, front
+from .configurations import LEVELS, front
 
 
 def draw_points(axis, points, size):

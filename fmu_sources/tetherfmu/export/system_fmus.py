@@ -7,7 +7,7 @@ from pathlib import Path
 
 from tetherfmu.files import system_files as files
 from tetherfmu.fmi.resources import DEFAULT_OPTIONS
-from tetherfmu.python.system import TetherSystem
+from tetherfmu.python.tether_system import TetherSystem
 from tetherfmu.runtime.inputs import ZERO
 from tetherfmu.runtime.kernel_library import SYSTEM
 from tetherfmu.runtime.naming import prefixed
@@ -20,7 +20,7 @@ from . import evidence, lean_evidence, osp
 from .archive import SLAVES, packed_with_kernels, seal, write
 from .build_options import BuildOptions, chosen
 from .documents import about, files_beside, page
-from .native import description_fmi3, fmus
+from .native import description_fmi3, native_fmus
 from .rehearsal import check_start
 from .texts import filled
 
@@ -64,8 +64,8 @@ def build(path, folder, options=None, native=None, with_header=None, with_source
     if native:
         wiring = of_system(system, left_out, starts)
         terminals = description_fmi3.terminals_of_system(system, wiring.shown)
-        model = fmus.Model(system.name, about, wiring, terminals, TIMES)
-        return fmus.written(files, model, folder, options.platforms, native, with_header, with_sources)
+        model = native_fmus.Model(system.name, about, wiring, terminals, TIMES)
+        return native_fmus.written(files, model, folder, options.platforms, native, with_header, with_sources)
     folder.mkdir(parents=True, exist_ok=True)
     made = packed_with_kernels(SLAVE, None, about, SYSTEM, options.platforms, {"system": in_json(system), **own})
     made.update(files)

@@ -12,7 +12,7 @@ from tetherfmu.wiring.fmu import FORCES
 from tetherfmu.wiring.selection import own_name
 from tetherfmu.wiring.variables import PARAMETER
 
-from .arrays import arrays
+from .arrays_fmi3 import arrays
 
 KINDS = {"Real": 1, "Integer": 2, "Enumeration": 4, "input": 8, "output": 16, "local": 16, "parameter": 32}
 KINDS |= {"Boolean": 128}  # not 64
@@ -35,7 +35,7 @@ def header(wiring, fmi, token):
     variables = variable_texts(wiring.shown, widths, wiring.ends[2])
     parts = *_constants(wiring, token), *_sizes(wiring), *_inputs(wiring), *_parameters(wiring, listed), *_lines(wiring)
     parts = *parts, *_maps(wiring), *variables, *_starts(wiring), *sentence_texts()
-    head = "/* Made by export/native/tables.py. */", "#ifndef TABLES_H", "#define TABLES_H"
+    head = "/* Made by export/native/c_tables.py. */", "#ifndef TABLES_H", "#define TABLES_H"
     return "\n".join([*head, *parts, "#endif", ""])
 
 

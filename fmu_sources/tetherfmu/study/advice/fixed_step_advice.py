@@ -19,7 +19,7 @@ from tetherfmu.study.measuring.runs import FIXED, SHAPE_POINTS, UNITS, UNWARNED,
 from tetherfmu.study.measuring.start import tether_at_start
 from tetherfmu.study.measuring.tables import page
 
-from .tradeoff import CLEARLY, SEGMENTS, STEPS, advice_on
+from .configurations import CLEARLY, SEGMENTS, STEPS, advice_on
 
 PARTS = (1, 2, 4, 8, 16)  # fixed steps in a given communication step
 LEAST = STAGES  # iterations of a fixed step of order 2

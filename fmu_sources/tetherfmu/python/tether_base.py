@@ -22,7 +22,7 @@ from tetherfmu.wiring.lines import record_of
 from tetherfmu.wiring.packing import pack_records
 from tetherfmu.wiring.variables import line_of_tether
 
-from . import energy, given_inputs, states
+from . import energy, given_inputs, state_arrays
 from .given_inputs import Inputs
 from .results import Flown, Outputs, flown_of, outputs_of
 from .running import Running
@@ -290,7 +290,7 @@ class TetherModel(Running):
         StepRefused before `initialize`.
         """
         self._check_started()
-        return states.joined(self.variant, self._instance)
+        return state_arrays.joined(self.variant, self._instance)
 
     def set_state(self, state: ArrayLike) -> None:
         """Go back to a state of `get_state`, of this tether or one that equals it, bit for bit.
@@ -298,7 +298,7 @@ class TetherModel(Running):
         Environment and solver stay those of this object, but a wind that was given at each node is part of the state.
         ValueError, and nothing changes, if it is not a state of such a tether.
         """
-        states.take(self.variant, self._instance, state)
+        state_arrays.take(self.variant, self._instance, state)
         if self._parameters[at.WIND_PROFILE] != at.AT_NODES:
             self._parameters[at.WIND_PROFILE] = self._records[1].wind_profile
         self._runs = True

@@ -14,8 +14,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from tetherfmu.files import system_files as files
 from tetherfmu.records import arguments
+from tetherfmu.records.checked_systems import checked_system
 from tetherfmu.records.problems import StepRefused
-from tetherfmu.records.systems import checked_system
 from tetherfmu.runtime import layout as at
 from tetherfmu.runtime.naming import prefixed
 from tetherfmu.runtime.parameters import Environment, Ground, Solver

@@ -21,8 +21,8 @@ from ..archive import DESCRIPTION, SLAVES, guid_of, write
 from ..build_options import BuildOptions
 from ..documents import documents
 from ..rehearsal import check_start
-from . import description, description_fmi3, host_header, sources
-from .tables import header, room_of
+from . import description, description_fmi3, host_header, source_folder
+from .c_tables import header, room_of
 
 HEADERS = Path(find_spec("fmpy").origin).with_name("c-code")  # FMI's own, under the 2-clause BSD licence
 MAGIC, PAGE_BITS = 0xCAFEBABE, 14  # of Apple's mach-o/fat.h; libraries begin at multiples of 16 kB, the larger page
@@ -72,7 +72,7 @@ def written(files, model, folder, platforms, fmi, with_header=None, with_sources
     if fmi == 3:
         files[TERMINALS] = model.terminals.encode("utf-8")
     describe = partial((description_fmi3 if fmi == 3 else description).text, model)
-    listed = (sources.FILE,) if with_sources else ()
+    listed = (source_folder.FILE,) if with_sources else ()
     shell = {path.name: path.read_bytes() for path in SHELL.glob("*.[ch]")}
     hashed = {**files, **shell, **kernels, "tables.h": header(wiring, fmi, "").encode("utf-8")}
     token = guid_of(describe("", listed), hashed)
@@ -81,7 +81,7 @@ def written(files, model, folder, platforms, fmi, with_header=None, with_sources
     files |= binaries(model.name, kernels, tables, fmi)
     if with_sources:
         room = room_of(ready.kernels(wiring.library), wiring)
-        files |= sources.sources(model.name, wiring.library, tables, room, fmi, HEADERS)
+        files |= source_folder.sources(model.name, wiring.library, tables, room, fmi, HEADERS)
     made = write(files, folder, model.name, purpose)
     if with_header:
         host_header.write(made, model.name, wiring, fmi, token, with_header)

@@ -17,9 +17,9 @@ from tetherfmu.study.measuring.errors import converged, worst
 from tetherfmu.study.measuring.runs import Config, fmu_of, least_cost
 from tetherfmu.study.measuring.tables import page, percent
 
-from .fixed import advise_fixed, explain_fixed
+from .configurations import CLEARLY, SEGMENTS, TOLERANCES, advice_on, ladder, measure, steps
+from .fixed_step_advice import advise_fixed, explain_fixed
 from .reasons import numbers, reasons
-from .tradeoff import CLEARLY, SEGMENTS, TOLERANCES, advice_on, ladder, measure, steps
 
 BUDGET, FAST_BUDGET = 15.0, 0.7  # of all flights for an advice [s], of the machine of costs.csv
 HANDLING, HANDLING_OF_STEP = 2e-3, 1.5e-6  # overhead of a flight and of each step outside the kernel [s]

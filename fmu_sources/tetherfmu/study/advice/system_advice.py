@@ -26,8 +26,8 @@ from tetherfmu.study.measuring.runs import FIXED, UNITS, Run
 from tetherfmu.study.measuring.system_flights import file_of, load
 from tetherfmu.study.measuring.tables import page
 
-from . import advise as of_scenes
-from .tradeoff import TOLERANCES, Measured, advice_on
+from . import scene_advice as of_scenes
+from .configurations import TOLERANCES, Measured, advice_on
 
 WHOLE = 4  # of `SystemConfig.parts`: the segments of the file
 PARTS = (1, 2, 4, 8, 16)  # of candidates
