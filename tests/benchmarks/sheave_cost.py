@@ -21,7 +21,7 @@ from fmpy import extract
 from runtime.host import Host, reals_of
 from tetherfmu import TetherSystem
 from tetherfmu.export import system_fmus
-from tetherfmu.python import compiled_flight, tether_system
+from tetherfmu.python import compiled_flight
 from tetherfmu.study.measuring.tables import circumstances, markdown
 
 STEP, STEPS, SPEED = 0.02, 100, 0.4  # [s], communication steps, at which the hoist hauls in [m/s]
@@ -114,7 +114,7 @@ def measured(name, fixed_step, folder, rounds):
 def main():
     """Print the table."""
     given = options(__doc__, rounds=7, fixed_step=0.0)
-    compiled_flight.perf_counter = tether_system.perf_counter = process_time  # other work on the machine does not count
+    compiled_flight.perf_counter = process_time  # other work on the machine does not count
     with tempfile.TemporaryDirectory() as folder:
         rows = [measured(name, given.fixed_step, Path(folder), given.rounds) for name in SCENES]
     print(f"{markdown(pd.DataFrame(rows))}\n\n{circumstances()}")

@@ -20,7 +20,7 @@ import pandas as pd
 from as_script import options
 
 from tetherfmu import Line, Point, Solver, Tether, TetherDynamic, TetherSystem, Winch
-from tetherfmu.python import compiled_flight, tether_system
+from tetherfmu.python import compiled_flight
 from tetherfmu.runtime.inputs import by_name
 from tetherfmu.runtime.layout import INPUTS
 from tetherfmu.study.measuring.tables import circumstances, markdown
@@ -160,7 +160,7 @@ def main():
     """Print the table, or the rows that are wanted."""
     given = options(__doc__, rounds=7, only="", fixed_step=0.0, force=False)
     solver = Solver(relative_tolerance=1e-4, fixed_step=given.fixed_step)
-    compiled_flight.perf_counter = tether_system.perf_counter = process_time  # other work on the machine does not count
+    compiled_flight.perf_counter = process_time  # other work on the machine does not count
     wanted = [(kind, n) for kind, n in ROWS if given.only in f"{kind}, n = {n}"]
     rows = [measured(kind, n, given.rounds, solver, given.force) for kind, n in wanted]
     print(f"{markdown(pd.DataFrame(rows))}\n\n{circumstances()}")
