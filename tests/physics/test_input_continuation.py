@@ -137,5 +137,8 @@ def test_the_load_on_a_point_goes_on_as_that_of_a_kite(continuation, fixed_step)
         kite.step(step, kite_load=load_at(time))
         for system in (forward, backward):
             system.step(step, loads={"kite": load_at(time)})
+    one, other = kite.energy(), forward.energy()
+    assert other.loads["kite"] == pytest.approx(one.kite_power, rel=1e-6)
+    assert (other.total, other.power) == pytest.approx((one.total, one.power), rel=1e-6)
     np.testing.assert_allclose(forward.positions["line"], kite.positions, rtol=0.0, atol=1e-9)
     np.testing.assert_allclose(backward.positions["line"][::-1], kite.positions, rtol=0.0, atol=1e-9)

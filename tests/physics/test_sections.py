@@ -46,6 +46,16 @@ def test_the_upper_section_keeps_mass_and_length():
     assert outputs.kite_end_mass == pytest.approx(2.5, rel=1e-12)
 
 
+def test_a_point_mass_stays_where_it_is_on_the_rope():
+    """2 kg at 30 of 50 m, reeled in to 40 m: 20 m below and still 20 m above it, strained by 2.5 %."""
+    calm = Environment(gravity=0.0, air_density=0.0)
+    tether = TetherQuasiSteady(Tether(segments=5, initial_length=50.0), calm, point_masses={3: 2.0})
+    tether.initialize(kite_position=(51.0, 0.0, 0.0))
+    for k in range(10):
+        tether.step(1.0, kite_position=(50.0 - k, 0.0, 0.0), reel_out_speed=-1.0)
+    np.testing.assert_allclose(tether.segment_lengths, np.repeat([20.0 / 3, 10.0], [3, 2]) * 1.025, rtol=1e-9)
+
+
 # --- flight
 
 TINY = 1e-30  # of complex steps

@@ -16,8 +16,8 @@ from networks import Network
 from random_drums import left, random_drums, started
 from random_systems import random_network
 from solvers import bounded_flight, fixed
-from tetherfmu import Line, Point, Solver, Tether, TetherSystem, Winch
-from tetherfmu.runtime.limits import COARSE_WORK
+from tetherfmu import Line, Point, Solver, StepRefused, Tether, TetherSystem, Winch
+from tetherfmu.runtime.limits import COARSE_WORK, ITERATION_BUDGET, LAST_ITERATIONS, STAGES, WORST_WORK
 
 pytestmark = pytest.mark.filterwarnings("ignore::tetherfmu.PlausibilityWarning")  # drums at the extremes
 WIND = (8.0, 1.0, 0.0)
@@ -96,6 +96,20 @@ def test_a_step_that_is_given_up_is_done_with_fixed_steps():
     before = system.counters["steps"]
     system.step(1e-4)
     assert 0 < system.counters["steps"] - before < 100
+
+
+def test_fixed_steps_are_hurried_beyond_their_budget_and_refused_beyond_twice():
+    """That of the segments of all lines, as the sentence says."""
+    system = slack_line_beside_a_hoist(fixed_step=1e-3)
+    share, forces = ITERATION_BUDGET // 304, {"winch_forces": {"rope": 300.0}}
+    with pytest.raises(StepRefused, match=rf"more than {share} iterations .*fixed_step 0\.001 s"):
+        system.step(10.0, **forces)
+    before = system.counters["iterations"]
+    system.step(1.0, **forces)
+    spent = system.counters["iterations"] - before
+    assert system.counters["steps"] == 1000
+    assert STAGES * share < spent <= STAGES * share + WORST_WORK + LAST_ITERATIONS * 1000
+    assert any("was ended at its bound on factorizations" in each for each in system.implausible)
 
 
 def hoist(solver, drum):

@@ -121,6 +121,17 @@ def test_a_winch_that_is_told_a_force_finds_its_length_on_the_ground(mass, frict
     assert 1.0 < outputs.grounded_length < 80.0
 
 
+@pytest.mark.filterwarnings("ignore:the length that the winch follows")
+def test_a_winch_that_is_told_a_length_reels_over_the_ground():
+    kite = (60.0, 0.0, 30.0)
+    tether = TetherCatenary(initial_length=95.0, ground_contact="flat", winch_control="length")
+    tether.initialize(kite_position=kite, winch_length=95.0)
+    for k in range(60):
+        outputs = tether.step(0.1, kite_position=kite, winch_length=95.0 - 0.5 * k)
+        expected = held(Tether(initial_length=outputs.tether_length), (0.0, 0.0, 0.0), kite, 0.5)
+        assert np.allclose(forces(outputs), forces(expected), rtol=1e-9, atol=1e-9)
+
+
 # --- whatever hangs below
 
 
@@ -131,7 +142,7 @@ def test_every_tether_that_hangs_below_the_ground_is_laid_on_it():
         tether, ground, kite, friction, wind, height = random_scene(random)
         wind = wind * random.choice([1.0, 10.0])
         free = TetherCatenary(tether, shape_points=201)
-        free.initialize(ground_position=ground, kite_position=kite, wind_velocity=wind)
+        hung = between(free, ground, kite, wind)
         shape = free.step(0.1, ground_position=ground, kite_position=kite, wind_velocity=wind).shape
         outputs = held(tether, ground, kite, friction, wind, height, points=41)
         if shape[:, 2].min() < height - 1e-6 * tether.initial_length:
@@ -139,6 +150,8 @@ def test_every_tether_that_hangs_below_the_ground_is_laid_on_it():
             assert outputs.grounded_length > 0.0
         elif shape[:, 2].min() > height + 1e-2 * tether.initial_length:  # between two points it may hang a little lower
             assert outputs.grounded_length == 0.0
+            if shape[:, 2].min() > height + 0.03 * tether.initial_length:  # beyond `touchdown.CLEAR` not a bit changes
+                assert forces(outputs) == forces(hung)
         assert outputs.shape[:, 2].min() >= height - 1e-12 * tether.initial_length
         iterations.append(outputs.solver_iterations)
     assert count > 500

@@ -163,6 +163,16 @@ def test_a_jump_is_made_good_at_once(model, continuation):
     np.testing.assert_allclose(lengths(model, inputs, input_continuation=continuation), inputs, rtol=0, atol=ROUNDING)
 
 
+@pytest.mark.parametrize("model", MODELS[1:])
+def test_force_after_a_jump_is_that_of_the_new_length(model):
+    """From its first step on, and never more; of a dynamic tether: `test_sections.py`."""
+    tether = model(winch_control="length", initial_length=505.0)
+    tether.initialize(winch_length=505.0)
+    pulls = [tether.step(0.02, winch_length=each).max_tension for each in [505.0] * 4 + [500.0] * 4]
+    expected = [model(initial_length=each).initialize().max_tension for each in (505.0, 500.0)]
+    np.testing.assert_allclose(pulls, np.repeat(expected, 4), rtol=1e-6)
+
+
 @both
 def test_a_jump_of_an_end(continuation):
     tether = TetherQuasiSteady(end_velocities="derived", input_continuation=continuation)

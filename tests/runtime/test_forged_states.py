@@ -4,6 +4,7 @@ import math
 import struct
 import zlib
 from contextlib import suppress
+from itertools import product
 
 import pytest
 from fmpy.fmi1 import FMICallException
@@ -132,11 +133,15 @@ def test_a_name_with_something_behind_it(fmu_folder):
 @in_shared_process
 def test_a_state_of_before_the_start(fmu_folder, fmu):
     """It cannot kill what reads integers, and of the motion in it nothing is read."""
-    host = Host(fmu_folder / f"{fmu}.fmu")
-    places = places_of(host)
-    for name in ("kite_position[1]", "kite_velocity[2]"):
-        restore(host, forged(blob_of(host), places[name], math.nan))
+    host, twin = (Host(fmu_folder / f"{fmu}.fmu") for _ in range(2))
+    places, good = places_of(host), blob_of(host)
+    for name, value in product(("kite_position[1]", "kite_velocity[2]"), (math.nan, 1e300)):
+        restore(host, forged(good, places[name], value))
         assert all(map(math.isfinite, host.all_outputs()))
+    for each in (host, twin):
+        each.start().step(0.02)
+    assert host.all_outputs() == twin.all_outputs()
+    restore(host, good)
     for name in ("slack_segments", "segments", "damping_law"):
         with suppress(FMICallException):
             restore(host, forged(blob_of(host), places[name], math.nan))

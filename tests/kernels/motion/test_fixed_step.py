@@ -53,6 +53,22 @@ def test_takes_exactly_these_steps(fixed_step):
 KITE = np.array([300.0, 0.0, 400.0])
 
 
+@pytest.mark.parametrize("fixed_step", [0.02, 0.01])
+@pytest.mark.parametrize("speed", [10.0, 40.0])
+def test_a_kite_that_flies_into_slack(fixed_step, speed):
+    """Towards its station; a bend whips around at a few times the speed of the kite or of a fall over the whole length."""
+    model = TetherDynamic(Tether(initial_length=305.0), solver=Solver(fixed_step=fixed_step))
+    start = np.array([200.0, 0.0, 230.0])
+    velocity, slack = -speed * start / np.linalg.norm(start), 0
+    model.initialize(kite_position=start, kite_velocity=velocity)
+    for k in range(round(0.8 * np.linalg.norm(start) / speed / COMMUNICATION)):
+        out = model.step(COMMUNICATION, kite_position=start + velocity * COMMUNICATION * k, kite_velocity=velocity)
+        slack = max(slack, out.slack_segments)
+        assert np.linalg.norm(model.velocities, axis=1).max() < 3.0 * (speed + np.sqrt(2.0 * 9.81 * 305.0))
+    assert slack == 20  # the whole tether at times
+    assert np.linalg.norm(model.positions, axis=1).max() < 310.0
+
+
 @pytest.mark.parametrize("number", [17, 28, 40, 78, 174, 198, 241, 244, 997])
 def test_points_that_used_to_blow_up(number):
     flight, _ = fly(point(1, number))
