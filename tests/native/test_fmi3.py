@@ -6,6 +6,7 @@ import subprocess
 import sys
 import zipfile
 from ctypes import CDLL
+from itertools import pairwise
 from pathlib import Path
 
 import fmpy
@@ -133,6 +134,20 @@ def test_arrays_are_set_as_a_whole(fmi3_folder):
         host.fmu.setInt64([host.reference["segments"]], [5])
     host.set(kite_position=[1.0, 2.0, 3.0], segments=5, wind_profile=2)
     assert (host.get("kite_position"), host.get("segments"), host.get("wind_profile")) == ([1.0, 2.0, 3.0], 5, 2)
+
+
+@in_shared_process
+def test_simulate_fmu(fmi3_folder):
+    """FMPy's own loop with arrays as start values and as outputs."""
+    path, kite = fmi3_folder / "TetherDynamic.fmu", [0.0, 300.0, 400.0]
+    start, output = {"initial_length": 525.0, "kite_position": kite}, ["kite_force", "sag"]
+    result = fmpy.simulate_fmu(str(path), stop_time=1.0, output_interval=STEP, start_values=start, output=output)
+    assert result["time"][-1] == pytest.approx(1.0)
+    host = Host(path).start(**start)
+    for now, then in pairwise(result["time"]):
+        host.step(float(then - now))
+    assert result["kite_force"][-1].tolist() == host.get("kite_force")
+    assert result["sag"][-1] == host.get("sag")
 
 
 @in_shared_process

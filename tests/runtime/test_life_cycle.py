@@ -57,6 +57,19 @@ def test_steps_of_any_length_lead_to_the_same_motion(fmu_folder):
 
 @every_flavour
 @in_shared_process
+def test_two_instances_do_not_see_each_other(fmu_folder):
+    """In turn, with another number of segments: each flies as alone."""
+    path = fmu_folder / "TetherDynamic.fmu"
+    alone = [fly(started(path, segments=count), 0, 40) for count in (20, 7)]
+    found, hosts = ([], []), [started(path, segments=count) for count in (20, 7)]
+    for k in range(40):
+        for rows, host in zip(found, hosts, strict=True):
+            rows += fly(host, k, k + 1)
+    assert list(found) == alone
+
+
+@every_flavour
+@in_shared_process
 def test_outputs_can_be_read_while_initializing(fmu_folder):
     host = Host(fmu_folder / "TetherDynamic.fmu")
     host.enter_initialization(None)

@@ -11,7 +11,6 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from scenes import CIRCLE_TETHER, circle
 from solvers import every_model
 from tetherfmu import MovingEnd, Tether, TetherDynamic, inputs_along
 
@@ -59,21 +58,6 @@ def test_exact_once_two_rates_or_three_are_known(model, end, times, acceleration
     within = (1e-11, 1e-9) if acceleration else (1e-12, 1e-11)
     np.testing.assert_allclose(rows[exact:, 0], positions[exact:], rtol=0, atol=within[0])
     np.testing.assert_allclose(rows[exact:, 1], velocities[exact:], rtol=0, atol=within[1])
-
-
-@every_model
-def test_second_order_on_the_circle(model):
-    """v errs by j h^2/3 and a by j h, j the jerk: the end by j h^2 (1/3 + 1 + 1/2) and by j h^3 (1/3 + 1/2 + 1/6)."""
-    rate, end, step = 0.5, 2.0, 0.01
-    jerk = rate**3 * 500.0 * np.sin(np.radians(10.0))
-    tether = model(CIRCLE_TETHER, end_velocities="derived")
-    tether.initialize(circle(0.0, rate)[0])
-    for k in range(round(end / step)):
-        tether.step(step, kite_position=circle(k * step, rate)[0])
-    position, velocity = circle(end, rate)
-    # leading terms; the next ones are of relative size rate h <= 0.01
-    assert np.linalg.norm(tether.velocities[-1] - velocity) == pytest.approx(11.0 / 6.0 * jerk * step**2, rel=0.05)
-    assert np.linalg.norm(tether.positions[-1] - position) == pytest.approx(jerk * step**3, rel=0.05)
 
 
 @every_model
