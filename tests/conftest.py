@@ -48,6 +48,11 @@ def pytest_configure(config):
             pytest.exit(str(error), returncode=1)
 
 
+def pytest_xdist_auto_num_workers():
+    """Workers of a run: one more than there are cores, as each waits for processes during a quarter of its time."""
+    return (os.cpu_count() or 1) + 1
+
+
 SHARING = {  # tests that use what one process makes once: folder or file, and the name of the group
     "tests/kernels/": "compiled just in time",
     "tests/libraries/test_same_bits.py": "compiled just in time",
